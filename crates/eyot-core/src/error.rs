@@ -1,0 +1,72 @@
+//! Errors of the core and of everything that builds on it.
+
+use std::time::Duration;
+
+/// Result with the core's [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// What can go wrong in the core. Rules themselves cannot fail.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The grid has no cells, or cells without a size.
+    #[error("bad grid: {0}")]
+    BadGrid(String),
+    /// A request exceeds a limit; the text names the limit and how to raise it.
+    #[error("too large: {what} needs {needed}, the limit is {limit} ({remedy})")]
+    Limit {
+        /// What was asked for.
+        what: String,
+        /// What it needs.
+        needed: String,
+        /// What is allowed.
+        limit: String,
+        /// How to raise the limit or shrink the request.
+        remedy: &'static str,
+    },
+    /// A layer that is needed is not there.
+    #[error("layer `{name}` is missing; this world has: {present}")]
+    NoLayer {
+        /// The missing layer.
+        name: String,
+        /// The layers that exist, comma separated.
+        present: String,
+    },
+    /// A parameter has a value that the process or generator cannot work with.
+    #[error("{owner}.{field}: {reason}")]
+    BadParameter {
+        /// Process or generator.
+        owner: String,
+        /// Parameter name.
+        field: String,
+        /// What is wrong and what would be right.
+        reason: String,
+    },
+    /// Sizes of two things that must agree do not.
+    #[error("{what}: expected {expected} values, found {found}")]
+    Shape {
+        /// What was being filled or compared.
+        what: String,
+        /// Values that it needs.
+        expected: usize,
+        /// Values that were given.
+        found: usize,
+    },
+    /// A value that is not a finite number turned up.
+    #[error("layer `{layer}` holds {value} at column {x}, row {y} after {after}; the last checkpoint is sound")]
+    NotFinite {
+        /// The layer.
+        layer: String,
+        /// NaN or an infinity.
+        value: f32,
+        /// Column.
+        x: usize,
+        /// Row.
+        y: usize,
+        /// The step or process after which it was found.
+        after: String,
+    },
+    /// The caller asked to stop.
+    #[error("stopped on request after {0:?}")]
+    Cancelled(Duration),
+}

@@ -1,0 +1,225 @@
+//! Storage of one layer: padded rows, so that hot loops need neither bounds checks nor tails.
+
+// Reason for the exception: the engine hands out rows of one field to several threads at once.
+#![allow(unsafe_code)]
+
+use crate::error::{Error, Result};
+use crate::lanes::WIDTH;
+
+/// Floats left of column 0. One lane block, so that rules may be evaluated at column -1 and read one further.
+pub(crate) const PAD_LEFT: usize = 2 * WIDTH;
+/// Rows stored above row 0: faces on the north side of an open rim live there.
+pub(crate) const PAD_TOP: usize = 1;
+
+/// A `width` x `height` array of `f32`, row 0 north, stored in rows with padding on both sides.
+///
+/// The padding is scratch space of the engine; only the interior is a value of the field.
+pub struct Field {
+    data: Vec<f32>,
+    width: usize,
+    height: usize,
+    stride: usize,
+    /// Index of (0, 0) in `data`.
+    origin: usize,
+}
+
+impl Field {
+    /// A field of `value`s.
+    pub fn new(width: usize, height: usize, value: f32) -> Self {
+        Self::staggered(width, height, value, 0)
+    }
+
+    /// As [`Field::new`], with the rows moved by `stagger` cache lines.
+    ///
+    /// Arrays whose bases agree modulo 4096 bytes slow each other down (a load after a store to the same low
+    /// address bits waits for it); the engine gives each array of a world another stagger.
+    pub fn staggered(width: usize, height: usize, value: f32, stagger: usize) -> Self {
+        let mut stride = PAD_LEFT + width.next_multiple_of(WIDTH) + WIDTH;
+        // Rows whose distance is a multiple of 4096 bytes would alias each other in the same way.
+        if (stride * 4).is_multiple_of(1024) {
+            stride += WIDTH;
+        }
+        let lead = (stagger % 32) * 2 * WIDTH;
+        let len = lead + stride * (height + PAD_TOP) + WIDTH;
+        // Zeroed pages come from the system without being touched.
+        let mut data = vec![0.0; len + WIDTH];
+        let misaligned = data.as_ptr().align_offset(64);
+        let origin = if misaligned < WIDTH { misaligned } else { 0 } + lead + PAD_TOP * stride + PAD_LEFT;
+        if value != 0.0 {
+            data.fill(value);
+        }
+        Self { data, width, height, stride, origin }
+    }
+
+    /// A field with the given values, row by row from the north.
+    ///
+    /// # Errors
+    /// If `values` has another length than `width * height`.
+    pub fn from_slice(width: usize, height: usize, values: &[f32]) -> Result<Self> {
+        if values.len() != width * height {
+            return Err(Error::Shape { what: format!("a field of {width}x{height}"), expected: width * height, found: values.len() });
+        }
+        let mut f = Self::new(width, height, 0.0);
+        for (y, row) in values.chunks_exact(width).enumerate() {
+            f.row_mut(y).copy_from_slice(row);
+        }
+        Ok(f)
+    }
+
+    /// A field computed cell by cell from (column, row).
+    pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Self {
+        let mut out = Self::new(width, height, 0.0);
+        for y in 0..height {
+            for (x, v) in out.row_mut(y).iter_mut().enumerate() {
+                *v = f(x, y);
+            }
+        }
+        out
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Bytes held, padding included.
+    pub fn bytes(&self) -> usize {
+        self.data.len() * 4
+    }
+
+    /// Value at (column, row).
+    ///
+    /// # Panics
+    /// If the cell is outside the field.
+    pub fn get(&self, x: usize, y: usize) -> f32 {
+        self.row(y)[x]
+    }
+
+    /// Sets the value at (column, row).
+    ///
+    /// # Panics
+    /// If the cell is outside the field.
+    pub fn set(&mut self, x: usize, y: usize, v: f32) {
+        self.row_mut(y)[x] = v;
+    }
+
+    /// One row.
+    ///
+    /// # Panics
+    /// If `y` is not below the height.
+    pub fn row(&self, y: usize) -> &[f32] {
+        assert!(y < self.height, "row {y} of a field with {} rows", self.height);
+        let start = self.origin + y * self.stride;
+        &self.data[start..start + self.width]
+    }
+
+    /// One row, to change.
+    ///
+    /// # Panics
+    /// If `y` is not below the height.
+    pub fn row_mut(&mut self, y: usize) -> &mut [f32] {
+        assert!(y < self.height, "row {y} of a field with {} rows", self.height);
+        let start = self.origin + y * self.stride;
+        &mut self.data[start..start + self.width]
+    }
+
+    /// The rows from north to south.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f32]> + '_ {
+        (0..self.height).map(|y| self.row(y))
+    }
+
+    /// The rows from north to south, to change; disjoint, so that they may go to several threads.
+    pub fn rows_mut(&mut self) -> impl Iterator<Item = &mut [f32]> + '_ {
+        let (start, width) = (self.origin, self.width);
+        self.data[start..].chunks_mut(self.stride).take(self.height).map(move |r| &mut r[..width])
+    }
+
+    /// All values, row by row.
+    pub fn iter(&self) -> impl Iterator<Item = f32> + '_ {
+        self.rows().flat_map(|r| r.iter().copied())
+    }
+
+    /// All values in one vector, row by row.
+    pub fn to_vec(&self) -> Vec<f32> {
+        let mut v = Vec::with_capacity(self.width * self.height);
+        self.rows().for_each(|r| v.extend_from_slice(r));
+        v
+    }
+
+    /// Changes every value.
+    pub fn map_in_place(&mut self, mut f: impl FnMut(f32) -> f32) {
+        self.rows_mut().for_each(|r| r.iter_mut().for_each(|v| *v = f(*v)));
+    }
+
+    /// Sum in f64, rows folded from north to south.
+    pub fn sum(&self) -> f64 {
+        self.rows().map(|r| r.iter().map(|&v| f64::from(v)).sum::<f64>()).sum()
+    }
+
+    /// Smallest and largest value; (NaN, NaN) never: values that are not numbers are skipped.
+    pub fn min_max(&self) -> (f32, f32) {
+        self.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
+    }
+
+    /// The first value that is not finite, with its column and row.
+    pub fn find_not_finite(&self) -> Option<(usize, usize, f32)> {
+        self.rows().enumerate().find_map(|(y, r)| {
+            // The sum of finite values can overflow, so a bad sum only means: look closer.
+            let suspicious = !r.iter().map(|v| v * 0.0).sum::<f32>().eq(&0.0);
+            suspicious.then(|| r.iter().position(|v| !v.is_finite()).map(|x| (x, y, r[x]))).flatten()
+        })
+    }
+
+    /// Pointer to (0, 0) and the distance of rows, for the engine.
+    pub(crate) fn raw(&mut self) -> RawField {
+        // SAFETY: origin lies inside data by construction.
+        RawField { origin: unsafe { self.data.as_mut_ptr().add(self.origin) }, stride: self.stride }
+    }
+}
+
+impl Clone for Field {
+    /// Copies the interior; the copy may be aligned differently.
+    fn clone(&self) -> Self {
+        let mut f = Self::new(self.width, self.height, 0.0);
+        for y in 0..self.height {
+            f.row_mut(y).copy_from_slice(self.row(y));
+        }
+        f
+    }
+}
+
+impl PartialEq for Field {
+    fn eq(&self, other: &Self) -> bool {
+        self.width == other.width && self.height == other.height && self.rows().eq(other.rows())
+    }
+}
+
+impl std::fmt::Debug for Field {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Field({}x{})", self.width, self.height)
+    }
+}
+
+/// Where the rows of a field lie in memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RawField {
+    pub(crate) origin: *mut f32,
+    pub(crate) stride: usize,
+}
+
+// SAFETY: a RawField is only an address; the engine's schedule decides who may use which row when.
+unsafe impl Send for RawField {}
+// SAFETY: as above.
+unsafe impl Sync for RawField {}
+
+impl RawField {
+    /// Address of column 0 of row `y`; `y` may be -1.
+    pub(crate) fn row(self, y: isize) -> *mut f32 {
+        self.origin.wrapping_offset(y * self.stride as isize)
+    }
+}

@@ -1,0 +1,3 @@
+//! Lanes (placeholder).
+/// Cells per lane block.
+pub const WIDTH: usize = 16;

@@ -1,0 +1,111 @@
+//! Layers: named fields with unit, range, meaning and behaviour at the rim.
+
+use crate::field::Field;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+
+/// Where on a cell a layer's value lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Stagger {
+    /// In the middle of the cell.
+    #[default]
+    Cell,
+    /// On the face towards the next column (east). Column -1 exists on open and wrapping rims.
+    FaceX,
+    /// On the face towards the next row (south). Row -1 exists on open and wrapping rims.
+    FaceY,
+}
+
+/// What a rule reads from a layer beyond a rim that does not wrap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Beyond {
+    /// The value of the nearest cell: no gradient across the rim.
+    #[default]
+    Nearest,
+    /// Zero: nothing there.
+    Zero,
+}
+
+/// What a layer is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayerSpec {
+    /// Unique name, lower case with underscores.
+    pub name: Cow<'static, str>,
+    /// Unit in SI notation, `1` for a plain number.
+    pub unit: Cow<'static, str>,
+    /// One sentence of meaning.
+    pub meaning: Cow<'static, str>,
+    /// Smallest and largest valid value.
+    pub range: (f32, f32),
+    /// Where on the cell it lives.
+    pub stagger: Stagger,
+    /// What rules read beyond a closed rim.
+    pub beyond_closed: Beyond,
+    /// What rules read beyond an open rim.
+    pub beyond_open: Beyond,
+}
+
+impl LayerSpec {
+    /// A cell layer with the nearest value beyond the rim.
+    pub const fn new(name: &'static str, unit: &'static str, meaning: &'static str, range: (f32, f32)) -> Self {
+        Self {
+            name: Cow::Borrowed(name),
+            unit: Cow::Borrowed(unit),
+            meaning: Cow::Borrowed(meaning),
+            range,
+            stagger: Stagger::Cell,
+            beyond_closed: Beyond::Nearest,
+            beyond_open: Beyond::Nearest,
+        }
+    }
+
+    /// The same layer on a face.
+    pub const fn on(mut self, stagger: Stagger) -> Self {
+        self.stagger = stagger;
+        self.beyond_closed = Beyond::Zero;
+        self.beyond_open = Beyond::Zero;
+        self
+    }
+
+    /// The same layer, empty beyond an open rim: what is there has fallen off.
+    pub const fn empty_outside(mut self) -> Self {
+        self.beyond_open = Beyond::Zero;
+        self
+    }
+}
+
+/// A named scalar field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// What it is.
+    pub spec: LayerSpec,
+    /// Its values.
+    pub field: Field,
+}
+
+/// Names and specifications of the layers that several crates share.
+pub mod known {
+    use super::LayerSpec;
+
+    /// Solid ground: bedrock and loose material together, without limestone.
+    pub const HEIGHT: LayerSpec =
+        LayerSpec::new("height", "m", "Height of the solid ground, reef limestone included", (-12000.0, 12000.0));
+    /// Standing and flowing fresh water.
+    pub const WATER: LayerSpec =
+        LayerSpec::new("water", "m", "Depth of fresh water on the ground", (0.0, 12000.0)).empty_outside();
+    /// Sediment carried by the water.
+    pub const SEDIMENT: LayerSpec =
+        LayerSpec::new("sediment", "m", "Sediment suspended in the water, as thickness of ground", (0.0, 1000.0)).empty_outside();
+    /// Reef limestone.
+    pub const LIMESTONE: LayerSpec =
+        LayerSpec::new("limestone", "m", "Thickness of reef limestone grown here; part of the height", (0.0, 12000.0));
+    /// Bounded river counter for colours.
+    pub const WETNESS: LayerSpec =
+        LayerSpec::new("wetness", "1", "How much running water this cell has seen lately", (0.0, 1.0));
+    /// Bounded coral counter for colours.
+    pub const GROWTH: LayerSpec =
+        LayerSpec::new("growth", "1", "How much coral has grown here lately", (0.0, 1.0));
+    /// Dissolved inorganic carbon available to corals.
+    pub const CARBON: LayerSpec =
+        LayerSpec::new("carbon", "1", "Inorganic carbon in the sea water relative to the open sea", (0.0, 1.0));
+}

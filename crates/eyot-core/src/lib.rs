@@ -1,0 +1,25 @@
+//! Core of Eyot: grid, layers, world, rules written once, plans and the CPU engine.
+//!
+//! This crate knows no process, no file format, no GPU and no window; everything else builds on it.
+
+pub mod control;
+pub mod engine;
+mod error;
+mod field;
+mod grid;
+pub mod lanes;
+pub mod layer;
+mod ledger;
+mod limits;
+pub mod plan;
+pub mod process;
+mod world;
+
+pub use control::{Cancel, Control};
+pub use error::{Error, Result};
+pub use field::Field;
+pub use grid::{Edge, Grid, Rim};
+pub use layer::{Beyond, Layer, LayerSpec, Stagger};
+pub use ledger::{Account, Ledger};
+pub use limits::Limits;
+pub use world::{Georeference, World};

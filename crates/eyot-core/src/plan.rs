@@ -1,0 +1,4 @@
+//! Plans (placeholder).
+/// A list of passes.
+#[derive(Default)]
+pub struct Plan {}

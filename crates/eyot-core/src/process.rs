@@ -1,0 +1,148 @@
+//! What generators and processes are to the rest of the program: parameters with a schema, and something to run.
+
+use crate::control::Control;
+use crate::error::Result;
+use crate::field::Field;
+use crate::grid::Grid;
+use crate::layer::LayerSpec;
+use crate::plan::Plan;
+use crate::world::World;
+use schemars::{JsonSchema, Schema};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+/// The moment for which a process plans a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// The grid.
+    pub grid: Grid,
+    /// Steps that the world has done; keys the random numbers.
+    pub step: u64,
+    /// Level of the sea, m.
+    pub sea_level_m: f64,
+}
+
+/// A named set of rules with one parameter struct and a stability bound.
+pub trait Process: Send + Sync {
+    /// Layers that the process reads or writes, with the value that a missing one starts from.
+    fn layers(&self) -> Vec<(LayerSpec, f32)>;
+
+    /// Makes layers that need more than a constant start value; called once before the first step, after the layers of
+    /// [`Process::layers`] exist. Must change nothing on a world that has been prepared before.
+    ///
+    /// # Errors
+    /// If a parameter cannot work on this world; the error names it.
+    fn prepare(&self, _world: &mut World) -> Result<()> {
+        Ok(())
+    }
+
+    /// Adds the passes of one step to the plan, sub-stepped to the process's stability bound.
+    fn plan(&self, moment: &Moment, plan: &mut Plan);
+
+    /// Moves what is not a layer (the sea level) on by one step.
+    fn advance(&self, _moment: &mut Moment) {}
+}
+
+/// What a generator may look at.
+pub struct Site<'a> {
+    /// The grid to fill.
+    pub grid: Grid,
+    /// Seed of this step: the recipe's seed mixed with the step's position in it.
+    pub seed: u64,
+    /// The world so far.
+    pub world: &'a World,
+    /// Cancellation and progress.
+    pub control: &'a Control<'a>,
+}
+
+/// Makes a layer from parameters and a seed, or from the layer that is there.
+pub trait Generator: Send + Sync {
+    /// Computes a new field. `base` is the layer that it will be merged into; a source ignores it, a filter
+    /// transforms it.
+    ///
+    /// # Errors
+    /// If a parameter cannot work here, or on a request to stop.
+    fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field>;
+
+    /// True if the result replaces the base instead of being merged with it.
+    fn is_filter(&self) -> bool {
+        false
+    }
+}
+
+/// A parameter struct that is everything there is to say about a process or generator.
+///
+/// Field attributes carry the schema: the doc comment is the meaning, `range(min, max)` the range,
+/// `extend("unit" = "m")` the unit.
+pub trait Parameters: Default + Serialize + DeserializeOwned + JsonSchema {}
+impl<T: Default + Serialize + DeserializeOwned + JsonSchema> Parameters for T {}
+
+/// One line of a registry: a name, a schema, and how to make the thing from a table of parameters.
+pub struct Entry<T: ?Sized> {
+    /// Name in recipes.
+    pub name: &'static str,
+    /// JSON Schema of the parameters, made by `schemars` from the struct.
+    pub schema: fn() -> Schema,
+    /// Default parameters as a table.
+    pub defaults: fn() -> Value,
+    /// Makes it; missing parameters take their defaults.
+    pub make: fn(Value) -> Result<Box<T>, serde_json::Error>,
+    /// Keys in `references.bib`.
+    pub cites: &'static [&'static str],
+}
+
+/// Default values of `P` as JSON.
+pub fn defaults_of<P: Parameters>() -> Value {
+    serde_json::to_value(P::default()).unwrap_or_default()
+}
+
+/// JSON Schema of `P`.
+pub fn schema_of<P: Parameters>() -> Schema {
+    schemars::generate::SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true).into_generator().into_root_schema_for::<P>()
+}
+
+impl Entry<dyn Process> {
+    /// The entry of a parameter struct that is a process.
+    pub const fn process<P: Parameters + Process + 'static>(name: &'static str, cites: &'static [&'static str]) -> Self {
+        Self {
+            name,
+            schema: schema_of::<P>,
+            defaults: defaults_of::<P>,
+            make: |v| Ok(Box::new(serde_json::from_value::<P>(v)?)),
+            cites,
+        }
+    }
+}
+
+impl Entry<dyn Generator> {
+    /// The entry of a parameter struct that is a generator.
+    pub const fn generator<P: Parameters + Generator + 'static>(name: &'static str, cites: &'static [&'static str]) -> Self {
+        Self {
+            name,
+            schema: schema_of::<P>,
+            defaults: defaults_of::<P>,
+            make: |v| Ok(Box::new(serde_json::from_value::<P>(v)?)),
+            cites,
+        }
+    }
+}
+
+/// A process together with how often it runs.
+pub struct Scheduled {
+    /// Name in recipes, for messages and the ledger.
+    pub name: &'static str,
+    /// The process.
+    pub process: Box<dyn Process>,
+    /// It runs in every `every`-th step; at least 1.
+    pub every: u64,
+}
+
+/// Span of steps to run.
+#[derive(Clone, Copy, Debug)]
+pub struct Span {
+    /// Steps of this simulation that are done already (after a resume); the schedule counts from 0.
+    pub from: u64,
+    /// Steps to do now.
+    pub steps: u64,
+}

@@ -1,0 +1,162 @@
+//! The world: grid, layers, clock and seed.
+
+use crate::error::{Error, Result};
+use crate::field::Field;
+use crate::grid::Grid;
+use crate::layer::{Layer, LayerSpec};
+use crate::ledger::Ledger;
+use serde::{Deserialize, Serialize};
+
+/// Where on Earth (or elsewhere) a grid lies; kept from an imported file to the exported one.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Georeference {
+    /// Affine map from (column, row) of a cell's north-west corner to the file's own coordinates, in GDAL's order:
+    /// `x = t[0] + col t[1] + row t[2]`, `y = t[3] + col t[4] + row t[5]`.
+    pub transform: [f64; 6],
+    /// EPSG code of the coordinate system, if known.
+    pub epsg: Option<u32>,
+    /// True if the coordinates are longitude and latitude in degrees.
+    pub geographic: bool,
+    /// Value that marks missing cells in the source file.
+    pub nodata: Option<f64>,
+}
+
+/// Everything that a run changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct World {
+    /// Size of cells and rim.
+    pub grid: Grid,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Level of the sea, m, in the same datum as the height.
+    pub sea_level_m: f64,
+    /// Steps of simulation done so far; keys the random numbers.
+    pub step: u64,
+    /// Where the grid lies, if it came from a georeferenced file.
+    pub georeference: Option<Georeference>,
+    /// What entered, left, moved and was clamped.
+    pub ledger: Ledger,
+    layers: Vec<Layer>,
+}
+
+impl World {
+    /// A world without layers.
+    pub fn new(grid: Grid, seed: u64) -> Self {
+        Self { grid, seed, sea_level_m: 0.0, step: 0, georeference: None, ledger: Ledger::default(), layers: Vec::new() }
+    }
+
+    /// All layers, in the order in which they were made.
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    /// The layer `name`, if it exists.
+    pub fn get(&self, name: &str) -> Option<&Field> {
+        self.layers.iter().find(|l| l.spec.name == name).map(|l| &l.field)
+    }
+
+    /// The layer `name`.
+    ///
+    /// # Errors
+    /// If there is none; the error lists those that exist.
+    pub fn layer(&self, name: &str) -> Result<&Layer> {
+        self.layers.iter().find(|l| l.spec.name == name).ok_or_else(|| self.missing(name))
+    }
+
+    /// The layer `name`, to change.
+    ///
+    /// # Errors
+    /// As [`World::layer`].
+    pub fn layer_mut(&mut self, name: &str) -> Result<&mut Layer> {
+        match self.layers.iter().position(|l| l.spec.name == name) {
+            Some(i) => Ok(&mut self.layers[i]),
+            None => Err(self.missing(name)),
+        }
+    }
+
+    /// The layer that `spec` names; made with `value` everywhere if it does not exist yet.
+    pub fn ensure(&mut self, spec: &LayerSpec, value: f32) -> &mut Layer {
+        let i = match self.layers.iter().position(|l| l.spec.name == spec.name) {
+            Some(i) => i,
+            None => {
+                // Two buffers a layer while the engine runs: keep their staggers apart.
+                let stagger = 2 * self.layers.len();
+                let field = Field::staggered(self.grid.width, self.grid.height, value, stagger);
+                self.layers.push(Layer { spec: spec.clone(), field });
+                self.layers.len() - 1
+            }
+        };
+        &mut self.layers[i]
+    }
+
+    /// Puts `field` in as the layer that `spec` names, replacing an older one.
+    ///
+    /// # Errors
+    /// If the field's size is not the grid's.
+    pub fn put(&mut self, spec: &LayerSpec, field: Field) -> Result<()> {
+        if (field.width(), field.height()) != (self.grid.width, self.grid.height) {
+            return Err(Error::Shape {
+                what: format!("layer `{}` of {}x{}", spec.name, self.grid.width, self.grid.height),
+                expected: self.grid.cells(),
+                found: field.width() * field.height(),
+            });
+        }
+        match self.layers.iter_mut().find(|l| l.spec.name == spec.name) {
+            Some(l) => l.field = field,
+            None => self.layers.push(Layer { spec: spec.clone(), field }),
+        }
+        Ok(())
+    }
+
+    /// Removes the layer `name` and returns it.
+    pub fn remove(&mut self, name: &str) -> Option<Layer> {
+        self.layers.iter().position(|l| l.spec.name == name).map(|i| self.layers.remove(i))
+    }
+
+    /// The first value of any layer that is not finite, as an error that names the place.
+    ///
+    /// # Errors
+    /// If there is such a value.
+    pub fn check_finite(&self, after: &str) -> Result<()> {
+        for l in &self.layers {
+            if let Some((x, y, value)) = l.field.find_not_finite() {
+                return Err(Error::NotFinite { layer: l.spec.name.to_string(), value, x, y, after: after.to_owned() });
+            }
+        }
+        Ok(())
+    }
+
+    /// A 64-bit fingerprint of grid, clock and every byte of every layer (FNV-1a over the bit patterns).
+    pub fn fingerprint(&self) -> u64 {
+        let mut h = Fnv::default();
+        h.add(self.grid.width as u64);
+        h.add(self.grid.height as u64);
+        h.add(self.step);
+        h.add(self.sea_level_m.to_bits());
+        for l in &self.layers {
+            l.spec.name.bytes().for_each(|b| h.add(u64::from(b)));
+            l.field.rows().for_each(|r| r.iter().for_each(|v| h.add(u64::from(v.to_bits()))));
+        }
+        h.0
+    }
+
+    fn missing(&self, name: &str) -> Error {
+        let present: Vec<&str> = self.layers.iter().map(|l| &*l.spec.name).collect();
+        Error::NoLayer { name: name.to_owned(), present: present.join(", ") }
+    }
+}
+
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv {
+    fn add(&mut self, word: u64) {
+        self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+        self.0 ^= self.0 >> 29;
+    }
+}

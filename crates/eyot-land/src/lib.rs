@@ -1,0 +1,6 @@
+//! Land of Eyot: generators, processes and analysis.
+//!
+//! `generate` and `simulate` do not know each other; recipes put them together.
+
+pub mod generate;
+pub mod simulate;
