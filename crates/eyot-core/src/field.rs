@@ -57,7 +57,11 @@ impl Field {
     /// If `values` has another length than `width * height`.
     pub fn from_slice(width: usize, height: usize, values: &[f32]) -> Result<Self> {
         if values.len() != width * height {
-            return Err(Error::Shape { what: format!("a field of {width}x{height}"), expected: width * height, found: values.len() });
+            return Err(Error::Shape {
+                what: format!("a field of {width}x{height}"),
+                expected: width * height,
+                found: values.len(),
+            });
         }
         let mut f = Self::new(width, height, 0.0);
         for (y, row) in values.chunks_exact(width).enumerate() {

@@ -42,12 +42,24 @@ pub struct World {
 impl World {
     /// A world without layers.
     pub fn new(grid: Grid, seed: u64) -> Self {
-        Self { grid, seed, sea_level_m: 0.0, step: 0, georeference: None, ledger: Ledger::default(), layers: Vec::new() }
+        Self {
+            grid,
+            seed,
+            sea_level_m: 0.0,
+            step: 0,
+            georeference: None,
+            ledger: Ledger::default(),
+            layers: Vec::new(),
+        }
     }
 
     /// All layers, in the order in which they were made.
     pub fn layers(&self) -> &[Layer] {
         &self.layers
+    }
+
+    pub(crate) fn layers_mut(&mut self) -> &mut [Layer] {
+        &mut self.layers
     }
 
     /// The layer `name`, if it exists.

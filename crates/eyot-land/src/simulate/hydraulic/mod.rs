@@ -1,0 +1,3 @@
+//! Hydraulic erosion.
+mod signed;
+pub use signed::{Erode, ErodeParams, Flux, FluxParams};
