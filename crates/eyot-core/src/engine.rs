@@ -76,7 +76,7 @@ impl CpuEngine {
         let mut outcome = Ok(());
         while done < span.steps && outcome.is_ok() {
             let steps = chain.min(span.steps - done);
-            let mut moment = Moment { grid: world.grid, step: world.step, sea_level_m: world.sea_level_m };
+            let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
             let mut plan = Plan::default();
             for i in 0..steps {
                 plan_step(processes, span.from + done + i, &mut moment, &mut plan);
@@ -106,6 +106,7 @@ pub(crate) fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut M
     for s in processes {
         if local_step.is_multiple_of(s.every.max(1)) {
             plan.step = moment.step;
+            moment.turn = local_step / s.every.max(1);
             s.process.plan(moment, plan);
             s.process.advance(moment);
         }
@@ -131,7 +132,7 @@ struct Arena {
 impl Arena {
     /// Takes the world's fields and plans one step of everything to learn which other buffers are needed.
     fn new(engine: &CpuEngine, world: &mut World, processes: &[Scheduled]) -> Result<Self> {
-        let mut moment = Moment { grid: world.grid, step: world.step, sea_level_m: world.sea_level_m };
+        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
         let mut plan = Plan::default();
         plan_step(processes, 0, &mut moment, &mut plan);
         let mut specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();

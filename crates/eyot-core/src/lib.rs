@@ -2,6 +2,7 @@
 //!
 //! This crate knows no process, no file format, no GPU and no window; everything else builds on it.
 
+pub mod conformance;
 pub mod control;
 pub mod engine;
 mod error;
@@ -18,6 +19,7 @@ pub mod math;
 pub mod plan;
 pub mod process;
 pub mod real;
+pub mod reference;
 pub mod rng;
 pub mod rule;
 mod schedule;

@@ -19,6 +19,8 @@ pub struct Moment {
     pub grid: Grid,
     /// Steps that the world has done; keys the random numbers.
     pub step: u64,
+    /// How often this process has run before in this simulation.
+    pub turn: u64,
     /// Level of the sea, m.
     pub sea_level_m: f64,
 }

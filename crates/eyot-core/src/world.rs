@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::field::Field;
 use crate::grid::Grid;
-use crate::layer::{Layer, LayerSpec};
+use crate::layer::{Layer, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 
@@ -148,6 +148,9 @@ impl World {
         for l in &self.layers {
             l.spec.name.bytes().for_each(|b| h.add(u64::from(b)));
             l.field.rows().for_each(|r| r.iter().for_each(|v| h.add(u64::from(v.to_bits()))));
+            if l.spec.stagger != Stagger::Cell {
+                l.field.outer_faces().iter().for_each(|v| h.add(u64::from(v.to_bits())));
+            }
         }
         h.0
     }

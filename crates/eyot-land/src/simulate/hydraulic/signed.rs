@@ -266,3 +266,35 @@ fn edge_y<R: Real>(c: &impl Cell<R>, at: isize) -> (R, R) {
 fn negated<R: Real>((a, b): (R, R)) -> (R, R) {
     (-a, -b)
 }
+
+rule_params! {
+    /// Parameters of [`Spring`].
+    pub struct SpringParams {
+        /// Water that the strongest spring gives during dt, m.
+        gain,
+    }
+}
+
+/// Springs rise where the layer `springs` says so.
+pub struct Spring;
+
+impl Rule for Spring {
+    const NAME: &'static str = "hydraulic_spring";
+    const READS: &'static [Read] = &[read("water", 0), read("springs", 0)];
+    const WRITES: &'static [&'static str] = &["water"];
+    const TALLIES: &'static [Tally] = &[Tally {
+        account: "water.springs",
+        unit: TallyUnit::Thickness,
+        sign: 1,
+        meaning: "Water that rose from springs",
+    }];
+    type Params = SpringParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 1];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &SpringParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
+        let risen = p.gain * c.here(1).clamp(R::of(0.0), R::of(1.0));
+        ([c.here(0) + risen], [risen])
+    }
+}
