@@ -74,7 +74,7 @@ pub fn cos<R: Real>(x: R) -> R {
 fn quarter<R: Real>(x: R, shift: R) -> R {
     let q = (x * R::of(std::f32::consts::FRAC_2_PI) + R::of(0.5)).floor();
     // pi / 2 in three pieces (Cody and Waite).
-    let r = x - q * R::of(1.570_312_5) - q * R::of(4.837_512_969_970_703e-4) - q * R::of(7.549_789_954_891_89e-8);
+    let r = x - q * R::of(1.570_312_5) - q * R::of(4.837_513e-4) - q * R::of(7.549_79e-8);
     let r2 = r * r;
     let s = ((R::of(-1.951_529_6e-4) * r2 + R::of(8.332_161e-3)) * r2 + R::of(-1.666_665_5e-1)) * r2 * r + r;
     let c = ((R::of(2.443_315_7e-5) * r2 + R::of(-1.388_731_6e-3)) * r2 + R::of(4.166_664_6e-2)) * r2 * r2
