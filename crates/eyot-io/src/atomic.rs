@@ -30,9 +30,15 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
         && !there.is_file()
     {
         let kind = if there.is_dir() { "a folder" } else { "no ordinary file" };
-        return Err(Error::format(path, format!("this is {kind} already"), "choose another file name"));
+        return Err(Error::format(
+            path,
+            format!("this is {kind} already"),
+            "choose another file name",
+        ));
     }
-    let temporary = builder().tempfile_in(folder).map_err(Error::io(folder, "write to the folder"))?;
+    let temporary = builder()
+        .tempfile_in(folder)
+        .map_err(Error::io(folder, "write to the folder"))?;
     // From here on, dropping `name` removes the temporary file.
     let (file, name) = temporary.into_parts();
     let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
@@ -40,7 +46,8 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
     let file = out.into_inner().map_err(|e| Error::io(path, "write")(e.into_error()))?;
     file.sync_all().map_err(Error::io(path, "write"))?;
     drop(file);
-    name.persist(path).map_err(|e| Error::io(path, "rename the finished file to")(e.error))?;
+    name.persist(path)
+        .map_err(|e| Error::io(path, "rename the finished file to")(e.error))?;
     sync_folder(folder).map_err(Error::io(folder, "flush the folder"))
 }
 
@@ -63,7 +70,14 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
         return Ok(());
     }
     match File::open(folder).and_then(|f| f.sync_all()) {
-        Err(e) if matches!(e.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported | io::ErrorKind::PermissionDenied) => Ok(()),
+        Err(e)
+            if matches!(
+                e.kind(),
+                io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported | io::ErrorKind::PermissionDenied
+            ) =>
+        {
+            Ok(())
+        }
         other => other,
     }
 }
@@ -85,7 +99,10 @@ mod tests {
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
-        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+        fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect()
     }
 
     #[test]
@@ -126,13 +143,17 @@ mod tests {
     #[test]
     fn missing_folders_folders_and_devices_are_named() {
         let folder = tempfile::tempdir().unwrap();
-        let e = write_atomically(&folder.path().join("none/a.bin"), |_| Ok(())).unwrap_err().to_string();
+        let e = write_atomically(&folder.path().join("none/a.bin"), |_| Ok(()))
+            .unwrap_err()
+            .to_string();
         assert!(e.contains("none") && e.contains("make its folder"), "{e}");
         let e = write_atomically(folder.path(), |_| Ok(())).unwrap_err().to_string();
         assert!(e.contains("a folder already"), "{e}");
         #[cfg(unix)]
         {
-            let e = write_atomically(Path::new("/dev/null"), |_| Ok(())).unwrap_err().to_string();
+            let e = write_atomically(Path::new("/dev/null"), |_| Ok(()))
+                .unwrap_err()
+                .to_string();
             assert!(e.contains("no ordinary file"), "{e}");
             assert!(write_atomically(Path::new("/"), |_| Ok(())).is_err());
         }
@@ -152,7 +173,9 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn a_read_only_folder_is_called_one() {
-        let e = write_atomically(Path::new("/proc/eyot.bin"), |_| Ok(())).unwrap_err().to_string();
+        let e = write_atomically(Path::new("/proc/eyot.bin"), |_| Ok(()))
+            .unwrap_err()
+            .to_string();
         assert!(e.contains("/proc"), "{e}");
     }
 }

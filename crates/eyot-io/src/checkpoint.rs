@@ -17,6 +17,7 @@
 
 use crate::atomic::{put, row_bytes, write_atomically};
 use crate::error::{Error, Result};
+use crate::raster::check_size;
 use eyot_core::{Beyond, Field, Georeference, Grid, LayerSpec, Ledger, Limits, Stagger, World};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -116,18 +117,31 @@ pub fn save(path: &Path, world: &World, recipe_toml: &str, state: &Value) -> Res
         step: world.step,
         sea_level_m: world.sea_level_m,
         // NaN is a usual nodata value and JSON's null would bring back `None`; nothing depends on the difference.
-        georeference: world.georeference.clone().map(|g| Georeference { nodata: g.nodata.filter(|v| v.is_finite()), ..g }),
+        georeference: world.georeference.clone().map(|g| Georeference {
+            nodata: g.nodata.filter(|v| v.is_finite()),
+            ..g
+        }),
         ledger: world.ledger.clone(),
         layers: world.layers().iter().map(|l| LayerHeader::from(&l.spec)).collect(),
         recipe_toml: recipe_toml.to_owned(),
         state: state.clone(),
     };
-    let fault = |problem: String| Error::format(path, problem, "the checkpoint was not written, the former one is unharmed");
+    let fault = |problem: String| {
+        Error::format(
+            path,
+            problem,
+            "the checkpoint was not written, the former one is unharmed",
+        )
+    };
     let text = serde_json::to_vec(&header).map_err(|e| fault(e.to_string()))?;
     // A checkpoint that cannot be read back is worse than none, so try.
     match serde_json::from_slice::<Header>(&text) {
         Ok(back) if back == header && text.len() as u64 <= MAX_HEADER_BYTES => {}
-        _ => return Err(fault("the world or the run's state holds a number that is not finite, or too much text".into())),
+        _ => {
+            return Err(fault(
+                "the world or the run's state holds a number that is not finite, or too much text".into(),
+            ));
+        }
     }
     write_atomically(path, |file| {
         let mut prefix = Vec::with_capacity(PREFIX_BYTES);
@@ -163,7 +177,11 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Checkpoint> {
     let io = || Error::io(path, "read");
     let metadata = fs::metadata(path).map_err(io())?;
     if !metadata.is_file() {
-        return Err(Error::format(path, "this is no ordinary file", "give the name of a checkpoint"));
+        return Err(Error::format(
+            path,
+            "this is no ordinary file",
+            "give the name of a checkpoint",
+        ));
     }
     let file_bytes = metadata.len();
     let mut input = BufReader::with_capacity(1 << 18, File::open(path).map_err(io())?);
@@ -171,7 +189,11 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Checkpoint> {
     let expected = expected_bytes(path, &header, header_bytes, limits)?;
     if expected != u128::from(file_bytes) {
         let problem = format!("a checkpoint of this world has {expected} bytes, the file {file_bytes}");
-        return Err(Error::format(path, problem, format!("it is truncated or damaged: {AGAIN}")));
+        return Err(Error::format(
+            path,
+            problem,
+            format!("it is truncated or damaged: {AGAIN}"),
+        ));
     }
 
     let mut world = World::new(header.grid, header.seed);
@@ -185,9 +207,20 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Checkpoint> {
         if world.get(&spec.name).is_some() {
             return Err(damaged(path, &format!("two layers are called `{}`", spec.name)));
         }
-        read_values(path, &mut input, &mut buffer, &mut world.ensure(&spec, 0.0).field, &spec.name)?;
+        read_values(
+            path,
+            &mut input,
+            &mut buffer,
+            &mut world.ensure(&spec, 0.0).field,
+            &spec.name,
+        )?;
     }
-    Ok(Checkpoint { world, recipe_toml: header.recipe_toml, state: header.state, engine_version: header.engine_version })
+    Ok(Checkpoint {
+        world,
+        recipe_toml: header.recipe_toml,
+        state: header.state,
+        engine_version: header.engine_version,
+    })
 }
 
 /// The header and the bytes that it takes with everything around it.
@@ -199,17 +232,28 @@ fn read_header(path: &Path, input: &mut impl Read, file_bytes: u64) -> Result<(H
     }
     input.read_exact(&mut prefix).map_err(io())?;
     if &prefix[..8] != MAGIC {
-        return Err(Error::format(path, "this is no Eyot checkpoint", "give the name of a checkpoint"));
+        return Err(Error::format(
+            path,
+            "this is no Eyot checkpoint",
+            "give the name of a checkpoint",
+        ));
     }
     let version = u32::from_le_bytes([prefix[8], prefix[9], prefix[10], prefix[11]]);
     if version != FORMAT_VERSION {
         let problem = format!("the checkpoint has format version {version}, this program reads {FORMAT_VERSION}");
-        return Err(Error::format(path, problem, "continue it with the version of Eyot that wrote it"));
+        return Err(Error::format(
+            path,
+            problem,
+            "continue it with the version of Eyot that wrote it",
+        ));
     }
     let length = u64::from_le_bytes(std::array::from_fn(|i| prefix[12 + i]));
     let header_bytes = length.saturating_add(PREFIX_BYTES as u64 + 4);
     if length > MAX_HEADER_BYTES || header_bytes > file_bytes {
-        return Err(damaged(path, &format!("a header of {length} bytes does not fit in {file_bytes}")));
+        return Err(damaged(
+            path,
+            &format!("a header of {length} bytes does not fit in {file_bytes}"),
+        ));
     }
     // At most as long as the file, and read in steps: no allocation beyond what is there.
     let mut text = Vec::new();
@@ -225,13 +269,21 @@ fn read_header(path: &Path, input: &mut impl Read, file_bytes: u64) -> Result<(H
 /// Checks the world that the header describes against the limits and returns the length of its file.
 fn expected_bytes(path: &Path, header: &Header, header_bytes: u64, limits: &Limits) -> Result<u128> {
     let grid = header.grid.checked(limits).map_err(Error::core(path))?;
+    let field = check_size(path, grid.width, grid.height, limits)?;
     if header.layers.len() > limits.max_layers {
-        let problem = format!("it has {} layers, the limit is {}", header.layers.len(), limits.max_layers);
+        let problem = format!(
+            "it has {} layers, the limit is {}",
+            header.layers.len(),
+            limits.max_layers
+        );
         return Err(Error::format(path, problem, "raise the limit"));
     }
-    let values = header.layers.len() as u128 * grid.width as u128 * grid.height as u128 * 4;
-    limits.check_bytes("the world of this checkpoint", values).map_err(Error::core(path))?;
-    Ok(u128::from(header_bytes) + values + 4 * header.layers.len() as u128)
+    let layers = header.layers.len() as u128;
+    limits
+        .check_bytes("the world of this checkpoint", layers * field)
+        .map_err(Error::core(path))?;
+    let values = grid.width as u128 * grid.height as u128 * 4;
+    Ok(u128::from(header_bytes) + layers * (values + 4))
 }
 
 fn read_values(path: &Path, input: &mut impl Read, buffer: &mut [u8], field: &mut Field, name: &str) -> Result<()> {
@@ -256,5 +308,9 @@ fn check_crc(path: &Path, input: &mut impl Read, crc: crc32fast::Hasher, what: &
 }
 
 fn damaged(path: &Path, problem: &str) -> Error {
-    Error::format(path, format!("the checkpoint is truncated or damaged: {problem}"), AGAIN)
+    Error::format(
+        path,
+        format!("the checkpoint is truncated or damaged: {problem}"),
+        AGAIN,
+    )
 }

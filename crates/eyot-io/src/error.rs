@@ -58,22 +58,36 @@ impl Error {
     /// The file that the error is about.
     pub fn path(&self) -> &Path {
         match self {
-            Self::Io { path, .. } | Self::Format { path, .. } | Self::NotFinite { path, .. } | Self::Core { path, .. } => path,
+            Self::Io { path, .. }
+            | Self::Format { path, .. }
+            | Self::NotFinite { path, .. }
+            | Self::Core { path, .. } => path,
         }
     }
 
     pub(crate) fn format(path: &Path, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self::Format { path: path.to_owned(), problem: problem.into(), remedy: remedy.into() }
+        Self::Format {
+            path: path.to_owned(),
+            problem: problem.into(),
+            remedy: remedy.into(),
+        }
     }
 
     /// For `map_err` on operations of the system.
     pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
-        move |source| Self::Io { path: path.to_owned(), action, source }
+        move |source| Self::Io {
+            path: path.to_owned(),
+            action,
+            source,
+        }
     }
 
     /// For `map_err` on checks of the core.
     pub(crate) fn core(path: &Path) -> impl FnOnce(eyot_core::Error) -> Self {
-        move |source| Self::Core { path: path.to_owned(), source }
+        move |source| Self::Core {
+            path: path.to_owned(),
+            source,
+        }
     }
 }
 
@@ -82,7 +96,9 @@ fn remedy_for(e: &io::Error) -> &'static str {
     use io::ErrorKind as K;
     match e.kind() {
         K::NotFound => "; check the name, and make its folder first",
-        K::PermissionDenied | K::ReadOnlyFilesystem => "; choose a place that you may write to, or change its permissions",
+        K::PermissionDenied | K::ReadOnlyFilesystem => {
+            "; choose a place that you may write to, or change its permissions"
+        }
         K::StorageFull | K::QuotaExceeded => "; make room on the disk or write elsewhere; the former file is unharmed",
         K::IsADirectory => "; give the name of a file in it",
         _ => "",

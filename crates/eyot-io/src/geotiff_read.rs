@@ -3,15 +3,16 @@
 use crate::error::{Error, Result};
 use crate::fill::fill;
 use crate::georef::cell_size_m;
-use crate::raster::{Raster, ReadOptions};
+use crate::raster::{Raster, ReadOptions, check_size};
 use eyot_core::{Field, Georeference, Limits};
 use geotiff_reader::crs::ModelType;
 use geotiff_reader::{Error as GeoError, GeoTiffFile};
 use std::path::Path;
-use tiff_reader::{Ifd, OpenOptions, ParseBudgets, RasterLayout, TiffFile};
+use tiff_reader::{Ifd, OpenOptions, ParseBudgets, RasterLayout, TagValue, TiffFile};
 
 /// A file this much smaller than its content has lost its data or never had any. Deflate reaches 1032, LZW about 2700.
 const MAX_COMPRESSION: u128 = 4096;
+const GDAL_NODATA: u16 = 42113;
 /// Length units of projected coordinates, GeoKey 3076; metres if absent.
 const PROJECTED_LINEAR_UNITS: u16 = 3076;
 
@@ -35,12 +36,11 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     let layout = ifd.raster_layout().map_err(|e| broken(path, e))?;
     check(path, ifd, &layout, file_bytes, limits)?;
 
-    let nodata = options.nodata.or_else(|| geo.as_ref().and_then(|g| parse_nodata(g.nodata()?)));
+    let nodata = options.nodata.or_else(|| nodata_of(ifd));
     let (mut field, missing) = decode(path, tiff, ifd, &layout, nodata)?;
     let filled = match &missing {
-        Some(missing) => fill(&mut field, missing).ok_or_else(|| {
-            Error::format(path, "every cell is marked as missing", "check the file's nodata value")
-        })?,
+        Some(missing) => fill(&mut field, missing)
+            .ok_or_else(|| Error::format(path, "every cell is marked as missing", "check the file's nodata value"))?,
         None => 0,
     };
     let mut georeference = geo.as_ref().and_then(|g| georeference(g, nodata));
@@ -48,8 +48,15 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
         face_north(&mut field, g);
     }
     let unit = geo.as_ref().map_or(1.0, metres_per_unit);
-    let cell_m = georeference.as_ref().map(|g| cell_size_m(g, layout.width, layout.height, unit));
-    Ok(Raster { field, cell_m, georeference, filled })
+    let cell_m = georeference
+        .as_ref()
+        .map(|g| cell_size_m(g, layout.width, layout.height, unit));
+    Ok(Raster {
+        field,
+        cell_m,
+        georeference,
+        filled,
+    })
 }
 
 fn open_options(limits: &Limits) -> OpenOptions {
@@ -73,13 +80,22 @@ fn open_options(limits: &Limits) -> OpenOptions {
 /// Refuses images that are too large, have no data for their size, or more than one band.
 fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits: &Limits) -> Result<()> {
     let (width, height) = (layout.width, layout.height);
-    limits.check_cells(width, height).map_err(Error::core(path))?;
+    let field = check_size(path, width, height, limits)?;
     let cells = width as u128 * height as u128;
     let image = cells * layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
-    limits.check_bytes("the decoded image", image + 5 * cells).map_err(Error::core(path))?;
+    limits
+        .check_bytes("the decoded image", image + cells + field)
+        .map_err(Error::core(path))?;
     if layout.samples_per_pixel != 1 {
-        let problem = format!("the file has {} bands or colours, heights need one", layout.samples_per_pixel);
-        return Err(Error::format(path, problem, "extract one, for example with gdal_translate -b 1"));
+        let problem = format!(
+            "the file has {} bands or colours, heights need one",
+            layout.samples_per_pixel
+        );
+        return Err(Error::format(
+            path,
+            problem,
+            "extract one, for example with gdal_translate -b 1",
+        ));
     }
     // One block is decoded at a time; a hostile header can ask for a huge one in a tiny image.
     let block = match (ifd.tile_width(), ifd.tile_height()) {
@@ -89,13 +105,23 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
     let most = image.max(64 << 20);
     if block > most || image > MAX_COMPRESSION * u128::from(file_bytes) {
         let problem = format!("the file has {file_bytes} bytes, which cannot hold its {width}x{height} cells");
-        return Err(Error::format(path, problem, "it is truncated or damaged: copy or download it again"));
+        return Err(Error::format(
+            path,
+            problem,
+            "it is truncated or damaged: copy or download it again",
+        ));
     }
     Ok(())
 }
 
 /// The values, and which cells are missing (`None` if none is).
-fn decode(path: &Path, tiff: &TiffFile, ifd: &Ifd, layout: &RasterLayout, nodata: Option<f64>) -> Result<(Field, Option<Vec<bool>>)> {
+fn decode(
+    path: &Path,
+    tiff: &TiffFile,
+    ifd: &Ifd,
+    layout: &RasterLayout,
+    nodata: Option<f64>,
+) -> Result<(Field, Option<Vec<bool>>)> {
     let (width, height) = (layout.width, layout.height);
     let mut field = Field::new(width, height, 0.0);
     let mut missing: Option<Vec<bool>> = None;
@@ -113,7 +139,9 @@ fn decode(path: &Path, tiff: &TiffFile, ifd: &Ifd, layout: &RasterLayout, nodata
         // One arm a number type: the value as f32, and whether it is the nodata value in the file's own type.
         macro_rules! window {
             ($t:ty) => {{
-                let window = tiff.read_window_from_ifd::<$t>(ifd, top, 0, rows, width).map_err(|e| broken(path, e))?;
+                let window = tiff
+                    .read_window_from_ifd::<$t>(ifd, top, 0, rows, width)
+                    .map_err(|e| broken(path, e))?;
                 for (i, &v) in window.iter().enumerate() {
                     let (x, y) = (i % width, top + i / width);
                     field.row_mut(y)[x] = v as f32;
@@ -135,9 +163,15 @@ fn decode(path: &Path, tiff: &TiffFile, ifd: &Ifd, layout: &RasterLayout, nodata
             (1, 32) => window!(u32),
             (1, 64) => window!(u64),
             (format, bits) => {
-                let kind = ["complex", "unsigned", "signed", "floating-point"].get(format as usize).unwrap_or(&"unknown");
+                let kind = ["complex", "unsigned", "signed", "floating-point"]
+                    .get(format as usize)
+                    .unwrap_or(&"unknown");
                 let problem = format!("{bits}-bit {kind} samples are not supported");
-                return Err(Error::format(path, problem, "convert it, for example with gdal_translate -ot Float32"));
+                return Err(Error::format(
+                    path,
+                    problem,
+                    "convert it, for example with gdal_translate -ot Float32",
+                ));
             }
         }
         top += rows;
@@ -151,14 +185,22 @@ fn is_missing(value: f64, nodata: f64, f32_samples: bool) -> bool {
     value == nodata || (value.is_nan() && nodata.is_nan()) || (f32_samples && value as f32 == nodata as f32)
 }
 
-/// GDAL writes a decimal number, `nan`, or pads it with spaces and zero bytes.
-fn parse_nodata(text: &str) -> Option<f64> {
+/// GDAL's nodata tag, which plain TIFF files can have, too: a decimal number or `nan`, perhaps padded.
+fn nodata_of(ifd: &Ifd) -> Option<f64> {
+    let TagValue::Ascii(text) = &ifd.tag(GDAL_NODATA)?.value else { return None };
     text.trim_matches(|c: char| c.is_whitespace() || c == '\0').parse().ok()
 }
 
 fn georeference(geo: &GeoTiffFile, nodata: Option<f64>) -> Option<Georeference> {
     let t = geo.transform()?;
-    let transform = [t.origin_x, t.pixel_width, t.skew_x, t.origin_y, t.skew_y, t.pixel_height];
+    let transform = [
+        t.origin_x,
+        t.pixel_width,
+        t.skew_x,
+        t.origin_y,
+        t.skew_y,
+        t.pixel_height,
+    ];
     let steps = [t.pixel_width.hypot(t.skew_y), t.skew_x.hypot(t.pixel_height)];
     // A degenerate transform says nothing.
     let sound = transform.iter().all(|v| v.is_finite()) && steps.iter().all(|&s| s > 0.0);
@@ -206,6 +248,14 @@ fn face_north(field: &mut Field, g: &mut Georeference) {
 fn broken(path: &Path, e: impl std::error::Error + 'static) -> Error {
     let text = e.to_string();
     // The reader's own words follow; say first what users can act on.
-    let what = if text.contains("exceeds decode output budget") { "the TIFF is too large" } else { "the TIFF is broken or truncated" };
-    Error::format(path, format!("{what}: {text}"), "copy or download it again, or convert it with gdal_translate")
+    let what = if text.contains("exceeds decode output budget") {
+        "the TIFF is too large"
+    } else {
+        "the TIFF is broken or truncated"
+    };
+    Error::format(
+        path,
+        format!("{what}: {text}"),
+        "copy or download it again, or convert it with gdal_translate",
+    )
 }
