@@ -187,7 +187,9 @@ fn is_missing(value: f64, nodata: f64, f32_samples: bool) -> bool {
 
 /// GDAL's nodata tag, which plain TIFF files can have, too: a decimal number or `nan`, perhaps padded.
 fn nodata_of(ifd: &Ifd) -> Option<f64> {
-    let TagValue::Ascii(text) = &ifd.tag(GDAL_NODATA)?.value else { return None };
+    let TagValue::Ascii(text) = &ifd.tag(GDAL_NODATA)?.value else {
+        return None;
+    };
     text.trim_matches(|c: char| c.is_whitespace() || c == '\0').parse().ok()
 }
 

@@ -85,7 +85,7 @@ fn consistent(m: &TerrainMesh) -> bool {
     let n = m.positions.len();
     m.normals.len() == n
         && m.colours.len() == n
-        && m.indices.len() % 3 == 0
+        && m.indices.len().is_multiple_of(3)
         && m.indices.iter().all(|&i| (i as usize) < n)
 }
 
