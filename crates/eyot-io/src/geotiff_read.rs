@@ -82,9 +82,11 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
     let (width, height) = (layout.width, layout.height);
     let field = check_size(path, width, height, limits)?;
     let cells = width as u128 * height as u128;
+    // Filling takes a copy of the values, a mark for each, and both again in coarser levels.
+    let fill = 7 * cells;
     let image = cells * layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
     limits
-        .check_bytes("the decoded image", image + cells + field)
+        .check_bytes("the decoded image", image + fill + field)
         .map_err(Error::core(path))?;
     if layout.samples_per_pixel != 1 {
         let problem = format!(
@@ -176,7 +178,32 @@ fn decode(
         }
         top += rows;
     }
+    if nodata.is_some() {
+        mark_unwritten(ifd, width, height, &mut missing);
+    }
     Ok((field, missing))
+}
+
+/// Marks the blocks that a sparse file leaves out: they stand for nodata, while the decoder gives zeros.
+fn mark_unwritten(ifd: &Ifd, width: usize, height: usize, missing: &mut Option<Vec<bool>>) {
+    let (counts, block) = match (ifd.tile_width(), ifd.tile_height()) {
+        (Some(w), Some(h)) if ifd.is_tiled() => (ifd.tile_byte_counts(), (w as usize, h as usize)),
+        _ => (ifd.strip_byte_counts(), (width, ifd.rows_per_strip() as usize)),
+    };
+    let block = (block.0.max(1), block.1.clamp(1, height));
+    let across = width.div_ceil(block.0);
+    for (i, _) in counts
+        .into_iter()
+        .flatten()
+        .enumerate()
+        .filter(|&(_, bytes)| bytes == 0)
+    {
+        let (left, top) = (i % across * block.0, i / across * block.1);
+        let right = (left + block.0).min(width);
+        for y in top..(top + block.1).min(height) {
+            missing.get_or_insert_with(|| vec![false; width * height])[y * width + left..y * width + right].fill(true);
+        }
+    }
 }
 
 /// True if `value` is the nodata value. For `f32` files that value is often written with the digits of an `f32`, which
@@ -204,7 +231,10 @@ fn georeference(geo: &GeoTiffFile, nodata: Option<f64>) -> Option<Georeference> 
         t.pixel_height,
     ];
     let steps = [t.pixel_width.hypot(t.skew_y), t.skew_x.hypot(t.pixel_height)];
-    // A degenerate transform says nothing.
+    // A degenerate transform says nothing, nor does the identity, which writers use for images without a place.
+    if transform == [0.0, 1.0, 0.0, 0.0, 0.0, 1.0] && geo.epsg().is_none() {
+        return None;
+    }
     let sound = transform.iter().all(|v| v.is_finite()) && steps.iter().all(|&s| s > 0.0);
     sound.then(|| Georeference {
         transform,
@@ -250,14 +280,18 @@ fn face_north(field: &mut Field, g: &mut Georeference) {
 fn broken(path: &Path, e: impl std::error::Error + 'static) -> Error {
     let text = e.to_string();
     // The reader's own words follow; say first what users can act on.
-    let what = if text.contains("exceeds decode output budget") {
-        "the TIFF is too large"
+    let (what, remedy) = if text.contains("exceeds decode output budget") {
+        (
+            "the TIFF is too large",
+            "raise the limit or make it smaller with gdal_translate -outsize",
+        )
+    } else if text.contains("unsupported") || text.contains("not supported") {
+        (
+            "this kind of TIFF is not read",
+            "convert it with gdal_translate -co COMPRESS=DEFLATE -ot Float32",
+        )
     } else {
-        "the TIFF is broken or truncated"
+        ("the TIFF is broken or truncated", "copy or download it again")
     };
-    Error::format(
-        path,
-        format!("{what}: {text}"),
-        "copy or download it again, or convert it with gdal_translate",
-    )
+    Error::format(path, format!("{what}: {text}"), remedy)
 }
