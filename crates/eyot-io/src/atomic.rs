@@ -1,8 +1,9 @@
 //! Files that exist whole or not at all.
 
 use crate::error::{Error, Result};
+use std::cell::Cell;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// Large enough that a raster row is one call to the system.
@@ -87,6 +88,60 @@ pub(crate) fn put(out: &mut impl Write, path: &Path, bytes: &[u8]) -> Result<()>
     out.write_all(bytes).map_err(Error::io(path, "write"))
 }
 
+/// Runs an encoder of another crate on `out`. Some wrap the system's errors until nobody can tell a full disk from a bad
+/// image; here, the first refusal of the system wins over whatever the encoder makes of it.
+pub(crate) fn watched(
+    out: &mut BufWriter<File>,
+    path: &Path,
+    encode: impl FnOnce(Watched<'_>) -> Result<()>,
+) -> Result<()> {
+    let refusal = Cell::new(None);
+    let result = encode(Watched { out, refusal: &refusal });
+    match (result, refusal.take()) {
+        (Err(_), Some(e)) => Err(Error::io(path, "write")(e)),
+        (result, _) => result,
+    }
+}
+
+/// A writer that remembers why it failed; see [`watched`].
+pub(crate) struct Watched<'a> {
+    out: &'a mut BufWriter<File>,
+    refusal: &'a Cell<Option<io::Error>>,
+}
+
+impl Watched<'_> {
+    fn remember<T>(&self, result: io::Result<T>) -> io::Result<T> {
+        if let Err(e) = &result
+            && e.kind() != io::ErrorKind::Interrupted
+        {
+            let copy = e
+                .raw_os_error()
+                .map_or_else(|| io::Error::new(e.kind(), e.to_string()), io::Error::from_raw_os_error);
+            self.refusal.set(Some(copy));
+        }
+        result
+    }
+}
+
+impl Write for Watched<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let result = self.out.write(bytes);
+        self.remember(result)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let result = self.out.flush();
+        self.remember(result)
+    }
+}
+
+impl Seek for Watched<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let result = self.out.seek(to);
+        self.remember(result)
+    }
+}
+
 /// The 4-byte little-endian form of a row, in `buffer`.
 pub(crate) fn row_bytes<'a>(row: &[f32], buffer: &'a mut Vec<u8>) -> &'a [u8] {
     buffer.clear();
@@ -167,6 +222,17 @@ mod tests {
         let mut full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
         let e = put(&mut full, path, b"x").unwrap_err().to_string();
         assert!(e.contains("height.tif") && e.contains("make room"), "{e}");
+        let mut full = BufWriter::new(full);
+        let hidden = watched(&mut full, path, |mut w| {
+            let wrapped = w
+                .write_all(&[0; 1 << 16])
+                .map_err(|_| Error::format(path, "bad image", ""));
+            wrapped.and_then(|()| w.flush().map_err(|_| Error::format(path, "bad image", "")))
+        });
+        let e = hidden.unwrap_err().to_string();
+        assert!(e.contains("make room"), "{e}");
+        // What is left in the buffer cannot be written either; not even on dropping.
+        let _ = full.into_parts();
     }
 
     /// A folder that nobody may write to, root included; skipped where there is no such folder.

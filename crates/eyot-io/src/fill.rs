@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn valid_cells_never_change_and_filled_ones_stay_within_the_range() {
         let (w, h) = (33, 9);
-        let valid = |x: usize, y: usize| (x * 31 + y * 17) % 11 == 0;
+        let valid = |x: usize, y: usize| (x * 31 + y * 17).is_multiple_of(11);
         let mut f = Field::from_fn(w, h, |x, y| if valid(x, y) { (x * y % 7) as f32 } else { f32::NAN });
         let before = f.clone();
         let missing: Vec<bool> = (0..w * h).map(|i| !valid(i % w, i / w)).collect();

@@ -1,6 +1,6 @@
 //! Cloud Optimised GeoTIFF, out: `f32`, deflate with the floating-point predictor, tiles of 256, overviews.
 
-use crate::atomic::write_atomically;
+use crate::atomic::{watched, write_atomically};
 use crate::error::{Error, Result};
 use crate::format::size_u32;
 use eyot_core::{Field, Layer, World};
@@ -48,7 +48,11 @@ pub(crate) fn write(path: &Path, world: &World, layer: &Layer) -> Result<()> {
     let values = layer.field.to_vec();
     let view = ArrayView2::from_shape((height, width), &values)
         .map_err(|e| Error::format(path, e.to_string(), "this is a fault in eyot-io"))?;
-    write_atomically(path, |file| cog.write_2d_to(file, view).map_err(|e| as_error(path, e)))
+    write_atomically(path, |file| {
+        watched(file, path, |out| {
+            cog.write_2d_to(out, view).map_err(|e| as_error(path, e))
+        })
+    })
 }
 
 /// Halved until the smallest fits in one tile, which is what validators of the format ask for.
@@ -91,18 +95,9 @@ fn free_nodata(world: &World, field: &Field) -> Option<f32> {
 
 fn as_error(path: &Path, e: geotiff_writer::Error) -> Error {
     match e {
-        geotiff_writer::Error::Io(source) => Error::io(path, "write")(source),
-        other => {
-            // The reason may be wrapped: a full disk must be called one.
-            let mut cause: Option<&dyn std::error::Error> = Some(&other);
-            while let Some(c) = cause {
-                if let Some(io) = c.downcast_ref::<std::io::Error>() {
-                    return Error::io(path, "write")(std::io::Error::new(io.kind(), io.to_string()));
-                }
-                cause = c.source();
-            }
-            Error::format(path, other.to_string(), "check the world's georeference, or write R32")
-        }
+        // Not of `path` itself, which is watched: the encoder keeps its blocks in a temporary file.
+        geotiff_writer::Error::Io(source) => Error::io(&std::env::temp_dir(), "write temporary data to")(source),
+        other => Error::format(path, other.to_string(), "check the world's georeference, or write R32"),
     }
 }
 

@@ -1,6 +1,6 @@
 //! PNG, out: 16-bit grey for layers, 8-bit RGB for pictures.
 
-use crate::atomic::write_atomically;
+use crate::atomic::{Watched, watched, write_atomically};
 use crate::error::{Error, Result};
 use crate::format::size_u32;
 use eyot_core::{Layer, World};
@@ -43,9 +43,9 @@ pub(crate) fn write_png16(path: &Path, world: &World, layer: &Layer) -> Result<(
         (key::CELL_Y, format!("{:?}", world.grid.cell_y_m)),
         (key::GEOREFERENCE, georeference.unwrap_or_default()),
     ];
-    write_atomically(path, |file| {
+    let encode = |out: Watched<'_>| {
         let failed = |e| as_error(path, e);
-        let mut encoder = Encoder::new(file, width, height);
+        let mut encoder = Encoder::new(out, width, height);
         encoder.set_color(ColorType::Grayscale);
         encoder.set_depth(BitDepth::Sixteen);
         for (keyword, text) in texts.into_iter().filter(|(_, text)| !text.is_empty()) {
@@ -71,7 +71,8 @@ pub(crate) fn write_png16(path: &Path, world: &World, layer: &Layer) -> Result<(
         }
         stream.finish().map_err(failed)?;
         writer.finish().map_err(failed)
-    })
+    };
+    write_atomically(path, |file| watched(file, path, encode))
 }
 
 /// Writes an 8-bit picture; `pixels` are sRGB, row by row from the top.
@@ -85,16 +86,17 @@ pub fn write_rgb_png(path: &Path, width: usize, height: usize, pixels: &[[u8; 3]
         return Err(Error::format(path, problem, "give width times height pixels"));
     }
     let (w, h) = size_u32(path, width, height)?;
-    write_atomically(path, |file| {
+    let encode = |out: Watched<'_>| {
         let failed = |e| as_error(path, e);
-        let mut encoder = Encoder::new(file, w, h);
+        let mut encoder = Encoder::new(out, w, h);
         encoder.set_color(ColorType::Rgb);
         encoder.set_depth(BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         let mut writer = encoder.write_header().map_err(failed)?;
         writer.write_image_data(pixels.as_flattened()).map_err(failed)?;
         writer.finish().map_err(failed)
-    })
+    };
+    write_atomically(path, |file| watched(file, path, encode))
 }
 
 fn as_error(path: &Path, e: EncodingError) -> Error {
