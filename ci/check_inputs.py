@@ -80,7 +80,7 @@ def make(folder):
             path.unlink(missing_ok=True)
             skipped.append(f"{name}: {reason}")
             continue
-        cell = {"no-place": (1, 1), "rotated": (73**0.5,) * 2, "feet": None, "geographic": (74.75, 92.47)}.get(name, (10, 20))
+        cell = {"no-place": (1, 1), "rotated": (73**0.5,) * 2, "feet": (10 * 1200 / 3937, 20 * 1200 / 3937), "geographic": (74.75, 92.47)}.get(name, (10, 20))
         expected[path.name] = (values.astype(np.float32), cell)
 
     south_up = Affine(10.0, 0, 500010.0, 0, 20.0, 4100020.0 - HEIGHT * 20.0)

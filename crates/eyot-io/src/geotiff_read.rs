@@ -48,9 +48,12 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
         face_north(&mut field, g);
     }
     let unit = geo.as_ref().map_or(1.0, metres_per_unit);
+    // Absurd coordinates can overflow; a grid could not use such a size.
+    let usable = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0;
     let cell_m = georeference
         .as_ref()
-        .map(|g| cell_size_m(g, layout.width, layout.height, unit));
+        .map(|g| cell_size_m(g, layout.width, layout.height, unit))
+        .filter(usable);
     Ok(Raster {
         field,
         cell_m,
