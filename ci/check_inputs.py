@@ -3,7 +3,7 @@
 Usage: python check_inputs.py FOLDER -- COMMAND...
 
 COMMAND gets FOLDER as its last argument and must be Eyot's example `read_all`:
-    python check_inputs.py /tmp/foreign -- cargo run -p eyot-io --example read_all --
+    python check_inputs.py out/foreign -- cargo run -p eyot-io --example read_all --
 Prints each failure and at the end "N passed, M failed".
 """
 
