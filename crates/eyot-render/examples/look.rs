@@ -21,7 +21,7 @@ fn main() -> Outcome {
         time(folder, "island", || perspective(&island, &ViewOptions::default()))?;
     }
     time(folder, "island-near", || {
-        perspective(&island, &ViewOptions { distance: 0.45, elevation_deg: 14.0, azimuth_deg: 150.0, ..ViewOptions::default() })
+        perspective(&island, &ViewOptions { distance: 0.5, elevation_deg: 16.0, azimuth_deg: 150.0, ..ViewOptions::default() })
     })?;
     time(folder, "island-high", || {
         perspective(&island, &ViewOptions { elevation_deg: 50.0, azimuth_deg: 250.0, sun_azimuth_deg: 140.0, ..ViewOptions::default() })
@@ -54,26 +54,31 @@ fn island(n: usize) -> Outcome<World> {
     let mut limestone = Field::new(n, n, 0.0);
     let height = Field::from_fn(n, n, |x, y| {
         let (u, v) = ((x as f32 + 0.5) / n as f32 - 0.5, (y as f32 + 0.5) / n as f32 - 0.5);
-        let warp = fbm(u * 5.0 + 3.0, v * 5.0, 4);
-        let r = (u * u + v * v).sqrt() * (1.0 + 0.35 * warp) + 0.02 * warp;
-        let ridges = ridged(u * 7.0 + 1.0, v * 7.0 + 4.0);
-        let mut h = 1150.0 * (1.0 - r / 0.27) * (0.42 + 0.75 * ridges);
-        if h < 0.0 {
-            h = -3000.0 * (r - 0.27) * (0.8 + 0.3 * warp) - 4.0;
-        }
-        // Lagoon floor, then a reef that stands up to the tide with gaps, then the drop.
-        let ring = 0.375 + 0.045 * fbm(u * 3.0 + 9.0, v * 3.0, 3);
+        let warp = fbm(u * 4.0 + 3.0, v * 4.0, 4);
         let q = (u * u + v * v).sqrt();
-        if q < ring + 0.012 {
-            h = h.max(-14.0 - 8.0 * fbm(u * 25.0, v * 25.0, 4));
-        } else {
-            h -= 2500.0 * (q - ring - 0.012);
+        let r = q * (1.0 + 0.55 * warp);
+        let cone = (1.0 - r / 0.27).max(-0.25);
+        let carved = eroded(u * 6.0 + 2.0 + 0.3 * warp, v * 6.0 + 1.0);
+        let mut h = 1000.0 * cone * (0.55 + 0.85 * carved) + 60.0 * (carved - 0.4);
+        // The summit has fallen in.
+        let crater = 1.0 - ((u + 0.015).hypot(v - 0.01) / 0.055).powi(2);
+        h -= 430.0 * crater.max(0.0).powf(0.7) * (0.8 + 0.5 * warp);
+        if h < 0.0 {
+            h *= 0.35;
         }
-        let crest = (1.0 - ((q - ring) / 0.018).powi(2)).max(0.0) * (0.5 + 1.3 * fbm(u * 9.0, v * 9.0 + 7.0, 3) + 0.55).clamp(0.0, 1.0);
-        let patch = (fbm(u * 38.0 + 5.0, v * 38.0, 3) - 0.22).max(0.0) * 60.0;
-        let reef = (crest * 18.0).max(if q < ring { patch } else { 0.0 });
-        if h < 0.0 && reef > 0.5 {
-            let top = (h + reef).min(-0.6 + 2.2 * fbm(u * 30.0, v * 30.0, 3)).max(h);
+        // A lagoon behind a reef that rises to the tide, with passes; beyond it the drop.
+        let ring = 0.345 + 0.05 * fbm(u * 3.0 + 9.0, v * 3.0, 3) + 0.008 * fbm(u * 22.0, v * 22.0, 3);
+        let floor = -16.0 - 12.0 * fbm(u * 12.0, v * 12.0, 4);
+        let out = ((q - ring - 0.02) / 0.12).max(0.0);
+        h = h.max(floor).min(h.max(floor) - 900.0 * out.powf(1.15));
+        let open = (fbm(u * 5.0 + 1.5, v * 5.0 + 7.0, 2) * 4.0 + 1.5).clamp(0.0, 1.0);
+        let inner = ((q - ring + 0.045) / 0.045).clamp(0.0, 1.0);
+        let outer = (1.0 - (q - ring) / 0.028).clamp(0.0, 1.0);
+        let crest = (inner * inner * outer * open).min(0.5) * 2.0;
+        let heads = ((fbm(u * 30.0 + 5.0, v * 30.0, 4) - 0.16) * 5.0).clamp(0.0, 1.0) * if q < ring { 0.8 } else { 0.0 };
+        let tide = -0.9 + 2.6 * fbm(u * 26.0, v * 26.0, 4) + 1.8 * fbm(u * 8.0 + 4.0, v * 8.0, 2);
+        if h < tide {
+            let top = h + (tide - h) * crest.max(heads);
             limestone.set(x, y, top - h);
             h = top;
         }
@@ -93,8 +98,8 @@ fn mountains(n: usize) -> Outcome<World> {
         let course = 0.5 + 0.22 * (u * 5.0).sin() + 0.10 * fbm(u * 4.0, 0.3, 3);
         let off = (v - course).abs();
         let valley = (off / 0.22).min(1.0).powf(1.3);
-        let mut h = 350.0 + 150.0 * u + valley * (300.0 + 3100.0 * ridged(u * 3.5, v * 3.5).powf(1.4));
-        let wide = if (0.52..0.66).contains(&u) { 0.030 } else { 0.0 } + 0.0055;
+        let mut h = 350.0 + 150.0 * u + valley * (250.0 + 700.0 * ridged(u * 3.0, v * 3.0) + 2300.0 * eroded(u * 4.5, v * 4.5).powf(1.3));
+        let wide = 0.0055 + 0.03 * (1.0 - ((u - 0.59) / 0.08).powi(2)).max(0.0).sqrt() * (1.0 + 0.6 * fbm(u * 14.0, 2.0, 3));
         let depth = (1.0 - off / wide).max(0.0) * if wide > 0.02 { 30.0 } else { 6.0 };
         h -= depth;
         water.set(x, y, depth + 0.003);
@@ -130,6 +135,21 @@ fn fbm(mut x: f32, mut y: f32, octaves: usize) -> f32 {
         (x, y) = (1.6 * x - 1.2 * y + 11.0, 1.2 * x + 1.6 * y + 5.0);
     }
     sum
+}
+
+/// Noise whose small hills fade where the large ones are steep, as on eroded land; about 0..1.
+fn eroded(mut x: f32, mut y: f32) -> f32 {
+    let (mut sum, mut a, mut dx, mut dy) = (0.0, 0.5, 0.0, 0.0);
+    for _ in 0..8 {
+        const E: f32 = 0.01;
+        let n = 1.0 - (1.2 * value(x, y)).abs();
+        dx += (1.0 - (1.2 * value(x + E, y)).abs() - n) / E * 0.6;
+        dy += (1.0 - (1.2 * value(x, y + E)).abs() - n) / E * 0.6;
+        sum += a * n / (1.0 + 0.5 * (dx * dx + dy * dy));
+        a *= 0.5;
+        (x, y) = (1.6 * x - 1.2 * y + 11.0, 1.2 * x + 1.6 * y + 5.0);
+    }
+    sum * 1.25
 }
 
 /// Sharp crests and round valleys, 0..1.

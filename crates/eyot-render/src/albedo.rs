@@ -11,20 +11,20 @@ use eyot_core::{Result, World};
 use rayon::prelude::*;
 
 // Linear albedos. Photographs of such grounds, darkened where a photograph holds sunlight already.
-const FOREST: V3 = [0.030, 0.068, 0.018];
-const LUSH: V3 = [0.056, 0.115, 0.026];
-const GRASS: V3 = [0.135, 0.180, 0.048];
-const DRY_GRASS: V3 = [0.270, 0.245, 0.095];
-const ROCK: V3 = [0.165, 0.138, 0.115];
-const DARK_ROCK: V3 = [0.088, 0.076, 0.068];
-const SCREE: V3 = [0.255, 0.220, 0.180];
+const FOREST: V3 = [0.020, 0.043, 0.015];
+const LUSH: V3 = [0.037, 0.071, 0.020];
+const GRASS: V3 = [0.105, 0.128, 0.042];
+const DRY_GRASS: V3 = [0.225, 0.195, 0.088];
+const ROCK: V3 = [0.150, 0.130, 0.112];
+const DARK_ROCK: V3 = [0.072, 0.064, 0.058];
+const SCREE: V3 = [0.215, 0.188, 0.158];
 const RIVER_BED: V3 = [0.200, 0.175, 0.145];
 const SAND: V3 = [0.640, 0.540, 0.370];
-const SEABED: V3 = [0.560, 0.540, 0.410];
+const SEABED: V3 = [0.520, 0.490, 0.370];
 const DEEP_SEABED: V3 = [0.240, 0.250, 0.220];
 const SEAGRASS: V3 = [0.130, 0.150, 0.085];
-const REEF_FLAT: V3 = [0.700, 0.740, 0.640];
-const CORAL: V3 = [0.250, 0.225, 0.150];
+const REEF_FLAT: V3 = [0.560, 0.555, 0.440];
+const CORAL: V3 = [0.190, 0.165, 0.105];
 const SNOW: V3 = [0.800, 0.830, 0.870];
 
 /// Snow lies above this height, m; tropical islands stay below it.
@@ -113,7 +113,7 @@ impl Scales {
         let land: Vec<f32> =
             (0..slopes.len()).step_by((slopes.len() / 65_536).max(1) | 1).filter(|&i| !g.sea || g.z[i] > 0.0).map(|i| slopes[i]).collect();
         // Coarse grids round the slopes off, so rock begins where this land is steep for its kind.
-        let rock = if land.is_empty() { 0.9 } else { quantile(&land, 0.9).clamp(0.38, 0.95) };
+        let rock = if land.is_empty() { 0.9 } else { quantile(&land, 0.92).clamp(0.40, 1.15) };
         let relief = g.relief();
         let low = if g.sea { 0.0 } else { g.land_low };
         Self { extent: g.extent(), low, relief, beach: (0.006 * relief).clamp(0.02, 4.0), rock }
@@ -130,7 +130,8 @@ fn land(s: &Site, k: &Scales, sea: bool) -> V3 {
     // Meadows and clearings at the foot.
     c = mix(c, GRASS, 0.7 * smoothstep(0.10, 0.45, 1.1 * s.broad - 0.5 * s.fine) * smoothstep(0.55, 0.15, up) * smoothstep(0.45, 0.1, s.slope));
     let stone = mix(ROCK, DARK_ROCK, smoothstep(-0.3, 0.4, s.fine - 0.5 * s.broad));
-    let steep = s.slope / k.rock + 0.30 * s.fine + 0.22 * s.broad + 0.10 * s.bump;
+    // Green climbs cliffs in the wet lowlands; heights are barer.
+    let steep = s.slope / k.rock + 0.42 * s.fine + 0.26 * s.broad + 0.10 * s.bump + 0.30 * (up - 0.55);
     let scree = mix(SCREE, ROCK, smoothstep(-0.2, 0.3, s.fine));
     c = mix(c, scree, 0.65 * smoothstep(0.92, 1.12, steep) * smoothstep(0.35, 0.75, up));
     c = mix(c, stone, smoothstep(1.0, 1.28, steep));

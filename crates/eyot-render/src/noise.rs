@@ -1,5 +1,11 @@
 //! Gradient noise for colours, waves and clouds: a pure function of position and seed.
 
+/// The integer below `x`; the library's `floor` is a call where the processor's own is not assumed.
+fn floor(x: f32) -> i32 {
+    let i = x as i32;
+    i - i32::from((i as f32) > x)
+}
+
 /// Integer hash of a lattice point.
 pub(crate) fn hash(x: i32, y: i32, seed: u32) -> u32 {
     let mut h = (x as u32).wrapping_mul(0x8da6_b343) ^ (y as u32).wrapping_mul(0xd816_3841) ^ seed.wrapping_mul(0xcb1a_b31f);
@@ -26,9 +32,8 @@ const GRADIENTS: [[f32; 2]; 16] = {
 
 /// Gradient noise in about -1..1 with its two derivatives.
 pub(crate) fn noise_with_slope(x: f32, y: f32, seed: u32) -> (f32, f32, f32) {
-    let (fx, fy) = (x.floor(), y.floor());
-    let (ix, iy) = (fx as i32, fy as i32);
-    let (u, v) = (x - fx, y - fy);
+    let (ix, iy) = (floor(x), floor(y));
+    let (u, v) = (x - ix as f32, y - iy as f32);
     let g = |dx: i32, dy: i32| GRADIENTS[(hash(ix.wrapping_add(dx), iy.wrapping_add(dy), seed) & 15) as usize];
     let (ga, gb, gc, gd) = (g(0, 0), g(1, 0), g(0, 1), g(1, 1));
     let a = ga[0] * u + ga[1] * v;

@@ -83,7 +83,7 @@ impl<'a> Shot<'a> {
         };
         let camera = Camera::new(o, target, distance, clearance);
         let block = scene.block.then(|| Block::new(scene));
-        let haze = if scene.block { 0.0 } else { finite(o.haze, 1.0).max(0.0) * 0.10 / distance };
+        let haze = if scene.block { 0.0 } else { finite(o.haze, 1.0).max(0.0) * 0.055 / scene.extent };
         Self { scene, camera, block, haze, exposure: finite(o.exposure, 1.0).max(0.0) }
     }
 

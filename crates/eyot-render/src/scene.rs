@@ -2,7 +2,7 @@
 
 use crate::albedo::albedo;
 use crate::ground::{Ground, box_mean};
-use crate::light::{SkyShare, Sun, sunlight};
+use crate::light::{Coarse, Sun, sky_share, sunlight};
 use crate::math::{V3, add, direction, dot, mix, mul, scale, smoothstep, unit};
 use crate::noise::{fbm, noise_with_slope};
 use crate::sky::Sky;
@@ -31,9 +31,8 @@ pub(crate) struct Scene {
     pub(crate) ground: Ground,
     pub(crate) surface: Surface,
     nodes: Vec<Node>,
-    open_sky: SkyShare,
+    open_sky: Coarse,
     pub(crate) sky: Sky,
-    pub(crate) sun: Sun,
     /// True if the sea is drawn; its surface is at height 0.
     pub(crate) sea: bool,
     pub(crate) block: bool,
@@ -48,7 +47,7 @@ pub(crate) struct Scene {
 impl Scene {
     pub(crate) fn new(world: &World, o: &ViewOptions) -> Result<Self> {
         let ground = Ground::new(world)?;
-        let refine = Refinement::new(ground.width, ground.height);
+let refine = Refinement::new(ground.width, ground.height);
         let extent = ground.extent();
         let exaggeration = exaggeration(o, &ground);
         let sea = ground.sea && o.sea;
@@ -66,7 +65,7 @@ impl Scene {
             Some(w) => ground.z.iter().zip(w).map(|(z, d)| (z + d) * exaggeration).collect(),
             None => ground.z.iter().map(|z| z * exaggeration).collect(),
         };
-        let surface = Surface::new(&ground, &refine, refine.refine(&top, mitchell));
+        let surface = Surface::new(&ground, &refine, refine.refine(&top, b_spline));
         let fresh = water.map(|w| refine.refine(w, mitchell));
         let foam = if sea { Some(refine.refine(&surf(&ground, clarity), b_spline)) } else { None };
 
@@ -75,7 +74,7 @@ impl Scene {
         let sun = Sun::new(&surface, sun_azimuth, sun_elevation);
         let floor = if sea { 0.0 } else { f32::NEG_INFINITY };
         let light = sunlight(&surface, &sun, floor);
-        let open_sky = SkyShare::new(&surface, floor);
+        let open_sky = sky_share(&surface, floor);
         let sky = Sky::new(direction(sun_azimuth, sun_elevation), if block { 0.0 } else { o.clouds }, world.seed as u32);
 
         let colours = albedo(world, &ground, 1.0);
@@ -105,7 +104,7 @@ impl Scene {
         });
         let fresh_water = Water::fresh(2.0 * ground.river.1);
         let sea_water = Water::sea(clarity);
-        Ok(Self { ground, surface, nodes, open_sky, sky, sun, sea, block, sea_water, fresh_water, clarity, exaggeration, extent })
+        Ok(Self { ground, surface, nodes, open_sky, sky, sea, block, sea_water, fresh_water, clarity, exaggeration, extent })
     }
 
     /// Node coordinates of a place in metres.
@@ -155,18 +154,20 @@ impl Scene {
         let sum = colour[0] + colour[1] + colour[2] + 1e-6;
         let green = smoothstep(0.02, 0.16, (colour[1] - colour[0]) / sum);
         let pale = smoothstep(0.55, 1.2, sum);
-        let rough = (0.30 + 0.45 * green) * (1.0 - 0.92 * pale);
-        for (k, (length, strength)) in [(4.6, 0.34), (2.1, 0.40), (0.95, 0.42)].into_iter().enumerate() {
-            let length = length * self.extent / 512.0;
-            let keep = smoothstep(0.75, 0.30, footprint / length) * rough;
-            if keep > 0.0 {
-                let (a, b) = (0.83 * p[0] + 0.56 * p[1], 0.83 * p[1] - 0.56 * p[0]);
-                let (n, na, nb) = noise_with_slope(a / length, b / length, 300 + k as u32);
-                let s = strength * keep * 0.6;
-                rise[0] += s * (0.83 * na - 0.56 * nb);
-                rise[1] += s * (0.56 * na + 0.83 * nb);
-                colour = scale(colour, 1.0 + 0.30 * keep * n);
+        let rough = (0.42 + 0.50 * green) * (1.0 - 0.92 * pale);
+        let (a, b) = (0.83 * p[0] + 0.56 * p[1], 0.83 * p[1] - 0.56 * p[0]);
+        let mut length = 5.3 * self.extent / 512.0;
+        for k in 0..6 {
+            let keep = smoothstep(0.85, 0.30, footprint / length) * rough;
+            if keep <= 0.0 {
+                break;
             }
+            let (n, na, nb) = noise_with_slope(a / length, b / length, 300 + k);
+            let s = 0.24 * keep;
+            rise[0] += s * (0.83 * na - 0.56 * nb);
+            rise[1] += s * (0.56 * na + 0.83 * nb);
+            colour = scale(colour, 1.0 + 0.28 * keep * n);
+            length *= 0.47;
         }
         let normal = unit([-rise[0], -rise[1], 1.0]);
         let mut c = mul(colour, self.irradiance(normal, node.sun, open));

@@ -29,8 +29,8 @@ impl Sky {
             sun,
             sunlight: scale(warm, 2.75 * strength),
             skylight: mix([0.16, 0.20, 0.34], [0.40, 0.53, 0.74], strength),
-            zenith: mix([0.030, 0.060, 0.170], [0.080, 0.225, 0.560], strength),
-            horizon: mix([0.52, 0.36, 0.30], [0.60, 0.76, 0.92], high),
+            zenith: mix([0.030, 0.060, 0.170], [0.055, 0.190, 0.560], strength),
+            horizon: mix([0.52, 0.36, 0.30], [0.50, 0.70, 0.93], high),
             glow: scale(warm, 0.25 + 0.75 * strength),
             clouds: clouds.clamp(0.0, 1.0),
             seed,
@@ -44,8 +44,11 @@ impl Sky {
         let mut c = mix(self.horizon, self.zenith, blue * (0.86 + 0.14 * up));
         // Forward scattering by haze: Henyey and Greenstein's phase function, wide and narrow.
         let mu = dot(d, self.sun);
-        let phase = |g: f32| (1.0 - g * g) / (1.0 + g * g - 2.0 * g * mu).powf(1.5);
-        c = add(c, scale(self.glow, 0.055 * phase(0.62) * (0.35 + 0.65 * (-3.0 * up).exp()) + 0.0022 * phase(0.94)));
+        let phase = |g: f32| {
+            let x = 1.0 + g * g - 2.0 * g * mu;
+            (1.0 - g * g) / (x * x.sqrt())
+        };
+        c = add(c, scale(self.glow, 0.026 * phase(0.62) * (0.35 + 0.65 * (-3.0 * up).exp()) + 0.0022 * phase(0.94)));
         c
     }
 

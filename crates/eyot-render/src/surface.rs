@@ -164,8 +164,13 @@ impl Surface {
                 return None;
             }
             let inside = t + nudge;
-            let x = (origin[0] + dir[0] * inside).floor() as i64;
-            let y = (origin[1] + dir[1] * inside).floor() as i64;
+            let at = |axis: usize, n: i64| {
+                let p = origin[axis] + dir[axis] * inside;
+                let i = p as i64 - i64::from(p < 0.0);
+                // A ray that comes in through the rim may start a rounding error outside.
+                if i == n && dir[axis] < 0.0 { n - 1 } else if i == -1 && dir[axis] > 0.0 { 0 } else { i }
+            };
+            let (x, y) = (at(0, w), at(1, h));
             if x < 0 || y < 0 || x >= w || y >= h {
                 return None;
             }

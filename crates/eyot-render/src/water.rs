@@ -21,7 +21,7 @@ impl Water {
     /// Clear sea. `clarity_m` is the depth at which the bottom is all but lost.
     pub(crate) fn sea(clarity_m: f32) -> Self {
         let k = 1.0 / clarity_m.max(1e-6);
-        Self { absorb: scale([5.6, 1.05, 0.62], k), deep: [0.0045, 0.030, 0.076], build: scale([2.6, 1.5, 1.3], k) }
+        Self { absorb: scale([5.6, 1.05, 0.62], k), deep: [0.0030, 0.024, 0.064], build: scale([2.6, 1.5, 1.3], k) }
     }
 
     /// River or lake; a little green and brown.
