@@ -132,7 +132,10 @@ fn measures_agree_with_the_reference_table() {
 #[test]
 fn the_network_agrees_with_numpy_and_pyflwdir() {
     let theirs: serde_json::Value = serde_json::from_slice(&data("tests/fixtures/jacksboro_network.json")).unwrap();
-    let s = measure(&tile(), &Grid::new(COLUMNS, ROWS, 90.0, Rim::CLOSED, &Limits::default()).unwrap());
+    let s = measure(
+        &tile(),
+        &Grid::new(COLUMNS, ROWS, 90.0, Rim::CLOSED, &Limits::default()).unwrap(),
+    );
     let ours = serde_json::to_value(&s).unwrap();
     for (name, value) in theirs.as_object().unwrap() {
         let (a, b) = (ours[name].as_f64().unwrap(), value.as_f64().unwrap());

@@ -6,7 +6,7 @@
 //! 3. `P(kx, ky) = |DFT(r w)|^2`, the 2-D periodogram, with `k = hypot(kx, ky)` in cycles per metre.
 //! 4. `P` is averaged in 29 rings of `k` whose radii grow geometrically from `1 / L` to `1 / (2 d)`, where `L` is
 //!    the shorter extent and `d` the larger cell side.
-//! 5. `-beta` is the slope of the least-squares line through `log P` over `log k` of the rings whose geometric middle lies
+//! 5. `-beta` is the slope of the least-squares line through `log P` over `log k` of the rings whose mean `log k` lies
 //!    within `4 / L ..= 1 / (6 d)`: below, window and plane have bent the spectrum, above, interpolation and aliasing have.
 //!
 //! # Reading
@@ -61,7 +61,7 @@ pub fn spectral_beta(height: &Field, grid: &Grid) -> Option<f64> {
     // Rings of equal width in log k; ring r begins at bottom + r width.
     let bottom = (1.0 / extent_m).ln();
     let width = ((1.0 / (2.0 * cell_m)).ln() - bottom) / RINGS as f64;
-    let (mut power, mut count) = ([0.0; RINGS], [0_u64; RINGS]);
+    let (mut power, mut log_k, mut count) = ([0.0; RINGS], [0.0; RINGS], [0_u64; RINGS]);
     // The heights are real: rows beyond half the frequencies repeat the others.
     for (x, column) in spectrum.chunks_exact(h).enumerate().take(w / 2 + 1) {
         let kx = x as f64 / extent_x_m;
@@ -70,17 +70,20 @@ pub fn spectral_beta(height: &Field, grid: &Grid) -> Option<f64> {
         for (y, c) in column.iter().enumerate() {
             let ky = y.min(h - y) as f64 / extent_y_m;
             let k2 = kx * kx + ky * ky;
-            let ring = ((0.5 * k2.ln() - bottom) / width).floor();
+            let ln_k = 0.5 * k2.ln();
+            let ring = ((ln_k - bottom) / width).floor();
             if (0.0..RINGS as f64).contains(&ring) {
                 power[ring as usize] += f64::from(twins) * c.norm_sqr();
+                log_k[ring as usize] += f64::from(twins) * ln_k;
                 count[ring as usize] += twins as u64;
             }
         }
     }
+    // Narrow rings hold few frequencies, and these not evenly: their own mean is the place of a ring.
     let points: Vec<(f64, f64)> = (0..RINGS)
-        .map(|r| (bottom + (r as f64 + 0.5) * width, power[r] / count[r].max(1) as f64))
-        .filter(|&(k, p)| (low.ln()..=high.ln()).contains(&k) && p > 0.0)
-        .map(|(k, p)| (k, p.ln()))
+        .filter(|&r| power[r] > 0.0)
+        .map(|r| (log_k[r] / count[r] as f64, (power[r] / count[r] as f64).ln()))
+        .filter(|(k, _)| (low.ln()..=high.ln()).contains(k))
         .collect();
     if points.len() < 3 {
         None
