@@ -12,11 +12,10 @@ fn data(path: &str) -> Vec<u8> {
 }
 
 fn tile() -> Field {
-    let metres: Vec<f32> = data("../../data/jacksboro.i16")
-        .chunks_exact(2)
-        .map(|b| f32::from(i16::from_le_bytes([b[0], b[1]])))
-        .collect();
-    Field::from_slice(COLUMNS, ROWS, &metres).unwrap()
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif");
+    let raster = eyot_io::read_raster(&path, &eyot_io::ReadOptions::default(), &Limits::default()).unwrap();
+    assert_eq!((raster.field.width(), raster.field.height(), raster.filled), (COLUMNS, ROWS, 0));
+    raster.field
 }
 
 /// The tile as the reference table saw it: columns drawn together to square cells by linear interpolation, with the
@@ -31,27 +30,19 @@ fn squared() -> (Field, Grid) {
         let (a, b) = (f64::from(z.get(i, y)), f64::from(z.get((i + 1).min(COLUMNS - 1), y)));
         (a + (b - a) * t) as f32
     });
-    (
-        square,
-        Grid::new(columns, ROWS, 92.66, Rim::CLOSED, &Limits::default()).unwrap(),
-    )
+    (square, Grid::new(columns, ROWS, 92.66, Rim::CLOSED, &Limits::default()).unwrap())
 }
 
 fn measure(z: &Field, grid: &Grid) -> TerrainStats {
-    let options = TerrainOptions {
-        channel_area_m2: Some(5e6),
-        concavity_area_m2: Some(1e6),
-        ..TerrainOptions::default()
-    };
+    let options =
+        TerrainOptions { channel_area_m2: Some(5e6), concavity_area_m2: Some(1e6), ..TerrainOptions::default() };
     terrain_stats(z, grid, None, &options, &Limits::default()).unwrap()
 }
 
 /// CRC-32 of zlib.
 fn crc32(bytes: impl Iterator<Item = u8>) -> u32 {
     !bytes.fold(!0_u32, |crc, b| {
-        (0..8).fold(crc ^ u32::from(b), |c, _| {
-            if c & 1 == 1 { c >> 1 ^ 0xedb8_8320 } else { c >> 1 }
-        })
+        (0..8).fold(crc ^ u32::from(b), |c, _| if c & 1 == 1 { c >> 1 ^ 0xedb8_8320 } else { c >> 1 })
     })
 }
 
@@ -108,10 +99,7 @@ fn measures_agree_with_the_reference_table() {
     let mut wrong = Vec::new();
     for (name, ours, theirs, tolerance) in rows {
         let ours = ours.unwrap_or_else(|| panic!("{name} is missing"));
-        println!(
-            "{name:22} {ours:9.4} {theirs:9.4} {:+.2} %",
-            100.0 * (ours / theirs - 1.0)
-        );
+        println!("{name:22} {ours:9.4} {theirs:9.4} {:+.2} %", 100.0 * (ours / theirs - 1.0));
         if (ours - theirs).abs() > tolerance {
             wrong.push(name);
         }
@@ -132,10 +120,7 @@ fn measures_agree_with_the_reference_table() {
 #[test]
 fn the_network_agrees_with_numpy_and_pyflwdir() {
     let theirs: serde_json::Value = serde_json::from_slice(&data("tests/fixtures/jacksboro_network.json")).unwrap();
-    let s = measure(
-        &tile(),
-        &Grid::new(COLUMNS, ROWS, 90.0, Rim::CLOSED, &Limits::default()).unwrap(),
-    );
+    let s = measure(&tile(), &Grid::new(COLUMNS, ROWS, 90.0, Rim::CLOSED, &Limits::default()).unwrap());
     let ours = serde_json::to_value(&s).unwrap();
     for (name, value) in theirs.as_object().unwrap() {
         let (a, b) = (ours[name].as_f64().unwrap(), value.as_f64().unwrap());
@@ -159,24 +144,13 @@ fn oblong_cells_measure_the_same_land() {
         let (a, b) = (a.unwrap(), b.unwrap());
         assert!((a - b).abs() <= tolerance, "{name}: {a} on square, {b} on oblong cells");
     };
-    close(
-        "hypsometric integral",
-        a.hypsometric_integral,
-        b.hypsometric_integral,
-        0.01,
-    );
+    close("hypsometric integral", a.hypsometric_integral, b.hypsometric_integral, 0.01);
     close("slope", a.slope_mean_deg, b.slope_mean_deg, 0.7);
     close("beta", a.beta_2d, b.beta_2d, 0.15);
     close("density", a.drainage_density_per_km, b.drainage_density_per_km, 0.02);
     close("Hack", a.hack, b.hack, 0.05);
     close("R_A", a.horton_area, b.horton_area, 0.5);
-    for (a, b) in a
-        .landforms
-        .unwrap()
-        .to_array()
-        .into_iter()
-        .zip(b.landforms.unwrap().to_array())
-    {
+    for (a, b) in a.landforms.unwrap().to_array().into_iter().zip(b.landforms.unwrap().to_array()) {
         assert!((a - b).abs() < 0.02, "{a} {b}");
     }
 }

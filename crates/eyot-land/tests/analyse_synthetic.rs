@@ -18,10 +18,7 @@ struct Random(u64);
 
 impl Random {
     fn uniform(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -56,18 +53,14 @@ fn spectral_surfaces_have_the_exponent_they_were_made_with() {
     for beta in [2.0, 3.0, 3.6, 4.0] {
         let g = grid(384, 384, 30.0, Rim::CLOSED);
         let seeds = 8;
-        let found = (1..=seeds)
-            .map(|s| spectral_beta(&gaussian_surface(384, beta, s), &g).unwrap())
-            .sum::<f64>();
+        let found = (1..=seeds).map(|s| spectral_beta(&gaussian_surface(384, beta, s), &g).unwrap()).sum::<f64>();
         let found = found / seeds as f64;
         println!("beta made with {beta}, found {found}");
         assert!((found - beta).abs() < 0.1, "made with {beta}, found {found}");
     }
     let mut random = Random(5);
     let noise = Field::from_fn(512, 512, |_, _| random.normal() as f32);
-    let beta = measure(&noise, &grid(512, 512, 1.0, Rim::CLOSED), None)
-        .beta_2d
-        .unwrap();
+    let beta = measure(&noise, &grid(512, 512, 1.0, Rim::CLOSED), None).beta_2d.unwrap();
     assert!(beta.abs() < 0.1, "white noise: {beta}");
 }
 
@@ -79,10 +72,7 @@ fn oblong_cells_do_not_bend_the_spectrum() {
     let square = grid(512, 512, 10.0, Rim::CLOSED);
     let z = gaussian_surface(512, 3.4, 4);
     let thin = Field::from_fn(512, 256, |x, y| z.get(x, 2 * y));
-    let (a, b) = (
-        spectral_beta(&z, &square).unwrap(),
-        spectral_beta(&thin, &oblong).unwrap(),
-    );
+    let (a, b) = (spectral_beta(&z, &square).unwrap(), spectral_beta(&thin, &oblong).unwrap());
     assert!((a - b).abs() < 0.1, "{a} on square, {b} on oblong cells");
 }
 
@@ -90,13 +80,7 @@ fn oblong_cells_do_not_bend_the_spectrum() {
 fn brownian_surfaces_have_h_one_half() {
     let mut sum = 0.0;
     for seed in 1..=4 {
-        sum += measure(
-            &gaussian_surface(256, 3.0, seed),
-            &grid(256, 256, 30.0, Rim::CLOSED),
-            None,
-        )
-        .hurst
-        .unwrap();
+        sum += measure(&gaussian_surface(256, 3.0, seed), &grid(256, 256, 30.0, Rim::CLOSED), None).hurst.unwrap();
     }
     // The power beyond the grid's own frequency is missing, which smooths the shortest lags.
     assert!((sum / 4.0 - 0.5).abs() < 0.06, "{}", sum / 4.0);
@@ -107,11 +91,7 @@ fn white_noise_has_a_pit_in_nine_cells() {
     let mut random = Random(1);
     let z = Field::from_fn(600, 600, |_, _| random.uniform() as f32);
     let s = measure(&z, &grid(600, 600, 10.0, Rim::WRAP), None);
-    assert!(
-        (s.pits_per_1000.unwrap() - 1000.0 / 9.0).abs() < 1.5,
-        "{:?}",
-        s.pits_per_1000
-    );
+    assert!((s.pits_per_1000.unwrap() - 1000.0 / 9.0).abs() < 1.5, "{:?}", s.pits_per_1000);
     assert!(s.curvature_skew.unwrap().abs() < 0.02);
     assert!((s.hypsometric_integral.unwrap() - 0.5).abs() < 0.002);
     assert!(s.hurst.unwrap().abs() < 0.01);
@@ -124,10 +104,7 @@ fn a_plane_is_a_plane() {
     assert_eq!(s.slope_mean_deg, s.slope_p95_deg);
     assert!((s.slope_mean_deg.unwrap() - 45.0).abs() < 1e-5);
     assert_eq!((s.slope_skew, s.curvature_skew, s.beta_2d), (None, None, None));
-    assert_eq!(
-        (s.pits_per_1000, s.depression_fraction, s.fill_mean_m),
-        (Some(0.0), Some(0.0), Some(0.0))
-    );
+    assert_eq!((s.pits_per_1000, s.depression_fraction, s.fill_mean_m), (Some(0.0), Some(0.0), Some(0.0)));
     assert!((s.hypsometric_integral.unwrap() - 0.5).abs() < 1e-6);
     assert!((s.hurst.unwrap() - 1.0).abs() < 1e-9);
     assert_eq!(s.landforms.unwrap().slope, 1.0);
@@ -137,9 +114,7 @@ fn a_plane_is_a_plane() {
 #[test]
 fn a_cone_is_steep_everywhere_and_drains() {
     // tan = 0.5, tip in the middle; a third of the volume of the cylinder lies under it.
-    let z = Field::from_fn(201, 201, |x, y| {
-        500.0 - 5.0 * ((x as f32 - 100.0).hypot(y as f32 - 100.0))
-    });
+    let z = Field::from_fn(201, 201, |x, y| 500.0 - 5.0 * ((x as f32 - 100.0).hypot(y as f32 - 100.0)));
     let s = measure(&z, &grid(201, 201, 10.0, Rim::CLOSED), Some(0.0));
     assert!((s.land_share - PI * 100.0 * 100.0 / (201.0 * 201.0)).abs() < 0.002);
     assert!((s.hypsometric_integral.unwrap() - 1.0 / 3.0).abs() < 0.003);
@@ -160,11 +135,7 @@ fn a_bowl_holds_its_volume() {
     let s = measure(&z, &grid(n, n, cell, Rim::CLOSED), None);
     let (area, all) = (PI * 600.0 * 600.0, (n as f64 * cell).powi(2));
     let expected = area * 72.0 / 2.0 / all;
-    assert!(
-        (s.fill_mean_m.unwrap() / expected - 1.0).abs() < 0.002,
-        "{:?} {expected}",
-        s.fill_mean_m
-    );
+    assert!((s.fill_mean_m.unwrap() / expected - 1.0).abs() < 0.002, "{:?} {expected}", s.fill_mean_m);
     assert!((s.depression_fraction.unwrap() - area / all).abs() < 0.003);
     assert!((s.fill_over_relief.unwrap() - expected / 144.0).abs() < 0.001);
     assert!((s.pits_per_1000.unwrap() - 1000.0 / (119.0 * 119.0)).abs() < 1e-9);
@@ -185,50 +156,21 @@ fn the_sea_floor_does_not_count_as_land() {
     deep.map_in_place(|z| if z > 90.0 { z } else { 3.0 * z - 500.0 });
     let b = measure(&deep, &g, Some(90.0));
     let alone = |s: &TerrainStats| {
-        let heights = (
-            s.land_share,
-            s.min_m,
-            s.max_m,
-            s.mean_m,
-            s.hypsometric_integral,
-            s.hurst,
-            s.pits_per_1000,
-        );
-        (
-            heights,
-            (
-                s.depression_fraction,
-                s.fill_mean_m,
-                s.concavity,
-                s.hack,
-                s.horton_area,
-                s.drainage_density_per_km,
-            ),
-        )
+        let heights = (s.land_share, s.min_m, s.max_m, s.mean_m, s.hypsometric_integral, s.hurst, s.pits_per_1000);
+        (heights, (s.depression_fraction, s.fill_mean_m, s.concavity, s.hack, s.horton_area, s.drainage_density_per_km))
     };
     assert_eq!(alone(&a), alone(&b));
     assert_eq!(a.landforms, b.landforms);
     assert!(a.land_share > 0.1 && a.land_share < 0.9);
     assert!(a.min_m.unwrap() > 90.0);
     let drowned = measure(&z, &g, Some(1e4));
-    assert_eq!(
-        (drowned.land_share, drowned.max_m, drowned.landforms),
-        (0.0, None, None)
-    );
+    assert_eq!((drowned.land_share, drowned.max_m, drowned.landforms), (0.0, None, None));
 }
 
 #[test]
 fn threads_do_not_change_a_bit() {
     let z = gaussian_surface(150, 3.2, 2);
-    let g = grid(
-        150,
-        150,
-        20.0,
-        Rim {
-            x: Edge::Wrap,
-            y: Edge::Open,
-        },
-    );
+    let g = grid(150, 150, 20.0, Rim { x: Edge::Wrap, y: Edge::Open });
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| measure(&z, &g, Some(0.0)))
@@ -243,36 +185,15 @@ fn bad_requests_are_errors() {
     let g = grid(4, 4, 1.0, Rim::CLOSED);
     let limits = Limits::default();
     let plain = TerrainOptions::default();
-    assert!(matches!(
-        terrain_stats(&Field::new(4, 3, 0.0), &g, None, &plain, &limits),
-        Err(Error::Shape { .. })
-    ));
+    assert!(matches!(terrain_stats(&Field::new(4, 3, 0.0), &g, None, &plain, &limits), Err(Error::Shape { .. })));
     let mut z = Field::new(4, 4, 0.0);
-    let tight = Limits {
-        max_bytes: 100,
-        ..limits
-    };
-    assert!(matches!(
-        terrain_stats(&z, &g, None, &plain, &tight),
-        Err(Error::Limit { .. })
-    ));
-    assert!(matches!(
-        terrain_stats(&z, &g, Some(f64::NAN), &plain, &limits),
-        Err(Error::BadParameter { .. })
-    ));
-    let bad = TerrainOptions {
-        channel_area_m2: Some(-1.0),
-        ..plain.clone()
-    };
-    assert!(matches!(
-        terrain_stats(&z, &g, None, &bad, &limits),
-        Err(Error::BadParameter { .. })
-    ));
+    let tight = Limits { max_bytes: 100, ..limits };
+    assert!(matches!(terrain_stats(&z, &g, None, &plain, &tight), Err(Error::Limit { .. })));
+    assert!(matches!(terrain_stats(&z, &g, Some(f64::NAN), &plain, &limits), Err(Error::BadParameter { .. })));
+    let bad = TerrainOptions { channel_area_m2: Some(-1.0), ..plain.clone() };
+    assert!(matches!(terrain_stats(&z, &g, None, &bad, &limits), Err(Error::BadParameter { .. })));
     z.set(2, 1, f32::NAN);
-    assert!(matches!(
-        terrain_stats(&z, &g, None, &plain, &limits),
-        Err(Error::NotFinite { x: 2, y: 1, .. })
-    ));
+    assert!(matches!(terrain_stats(&z, &g, None, &plain, &limits), Err(Error::NotFinite { x: 2, y: 1, .. })));
 }
 
 proptest! {

@@ -44,11 +44,8 @@ mod tests {
 
     #[test]
     fn a_paraboloid_has_constant_curvature() {
-        let grid = Grid {
-            cell_x_m: 2.0,
-            cell_y_m: 3.0,
-            ..Grid::new(8, 6, 1.0, Rim::OPEN, &Limits::default()).unwrap()
-        };
+        let grid =
+            Grid { cell_x_m: 2.0, cell_y_m: 3.0, ..Grid::new(8, 6, 1.0, Rim::OPEN, &Limits::default()).unwrap() };
         let z = Field::from_fn(8, 6, |x, y| {
             let (e, s) = (x as f32 * 2.0, y as f32 * 3.0);
             0.5 * e * e + 0.25 * s * s

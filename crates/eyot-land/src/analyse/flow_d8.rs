@@ -42,11 +42,7 @@ impl FlowD8 {
     /// If `surface` or `outlets` has another size than `grid`, or the grid has 2^32 cells or more.
     pub fn new(surface: &Field, grid: &Grid, outlets: &[bool]) -> Self {
         let z = surface.to_vec();
-        assert_eq!(
-            (z.len(), outlets.len()),
-            (grid.cells(), grid.cells()),
-            "surface, outlets and grid differ in size"
-        );
+        assert_eq!((z.len(), outlets.len()), (grid.cells(), grid.cells()), "surface, outlets and grid differ in size");
         assert!(u32::try_from(z.len()).is_ok(), "cells are numbered with 32 bits");
         let around = Neighbours::new(grid);
         let mut direction = steepest(&z, &around, outlets);
@@ -61,11 +57,7 @@ impl FlowD8 {
             }
         }
         let downstream_order = sort_downstream(&receiver);
-        Self {
-            receiver,
-            distance_m,
-            downstream_order,
-        }
+        Self { receiver, distance_m, downstream_order }
     }
 
     /// True if cell `i` keeps its water.
@@ -195,11 +187,8 @@ mod tests {
     #[test]
     fn narrow_cells_make_diagonals_less_steep() {
         // 3 down over hypot(1, 4) is flatter than 1 down over 1.
-        let grid = Grid {
-            cell_x_m: 1.0,
-            cell_y_m: 4.0,
-            ..Grid::new(3, 3, 1.0, Rim::CLOSED, &Limits::default()).unwrap()
-        };
+        let grid =
+            Grid { cell_x_m: 1.0, cell_y_m: 4.0, ..Grid::new(3, 3, 1.0, Rim::CLOSED, &Limits::default()).unwrap() };
         let z = Field::from_slice(3, 3, &[9.0, 9.0, 2.0, 9.0, 5.0, 4.0, 9.0, 9.0, 9.0]).unwrap();
         assert_eq!(route(&z, &grid).receiver[4], 5);
         assert_eq!(route(&z, &Grid { cell_y_m: 1.0, ..grid }).receiver[4], 2);

@@ -97,11 +97,7 @@ const TABLE: [[u8; 9]; 9] = {
 /// If `height` has another size than `grid`.
 pub fn geomorphons(height: &Field, grid: &Grid, radius_cells: usize, flat_deg: f64) -> Vec<Landform> {
     let (w, h) = (grid.width, grid.height);
-    assert_eq!(
-        (height.width(), height.height()),
-        (w, h),
-        "height and grid differ in size"
-    );
+    assert_eq!((height.width(), height.height()), (w, h), "height and grid differ in size");
     // Farther than the grid there is nothing, or, on a ring, nothing new.
     let r = radius_cells.min(w.max(h));
     let framed = Framed::new(height, grid, r);
@@ -211,17 +207,7 @@ mod tests {
     fn turning_the_land_upside_down_swaps_the_forms() {
         let grid = Grid {
             cell_x_m: 7.0,
-            ..Grid::new(
-                50,
-                40,
-                10.0,
-                Rim {
-                    x: Edge::Wrap,
-                    y: Edge::Open,
-                },
-                &Limits::default(),
-            )
-            .unwrap()
+            ..Grid::new(50, 40, 10.0, Rim { x: Edge::Wrap, y: Edge::Open }, &Limits::default()).unwrap()
         };
         let mut s = 5_u64;
         let mut z = Field::from_fn(50, 40, |_, _| {
@@ -240,12 +226,7 @@ mod tests {
         };
         // The table itself is symmetric only in these.
         let plain = [Landform::Peak, Landform::Pit, Landform::Ridge, Landform::Valley];
-        assert!(
-            up.iter()
-                .zip(&down)
-                .filter(|(a, _)| plain.contains(a))
-                .all(|(&a, &b)| swapped(a) == b)
-        );
+        assert!(up.iter().zip(&down).filter(|(a, _)| plain.contains(a)).all(|(&a, &b)| swapped(a) == b));
         assert!(plain.iter().all(|f| up.contains(f)));
     }
 

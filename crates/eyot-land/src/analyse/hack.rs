@@ -39,15 +39,9 @@ mod tests {
         receiver.extend(1..=9);
         let mut order: Vec<u32> = (10..19).collect();
         order.extend(0..10);
-        let flow = FlowD8 {
-            receiver,
-            distance_m: vec![1.0; 19],
-            downstream_order: order,
-        };
+        let flow = FlowD8 { receiver, distance_m: vec![1.0; 19], downstream_order: order };
         let h = hack_exponent(&flow, &[true; 19], &flow.accumulation()).unwrap();
-        let points: Vec<_> = (1..10)
-            .map(|k| (f64::from(2 * k + 1).ln(), f64::from(k).ln()))
-            .collect();
+        let points: Vec<_> = (1..10).map(|k| (f64::from(2 * k + 1).ln(), f64::from(k).ln())).collect();
         assert_eq!(Some(h), line_slope(&points));
         assert_eq!(hack_exponent(&flow, &[false; 19], &flow.accumulation()), None);
     }

@@ -59,11 +59,7 @@ pub fn streams_by_order(flow: &FlowD8, order: &[u8], accumulation: &[u32]) -> Ve
 /// Horton's ratios; `None` with fewer than two orders, or if streams of an order have no length.
 pub fn horton_ratios(streams: &[StreamOrder]) -> Option<HortonRatios> {
     let ratio = |f: &dyn Fn(&StreamOrder) -> f64| {
-        let points: Vec<_> = streams
-            .iter()
-            .enumerate()
-            .map(|(w, s)| (w as f64, f(s).log10()))
-            .collect();
+        let points: Vec<_> = streams.iter().enumerate().map(|(w, s)| (w as f64, f(s).log10())).collect();
         line_slope(&points).map(|slope| 10.0_f64.powf(slope.abs()))
     };
     Some(HortonRatios {
@@ -82,19 +78,11 @@ mod tests {
     fn a_perfect_tree_has_its_ratios() {
         // 4 sources, 2 of order 2, 1 of order 3; two cells a stream.
         let receiver = vec![1, 8, 3, 8, 5, 10, 7, 10, 9, 12, 11, 12, 13, 13];
-        let flow = FlowD8 {
-            receiver,
-            distance_m: vec![1.0; 14],
-            downstream_order: (0..14).collect(),
-        };
+        let flow = FlowD8 { receiver, distance_m: vec![1.0; 14], downstream_order: (0..14).collect() };
         let order = strahler_orders(&flow, &[true; 14]);
         assert_eq!(order, [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3]);
         let streams = streams_by_order(&flow, &order, &flow.accumulation());
-        let expect = |streams, length_m, drained_cells| StreamOrder {
-            streams,
-            length_m,
-            drained_cells,
-        };
+        let expect = |streams, length_m, drained_cells| StreamOrder { streams, length_m, drained_cells };
         assert_eq!(streams, [expect(4, 8.0, 8), expect(2, 4.0, 12), expect(1, 2.0, 14)]);
         let r = horton_ratios(&streams).unwrap();
         assert!((r.bifurcation - 2.0).abs() < 1e-12 && (r.length - 1.0).abs() < 1e-12);
@@ -104,23 +92,7 @@ mod tests {
     #[test]
     fn nothing_or_one_order_has_no_ratio() {
         assert_eq!(horton_ratios(&[]), None);
-        assert_eq!(
-            horton_ratios(&[StreamOrder {
-                streams: 3,
-                length_m: 0.0,
-                drained_cells: 9
-            }]),
-            None
-        );
-        assert_eq!(
-            horton_ratios(
-                &[StreamOrder {
-                    streams: 3,
-                    length_m: 0.0,
-                    drained_cells: 9
-                }; 2]
-            ),
-            None
-        );
+        assert_eq!(horton_ratios(&[StreamOrder { streams: 3, length_m: 0.0, drained_cells: 9 }]), None);
+        assert_eq!(horton_ratios(&[StreamOrder { streams: 3, length_m: 0.0, drained_cells: 9 }; 2]), None);
     }
 }

@@ -41,10 +41,8 @@ impl Neighbours {
             return;
         }
         for (d, (dx, dy)) in STEPS.into_iter().enumerate() {
-            if let (Some(nx), Some(ny)) = (
-                step(x, dx, self.width, self.wrap_x),
-                step(y, dy, self.height, self.wrap_y),
-            ) {
+            if let (Some(nx), Some(ny)) = (step(x, dx, self.width, self.wrap_x), step(y, dy, self.height, self.wrap_y))
+            {
                 let j = ny * self.width + nx;
                 if j != i {
                     f(d, j);
@@ -73,11 +71,7 @@ impl Neighbours {
 #[inline]
 fn step(i: usize, by: isize, n: usize, wrap: bool) -> Option<usize> {
     let j = i as isize + by;
-    if wrap {
-        Some(j.rem_euclid(n as isize) as usize)
-    } else {
-        (0..n as isize).contains(&j).then_some(j as usize)
-    }
+    if wrap { Some(j.rem_euclid(n as isize) as usize) } else { (0..n as isize).contains(&j).then_some(j as usize) }
 }
 
 #[cfg(test)]
@@ -100,10 +94,7 @@ mod tests {
         let closed = Grid::new(4, 3, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
         assert_eq!(all(&closed, 0), [1, 4, 5]);
         assert_eq!(all(&closed, 5), [0, 1, 2, 4, 6, 8, 9, 10]);
-        let ring = Grid {
-            rim: Rim::WRAP,
-            ..closed
-        };
+        let ring = Grid { rim: Rim::WRAP, ..closed };
         assert_eq!(all(&ring, 0), [1, 3, 4, 5, 7, 8, 9, 11]);
     }
 
@@ -116,14 +107,8 @@ mod tests {
 
     #[test]
     fn distances_follow_the_cell_size() {
-        let grid = Grid {
-            cell_x_m: 3.0,
-            cell_y_m: 4.0,
-            ..Grid::new(4, 3, 1.0, Rim::CLOSED, &Limits::default()).unwrap()
-        };
-        assert_eq!(
-            Neighbours::new(&grid).distance_m,
-            [4.0, 5.0, 3.0, 5.0, 4.0, 5.0, 3.0, 5.0]
-        );
+        let grid =
+            Grid { cell_x_m: 3.0, cell_y_m: 4.0, ..Grid::new(4, 3, 1.0, Rim::CLOSED, &Limits::default()).unwrap() };
+        assert_eq!(Neighbours::new(&grid).distance_m, [4.0, 5.0, 3.0, 5.0, 4.0, 5.0, 3.0, 5.0]);
     }
 }

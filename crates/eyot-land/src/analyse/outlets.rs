@@ -23,11 +23,7 @@ pub fn outlets(height: &Field, grid: &Grid, sea_level_m: Option<f64>) -> Vec<boo
         }
     }
     if !out.contains(&true) {
-        let lowest = height
-            .iter()
-            .enumerate()
-            .fold((0, f32::INFINITY), |m, (i, z)| if z < m.1 { (i, z) } else { m })
-            .0;
+        let lowest = height.iter().enumerate().fold((0, f32::INFINITY), |m, (i, z)| if z < m.1 { (i, z) } else { m }).0;
         out[lowest] = true;
     }
     out
@@ -47,16 +43,7 @@ mod tests {
     #[test]
     fn border_sea_or_the_lowest_cell() {
         assert_eq!(count(Rim::CLOSED, None), 14);
-        assert_eq!(
-            count(
-                Rim {
-                    x: Edge::Wrap,
-                    y: Edge::Open
-                },
-                None
-            ),
-            10
-        );
+        assert_eq!(count(Rim { x: Edge::Wrap, y: Edge::Open }, None), 10);
         assert_eq!(count(Rim::WRAP, Some(6.0)), 7);
         assert_eq!(count(Rim::WRAP, None), 1);
     }

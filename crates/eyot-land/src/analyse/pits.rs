@@ -56,12 +56,8 @@ mod tests {
         assert_eq!(c.per_1000(), Some(1000.0 / 15.0));
         assert_eq!(count_pits(&z, &Grid { rim: Rim::WRAP, ..grid }, |_| true).pits, 2);
         assert_eq!(
-            count_pits(
-                &Field::new(1, 1, 0.0),
-                &Grid::new(1, 1, 1.0, Rim::WRAP, &Limits::default()).unwrap(),
-                |_| true
-            )
-            .pits,
+            count_pits(&Field::new(1, 1, 0.0), &Grid::new(1, 1, 1.0, Rim::WRAP, &Limits::default()).unwrap(), |_| true)
+                .pits,
             0
         );
     }

@@ -22,11 +22,7 @@ use std::collections::{BinaryHeap, VecDeque};
 /// If `height` or `outlets` has another size than `grid`.
 pub fn priority_flood(height: &Field, grid: &Grid, outlets: &[bool]) -> Field {
     let mut z = height.to_vec();
-    assert_eq!(
-        (z.len(), outlets.len()),
-        (grid.cells(), grid.cells()),
-        "height, outlets and grid differ in size"
-    );
+    assert_eq!((z.len(), outlets.len()), (grid.cells(), grid.cells()), "height, outlets and grid differ in size");
     let around = Neighbours::new(grid);
     let mut closed = outlets.to_vec();
     let mut open = BinaryHeap::new();
@@ -113,18 +109,7 @@ mod tests {
         assert_eq!(fill(&z, Rim::CLOSED, Some(0.0)), z);
         // The hole at (4, 4) lies among 13, 14 and 15; it spills west.
         assert_eq!(fill(&z, Rim::CLOSED, None).get(4, 4), 13.0);
-        assert_eq!(
-            fill(
-                &z,
-                Rim {
-                    x: Edge::Wrap,
-                    y: Edge::Open
-                },
-                None
-            )
-            .get(4, 4),
-            13.0
-        );
+        assert_eq!(fill(&z, Rim { x: Edge::Wrap, y: Edge::Open }, None).get(4, 4), 13.0);
     }
 
     proptest! {

@@ -19,14 +19,8 @@ use eyot_core::{Edge, Field, Grid};
 /// # Panics
 /// If `height` has another size than `grid`.
 pub fn slope_deg(height: &Field, grid: &Grid) -> Field {
-    assert_eq!(
-        (height.width(), height.height()),
-        (grid.width, grid.height),
-        "height and grid differ in size"
-    );
-    let columns: Vec<_> = (0..grid.width)
-        .map(|x| span(x, grid.width, grid.rim.x, grid.cell_x_m))
-        .collect();
+    assert_eq!((height.width(), height.height()), (grid.width, grid.height), "height and grid differ in size");
+    let columns: Vec<_> = (0..grid.width).map(|x| span(x, grid.width, grid.rim.x, grid.cell_x_m)).collect();
     let mut out = Field::new(grid.width, grid.height, 0.0);
     for (y, slopes) in out.rows_mut().enumerate() {
         let (n, s, per_q) = span(y, grid.height, grid.rim.y, grid.cell_y_m);
@@ -50,15 +44,7 @@ fn span(i: usize, n: usize, edge: Edge, cell_m: f64) -> (usize, usize, f64) {
             (before, after, after - before)
         }
     };
-    (
-        before,
-        after,
-        if before == after {
-            0.0
-        } else {
-            1.0 / (cells as f64 * cell_m)
-        },
-    )
+    (before, after, if before == after { 0.0 } else { 1.0 / (cells as f64 * cell_m) })
 }
 
 #[cfg(test)]
@@ -68,18 +54,11 @@ mod tests {
 
     #[test]
     fn a_plane_is_exact_everywhere_and_on_oblong_cells() {
-        let grid = Grid {
-            cell_x_m: 20.0,
-            cell_y_m: 5.0,
-            ..Grid::new(9, 7, 1.0, Rim::CLOSED, &Limits::default()).unwrap()
-        };
+        let grid =
+            Grid { cell_x_m: 20.0, cell_y_m: 5.0, ..Grid::new(9, 7, 1.0, Rim::CLOSED, &Limits::default()).unwrap() };
         // 0.3 m/m east, 0.4 m/m south: tan = 0.5.
         let z = Field::from_fn(9, 7, |x, y| 6.0 * x as f32 + 2.0 * y as f32);
-        assert!(
-            slope_deg(&z, &grid)
-                .iter()
-                .all(|s| (s - 0.5_f32.atan().to_degrees()).abs() < 1e-5)
-        );
+        assert!(slope_deg(&z, &grid).iter().all(|s| (s - 0.5_f32.atan().to_degrees()).abs() < 1e-5));
     }
 
     #[test]

@@ -55,17 +55,10 @@ pub fn concavity(surface: &Field, flow: &FlowD8, keep: &[bool], accumulation: &[
         .enumerate()
         .filter(|(_, slopes)| slopes.len() >= MIN_CELLS)
         .filter_map(|(b, slopes)| {
-            Some((
-                (b as f64 + 0.5) * BIN_DECADES,
-                quantile(slopes, 0.5).filter(|&s| s > 0.0)?.log10(),
-            ))
+            Some(((b as f64 + 0.5) * BIN_DECADES, quantile(slopes, 0.5).filter(|&s| s > 0.0)?.log10()))
         })
         .collect();
-    if points.len() < 4 {
-        None
-    } else {
-        line_slope(&points).map(|s| -s)
-    }
+    if points.len() < 4 { None } else { line_slope(&points).map(|s| -s) }
 }
 
 #[cfg(test)]
@@ -83,11 +76,7 @@ mod tests {
         let receiver: Vec<u32> = (1..n as u32).chain([n as u32 - 1]).collect();
         let mut distance_m = vec![1.0; n];
         distance_m[n - 1] = 0.0;
-        let flow = FlowD8 {
-            receiver,
-            distance_m,
-            downstream_order: (0..n as u32).collect(),
-        };
+        let flow = FlowD8 { receiver, distance_m, downstream_order: (0..n as u32).collect() };
         let cells = flow.accumulation();
         // Heights of hundreds of metres carry steps of 1e-5 m in f32, well below the falls of 0.07 m over a reach.
         let surface = Field::from_slice(n, 1, &z.iter().map(|&z| z as f32).collect::<Vec<_>>()).unwrap();

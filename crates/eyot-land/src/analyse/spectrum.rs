@@ -38,11 +38,7 @@ pub(super) const fn spectrum_bytes(cells: usize) -> u128 {
 /// # Panics
 /// If `height` has another size than `grid`.
 pub fn spectral_beta(height: &Field, grid: &Grid) -> Option<f64> {
-    assert_eq!(
-        (height.width(), height.height()),
-        (grid.width, grid.height),
-        "height and grid differ in size"
-    );
+    assert_eq!((height.width(), height.height()), (grid.width, grid.height), "height and grid differ in size");
     let (w, h) = (grid.width, grid.height);
     let (extent_x_m, extent_y_m) = grid.extent_m();
     let (extent_m, cell_m) = (extent_x_m.min(extent_y_m), grid.cell_x_m.max(grid.cell_y_m));
@@ -85,11 +81,7 @@ pub fn spectral_beta(height: &Field, grid: &Grid) -> Option<f64> {
         .map(|r| (log_k[r] / count[r] as f64, (power[r] / count[r] as f64).ln()))
         .filter(|(k, _)| (low.ln()..=high.ln()).contains(k))
         .collect();
-    if points.len() < 3 {
-        None
-    } else {
-        line_slope(&points).map(|s| -s)
-    }
+    if points.len() < 3 { None } else { line_slope(&points).map(|s| -s) }
 }
 
 /// Steps 1 and 2: the height without its plane, under the window, and the largest residual (0 for plane ground).
@@ -113,9 +105,7 @@ fn windowed_residual(height: &Field) -> (Vec<Complex<f64>>, f64) {
     let cells = (w * h) as f64;
     let (a, b, c) = (sum / cells, sum_x / (cells * square(w)), sum_y / (cells * square(h)));
     let hann = |n: usize| -> Vec<f64> {
-        (0..n)
-            .map(|i| 0.5 - 0.5 * (std::f64::consts::TAU * i as f64 / (n - 1) as f64).cos())
-            .collect()
+        (0..n).map(|i| 0.5 - 0.5 * (std::f64::consts::TAU * i as f64 / (n - 1) as f64).cos()).collect()
     };
     let (wx, wy) = (hann(w), hann(h));
     let mut roughness = 0.0_f64;
@@ -129,14 +119,7 @@ fn windowed_residual(height: &Field) -> (Vec<Complex<f64>>, f64) {
         }
     }
     // What is left of a plane is the rounding of its f32 heights.
-    (
-        out,
-        if roughness <= 2.0 * largest * f64::from(f32::EPSILON) {
-            0.0
-        } else {
-            roughness
-        },
-    )
+    (out, if roughness <= 2.0 * largest * f64::from(f32::EPSILON) { 0.0 } else { roughness })
 }
 
 fn transform_rows(data: &mut [Complex<f64>], width: usize) {
@@ -175,10 +158,7 @@ mod tests {
             (s >> 40) as f32
         });
         let tilted = Field::from_fn(64, 48, |x, y| rough.get(x, y) + 4096.0 * plane.get(x, y));
-        let (a, b) = (
-            spectral_beta(&rough, &grid).unwrap(),
-            spectral_beta(&tilted, &grid).unwrap(),
-        );
+        let (a, b) = (spectral_beta(&rough, &grid).unwrap(), spectral_beta(&tilted, &grid).unwrap());
         assert!((a - b).abs() < 1e-3, "{a} {b}");
     }
 
@@ -186,10 +166,7 @@ mod tests {
     fn small_grids_have_none() {
         for (w, h) in [(1, 1), (1, 50), (2, 2), (20, 20)] {
             let grid = Grid::new(w, h, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
-            assert_eq!(
-                spectral_beta(&Field::from_fn(w, h, |x, y| ((x * y) % 3) as f32), &grid),
-                None
-            );
+            assert_eq!(spectral_beta(&Field::from_fn(w, h, |x, y| ((x * y) % 3) as f32), &grid), None);
         }
     }
 }

@@ -55,11 +55,7 @@ mod tests {
 
     #[test]
     fn three_equal_streams_count_once() {
-        let flow = FlowD8 {
-            receiver: vec![3, 3, 3, 3],
-            distance_m: vec![1.0; 4],
-            downstream_order: vec![0, 1, 2, 3],
-        };
+        let flow = FlowD8 { receiver: vec![3, 3, 3, 3], distance_m: vec![1.0; 4], downstream_order: vec![0, 1, 2, 3] };
         assert_eq!(strahler_orders(&flow, &[true; 4]), [1, 1, 1, 2]);
     }
 }

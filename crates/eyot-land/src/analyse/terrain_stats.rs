@@ -68,16 +68,10 @@ impl Default for TerrainOptions {
 impl TerrainOptions {
     fn check(&self) -> Result<()> {
         let bad = |field: &str, reason: String| {
-            Err(Error::BadParameter {
-                owner: "terrain_stats".into(),
-                field: field.into(),
-                reason,
-            })
+            Err(Error::BadParameter { owner: "terrain_stats".into(), field: field.into(), reason })
         };
-        for (field, area) in [
-            ("channel_area_m2", self.channel_area_m2),
-            ("concavity_area_m2", self.concavity_area_m2),
-        ] {
+        for (field, area) in [("channel_area_m2", self.channel_area_m2), ("concavity_area_m2", self.concavity_area_m2)]
+        {
             if let Some(a) = area.filter(|a| !(a.is_finite() && *a > 0.0)) {
                 return bad(field, format!("is {a}, it must be a positive area in m2"));
             }
@@ -89,16 +83,10 @@ impl TerrainOptions {
             );
         }
         if !(0.0..=45.0).contains(&self.geomorphon_flat_deg) {
-            return bad(
-                "geomorphon_flat_deg",
-                format!("is {}, it must lie within 0..=45", self.geomorphon_flat_deg),
-            );
+            return bad("geomorphon_flat_deg", format!("is {}, it must lie within 0..=45", self.geomorphon_flat_deg));
         }
         if !(0.0..=1000.0).contains(&self.depression_depth_m) {
-            return bad(
-                "depression_depth_m",
-                format!("is {}, it must lie within 0..=1000", self.depression_depth_m),
-            );
+            return bad("depression_depth_m", format!("is {}, it must lie within 0..=1000", self.depression_depth_m));
         }
         Ok(())
     }
@@ -123,36 +111,14 @@ pub struct LandformShares {
 impl LandformShares {
     /// The shares in the order of [`Landform::ALL`].
     pub fn to_array(&self) -> [f64; 10] {
-        let Self {
-            flat,
-            peak,
-            ridge,
-            shoulder,
-            spur,
-            slope,
-            hollow,
-            footslope,
-            valley,
-            pit,
-        } = *self;
+        let Self { flat, peak, ridge, shoulder, spur, slope, hollow, footslope, valley, pit } = *self;
         [flat, peak, ridge, shoulder, spur, slope, hollow, footslope, valley, pit]
     }
 
     /// Shares in the order of [`Landform::ALL`].
     pub fn from_array(shares: [f64; 10]) -> Self {
         let [flat, peak, ridge, shoulder, spur, slope, hollow, footslope, valley, pit] = shares;
-        Self {
-            flat,
-            peak,
-            ridge,
-            shoulder,
-            spur,
-            slope,
-            hollow,
-            footslope,
-            valley,
-            pit,
-        }
+        Self { flat, peak, ridge, shoulder, spur, slope, hollow, footslope, valley, pit }
     }
 }
 
@@ -252,15 +218,9 @@ pub fn terrain_stats(
         });
     }
     // The spectrum, and beside it the network: heights, receivers, distances, order, areas, lengths and flags.
-    limits.check_bytes(
-        "measuring the terrain",
-        spectrum_bytes(grid.cells()) + 64 * grid.cells() as u128,
-    )?;
+    limits.check_bytes("measuring the terrain", spectrum_bytes(grid.cells()) + 64 * grid.cells() as u128)?;
 
-    let land: Vec<bool> = height
-        .iter()
-        .map(|z| sea_level_m.is_none_or(|sea| f64::from(z) > sea))
-        .collect();
+    let land: Vec<bool> = height.iter().map(|z| sea_level_m.is_none_or(|sea| f64::from(z) > sea)).collect();
     let land_cells = land.iter().filter(|&&l| l).count();
     let mut surface = height.clone();
     if let Some(sea) = sea_level_m {
@@ -306,10 +266,7 @@ pub fn terrain_stats(
     );
     stats.depression_fraction = Some(water.raised as f64 / land_cells as f64);
     stats.fill_mean_m = finite(water.fill_sum_m / land_cells as f64);
-    stats.fill_over_relief = stats
-        .relief_m
-        .filter(|&r| r > 0.0)
-        .and_then(|r| finite(stats.fill_mean_m? / r));
+    stats.fill_over_relief = stats.relief_m.filter(|&r| r > 0.0).and_then(|r| finite(stats.fill_mean_m? / r));
     stats.concavity = water.concavity;
     stats.hack = water.hack;
     stats.strahler_max = water.streams.len() as u32;
@@ -334,9 +291,7 @@ fn shape(
     let on_land = |f: &Field| -> Vec<f32> { f.iter().zip(land).filter(|&(_, &l)| l).map(|(v, _)| v).collect() };
 
     let heights = on_land(height);
-    let (low, high) = heights
-        .iter()
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &z| (a.min(z), b.max(z)));
+    let (low, high) = heights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &z| (a.min(z), b.max(z)));
     let (low, high) = (f64::from(low), f64::from(high));
     stats.min_m = finite(low);
     stats.max_m = finite(high);
@@ -368,10 +323,7 @@ fn landform_shares(surface: &Field, grid: &Grid, land: &[bool], options: &Terrai
         return None;
     }
     let mut count = [0_u64; 10];
-    for (i, &form) in geomorphons(surface, grid, r, options.geomorphon_flat_deg)
-        .iter()
-        .enumerate()
-    {
+    for (i, &form) in geomorphons(surface, grid, r, options.geomorphon_flat_deg).iter().enumerate() {
         let (x, y) = (i % grid.width, i / grid.width);
         if land[i] && inside(x, grid.width, grid.rim.x) && inside(y, grid.height, grid.rim.y) {
             count[form as usize] += 1;
@@ -411,14 +363,8 @@ impl Water {
         let flow = FlowD8::new(&filled, grid, outlets);
         let cells = flow.accumulation();
         let channel_cells = channel_area_m2 / grid.cell_area_m2();
-        let concavity_cells = options
-            .concavity_area_m2
-            .map_or(channel_cells / 5.0, |a| a / grid.cell_area_m2());
-        let channel: Vec<bool> = cells
-            .iter()
-            .zip(land)
-            .map(|(&c, &l)| l && f64::from(c) >= channel_cells)
-            .collect();
+        let concavity_cells = options.concavity_area_m2.map_or(channel_cells / 5.0, |a| a / grid.cell_area_m2());
+        let channel: Vec<bool> = cells.iter().zip(land).map(|(&c, &l)| l && f64::from(c) >= channel_cells).collect();
         let streams = streams_by_order(&flow, &strahler_orders(&flow, &channel), &cells);
         Self {
             raised,

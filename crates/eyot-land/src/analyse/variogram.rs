@@ -27,38 +27,22 @@ const LAGS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
 /// If `height` or `keep` has another size than `grid`.
 pub fn hurst_exponent(height: &Field, grid: &Grid, keep: &[bool]) -> Option<f64> {
     let z = height.to_vec();
-    assert_eq!(
-        (z.len(), keep.len()),
-        (grid.cells(), grid.cells()),
-        "height, keep and grid differ in size"
-    );
+    assert_eq!((z.len(), keep.len()), (grid.cells(), grid.cells()), "height, keep and grid differ in size");
     let longest = grid.width.max(grid.height) / 2;
     let lags: Vec<usize> = LAGS.into_iter().filter(|&h| h <= longest).collect();
-    let axes = [
-        (1, grid.width, grid.width, grid.height, grid.rim.x),
-        (grid.width, grid.height, 1, grid.width, grid.rim.y),
-    ];
+    let axes =
+        [(1, grid.width, grid.width, grid.height, grid.rim.x), (grid.width, grid.height, 1, grid.width, grid.rim.y)];
     let mut total = vec![0.0; lags.len()];
     for (step, n, line_step, lines, edge) in axes {
-        let axis: Option<Vec<f64>> = lags
-            .iter()
-            .map(|&h| gamma(&z, keep, h, step, n, line_step, lines, edge))
-            .collect();
+        let axis: Option<Vec<f64>> =
+            lags.iter().map(|&h| gamma(&z, keep, h, step, n, line_step, lines, edge)).collect();
         if let Some(axis) = axis {
             total.iter_mut().zip(axis).for_each(|(t, g)| *t += g);
         }
     }
-    let points: Vec<(f64, f64)> = lags
-        .iter()
-        .zip(&total)
-        .filter(|(_, g)| **g > 0.0)
-        .map(|(&h, g)| ((h as f64).ln(), g.ln()))
-        .collect();
-    if points.len() < 3 {
-        None
-    } else {
-        line_slope(&points).map(|s| s / 2.0)
-    }
+    let points: Vec<(f64, f64)> =
+        lags.iter().zip(&total).filter(|(_, g)| **g > 0.0).map(|(&h, g)| ((h as f64).ln(), g.ln())).collect();
+    if points.len() < 3 { None } else { line_slope(&points).map(|s| s / 2.0) }
 }
 
 /// Mean squared difference of kept cells `h` apart along an axis of `n` cells that lie `step` apart in memory.
