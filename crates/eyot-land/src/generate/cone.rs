@@ -1,7 +1,7 @@
 //! A cone: `h = height (1 - (r / radius)^exponent)` inside the radius, 0 outside.
 
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result};
+use eyot_core::{Field, Result, math};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,8 +18,8 @@ pub struct Cone {
     /// Shape of the flank: 1 is straight, below 1 concave like a stratovolcano, above 1 a shield.
     #[schemars(range(min = 0.05, max = 16.0), extend("unit" = "1"))]
     pub exponent: f32,
-    /// Centre as shares of width and height.
-    #[schemars(extend("unit" = "1"))]
+    /// Centre as shares of width (from the west) and height (from the north).
+    #[schemars(inner(range(min = -10.0, max = 10.0)), extend("unit" = "1"))]
     pub centre: [f32; 2],
 }
 
@@ -39,7 +39,7 @@ impl Generator for Cone {
             let dx = (x as f64 + 0.5) * g.cell_x_m - centre.0;
             let dy = (y as f64 + 0.5) * g.cell_y_m - centre.1;
             let r = (dx.hypot(dy) / radius_m) as f32;
-            if r < 1.0 { self.height * (1.0 - r.powf(self.exponent)) } else { 0.0 }
+            if r < 1.0 { self.height * (1.0 - math::pow(r, self.exponent)) } else { 0.0 }
         }))
     }
 }
