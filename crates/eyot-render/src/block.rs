@@ -139,7 +139,7 @@ impl Block {
         if from >= to {
             return 0.0;
         }
-        const STEPS: usize = 20;
+        const STEPS: usize = 40;
         let mut horizon = 0.0f32;
         for i in 0..STEPS {
             // Denser at the near end, where the walls stand.
@@ -148,6 +148,6 @@ impl Block {
             let (u, v) = s.place([p[0] + dx * way, p[1] + dy * way, 0.0]);
             horizon = horizon.max((s.surface.height(u, v) - self.base) / way.max(1e-3 * s.extent));
         }
-        smoothstep(0.86 * tan, 1.16 * tan, horizon)
+        smoothstep(0.80 * tan, 1.20 * tan, horizon)
     }
 }

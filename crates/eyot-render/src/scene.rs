@@ -163,10 +163,11 @@ let refine = Refinement::new(ground.width, ground.height);
                 break;
             }
             let (n, na, nb) = noise_with_slope(a / length, b / length, 300 + k);
-            let s = 0.24 * keep;
+            // Longer bumps would be hills that are not there.
+            let s = 0.24 * keep * smoothstep(150.0, 50.0, length);
             rise[0] += s * (0.83 * na - 0.56 * nb);
             rise[1] += s * (0.56 * na + 0.83 * nb);
-            colour = scale(colour, 1.0 + 0.28 * keep * n);
+            colour = scale(colour, 1.0 + 0.24 * keep * n);
             length *= 0.47;
         }
         let normal = unit([-rise[0], -rise[1], 1.0]);

@@ -28,9 +28,9 @@ impl Sky {
         Self {
             sun,
             sunlight: scale(warm, 2.75 * strength),
-            skylight: mix([0.16, 0.20, 0.34], [0.40, 0.53, 0.74], strength),
+            skylight: mix([0.16, 0.20, 0.34], [0.47, 0.585, 0.75], strength),
             zenith: mix([0.030, 0.060, 0.170], [0.055, 0.190, 0.560], strength),
-            horizon: mix([0.52, 0.36, 0.30], [0.50, 0.70, 0.93], high),
+            horizon: mix([0.66, 0.40, 0.27], [0.40, 0.62, 0.92], high),
             glow: scale(warm, 0.25 + 0.75 * strength),
             clouds: clouds.clamp(0.0, 1.0),
             seed,
@@ -48,7 +48,7 @@ impl Sky {
             let x = 1.0 + g * g - 2.0 * g * mu;
             (1.0 - g * g) / (x * x.sqrt())
         };
-        c = add(c, scale(self.glow, 0.026 * phase(0.62) * (0.35 + 0.65 * (-3.0 * up).exp()) + 0.0022 * phase(0.94)));
+        c = add(c, scale(self.glow, 0.018 * phase(0.62) * (0.35 + 0.65 * (-3.0 * up).exp()) + 0.0022 * phase(0.94)));
         c
     }
 
@@ -62,26 +62,42 @@ impl Sky {
         add(c, scale(self.sunlight, 12.0 * disc))
     }
 
-    /// A thin field of cumulus: noise on a plane overhead, lit by how dense it is towards the sun.
+    /// Two rows of trade-wind cumulus over the horizon: flat bases, heaped tops, lit from the sun's side.
     fn cloud(&self, behind: V3, d: V3) -> V3 {
-        // A curved shell instead of a plane keeps the far field from shrinking to a line.
-        let way = 1.0 / (d[2] + 0.055);
-        let (x, y) = (d[0] * way * 1.15, d[1] * way * 1.15);
-        let cover = 0.24 - 0.36 * self.clouds;
-        let shape = |x: f32, y: f32| fbm(x * 0.55, y * 0.55, 2, self.seed ^ 0xc1) * 0.55 + fbm(x * 1.3 + 5.0, y * 1.3, 5, self.seed ^ 0xc2) * 0.75;
-        let density = shape(x, y);
-        let body = smoothstep(cover, cover + 0.30, density);
-        if body <= 0.0 {
-            return behind;
+        let azimuth = d[0].atan2(-d[1]);
+        let to_sun = (self.sun[0].atan2(-self.sun[1]) - azimuth).sin();
+        let elevation = d[2].clamp(-1.0, 1.0).asin();
+        let mut c = behind;
+        // Far and low first, then near and high.
+        for (k, (base, tall, fineness, clear)) in [(0.016, 0.042, 15.0, 0.50), (0.040, 0.115, 6.0, 0.24)].into_iter().enumerate() {
+            let up = (elevation - base) / tall;
+            if !(-0.3..1.6).contains(&up) {
+                continue;
+            }
+            let seed = self.seed ^ (0xc1 + 16 * k as u32);
+            // Noise is taken on the circle of bearings, which has no seam.
+            let (s, co) = azimuth.sin_cos();
+            let lump = |turn: f32, lift: f32| {
+                let (a, b) = (fineness * (s + turn * co), fineness * (co - turn * s));
+                let h = elevation * fineness * 1.5 + lift;
+                fbm(0.62 * a + h, 0.62 * b - 0.7 * h + 3.0, 5, seed)
+            };
+            let bank = fbm(0.16 * fineness * s + 2.0, 0.16 * fineness * co, 2, seed ^ 7);
+            let heap = |turn: f32, lift: f32, up: f32| 0.9 * lump(turn, lift) + 0.85 * bank - 0.62 * up * up.abs().sqrt() + 0.62 * self.clouds - 0.22;
+            let density = heap(0.0, 0.0, up);
+            let body = smoothstep(0.0, 0.16, density) * smoothstep(-0.10, 0.10, up + 0.25 * density);
+            if body <= 0.0 {
+                continue;
+            }
+            let shift = 0.22 / fineness;
+            let towards = heap(shift * to_sun, 0.35 * shift * fineness * 1.5, up + 0.22);
+            let shade = smoothstep(-0.30, 0.26, density - towards - 0.16) * (0.55 + 0.45 * smoothstep(-0.1, 0.7, up));
+            let lit = add(scale(self.sunlight, 0.36), scale(self.skylight, 0.50));
+            let dark = add(scale(self.skylight, 0.62), scale(self.sunlight, 0.085));
+            let colour = mix(mix(dark, lit, shade), behind, clear);
+            c = mix(c, colour, 0.94 * body);
         }
-        let towards = shape(x + 0.16 * self.sun[0], y + 0.16 * self.sun[1]);
-        let shade = smoothstep(-0.22, 0.22, density - towards);
-        let lit = add(mul(self.sunlight, [0.40, 0.40, 0.40]), scale(self.skylight, 0.35));
-        let dark = add(scale(self.skylight, 0.72), scale(self.sunlight, 0.09));
-        let colour = mix(dark, lit, 0.35 + 0.65 * shade * (1.0 - 0.35 * body));
-        // Distance swallows the clouds near the horizon.
-        let near = smoothstep(0.004, 0.16, d[2]);
-        mix(behind, mix(behind, colour, 0.45 + 0.55 * near), 0.86 * body * near.sqrt())
+        c
     }
 
     /// Light of air over a surface seen in direction `d` through haze of transmittance `clear`.
