@@ -2,7 +2,7 @@
 
 use eyot_core::layer::known;
 use eyot_core::{Field, Grid, Limits, Rim, World};
-use eyot_render::{Picture, ViewOptions, perspective};
+use eyot_render::{MapOptions, Picture, ReliefOptions, ViewOptions, layer_map, perspective, relief};
 use std::path::Path;
 use std::time::Instant;
 
@@ -34,6 +34,12 @@ fn main() -> Outcome {
     let mut coast = mountains.clone();
     coast.sea_level_m = 320.0;
     time(folder, "coast", || perspective(&coast, &ViewOptions { azimuth_deg: 150.0, ..ViewOptions::default() }))?;
+    for (name, world) in [("island", &island), ("mountains", &mountains), ("coast", &coast)] {
+        time(folder, &format!("{name}-relief"), || relief(world, &ReliefOptions::default()))?;
+        time(folder, &format!("{name}-height"), || layer_map(world, "height", &MapOptions::default()))?;
+    }
+    time(folder, "island-limestone", || layer_map(&island, "limestone", &MapOptions::default()))?;
+    time(folder, "mountains-water", || layer_map(&mountains, "water", &MapOptions::default()))?;
     Ok(())
 }
 

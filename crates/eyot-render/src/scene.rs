@@ -56,7 +56,7 @@ let refine = Refinement::new(ground.width, ground.height);
             Setting::OpenSea => !sea,
             Setting::Block => true,
         };
-        let clarity = clarity(o, &ground);
+        let clarity = clarity(o.sea_clarity_m, &ground);
 
         let water = ground.water.as_ref().filter(|_| o.fresh_water);
         // Draw the water's surface, but not the film that rain leaves everywhere.
@@ -225,10 +225,10 @@ fn exaggeration(o: &ViewOptions, g: &Ground) -> f32 {
 }
 
 /// Clear tropical water shows its bottom to about 26 m; a small world gets a sea in its own measure.
-fn clarity(o: &ViewOptions, g: &Ground) -> f32 {
+pub(crate) fn clarity(given_m: Option<f32>, g: &Ground) -> f32 {
     let lowest = g.z.iter().copied().fold(0.0f32, f32::min);
     let automatic = (0.03 * (g.land_high.max(0.0) - lowest)).clamp(0.05, 26.0);
-    o.sea_clarity_m.map_or(automatic, |c| finite(c, automatic).max(1e-3))
+    given_m.map_or(automatic, |c| finite(c, automatic).max(1e-3))
 }
 
 /// Where waves break: shallow places with deep water close by, so outer reefs and open shores but no lagoons.

@@ -2,6 +2,7 @@
 
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep};
 use crate::noise::fbm;
+use std::f32::consts::PI;
 
 /// Light of sun and sky for one picture. Colours are linear; 1 is what a white sheet sends back at noon, about.
 pub(crate) struct Sky {
@@ -69,29 +70,32 @@ impl Sky {
         let elevation = d[2].clamp(-1.0, 1.0).asin();
         let mut c = behind;
         // Far and low first, then near and high.
-        for (k, (base, tall, fineness, clear)) in [(0.016, 0.042, 15.0, 0.50), (0.040, 0.115, 6.0, 0.24)].into_iter().enumerate() {
+        for (k, (base, tall, fineness, clear)) in [(0.012, 0.040, 26.0, 0.45), (0.030, 0.100, 11.0, 0.20)].into_iter().enumerate() {
             let up = (elevation - base) / tall;
             if !(-0.3..1.6).contains(&up) {
                 continue;
             }
             let seed = self.seed ^ (0xc1 + 16 * k as u32);
-            // Noise is taken on the circle of bearings, which has no seam.
-            let (s, co) = azimuth.sin_cos();
-            let lump = |turn: f32, lift: f32| {
-                let (a, b) = (fineness * (s + turn * co), fineness * (co - turn * s));
-                let h = elevation * fineness * 1.5 + lift;
-                fbm(0.62 * a + h, 0.62 * b - 0.7 * h + 3.0, 5, seed)
+            let heaps = |azimuth: f32| {
+                let lump = |turn: f32, lift: f32| fbm(fineness * (azimuth + turn), 1.35 * fineness * (elevation + lift), 5, seed);
+                let bank = fbm(0.21 * fineness * azimuth, 0.3, 2, seed ^ 7);
+                let heap = |turn: f32, lift: f32, up: f32| 0.95 * lump(turn, lift) + 0.8 * bank - 0.55 * up * up.abs().sqrt() + 0.6 * self.clouds - 0.20;
+                let shift = 0.13 / fineness;
+                [heap(0.0, 0.0, up), heap(shift * to_sun, shift, up + shift / tall)]
             };
-            let bank = fbm(0.16 * fineness * s + 2.0, 0.16 * fineness * co, 2, seed ^ 7);
-            let heap = |turn: f32, lift: f32, up: f32| 0.9 * lump(turn, lift) + 0.85 * bank - 0.62 * up * up.abs().sqrt() + 0.62 * self.clouds - 0.22;
-            let density = heap(0.0, 0.0, up);
+            let [mut density, mut towards] = heaps(azimuth);
+            // The bearing jumps at south: fade into what continues from the other side.
+            let seam = smoothstep(PI - 0.2, PI, azimuth.abs()) * 0.5;
+            if seam > 0.0 {
+                let other = heaps(azimuth - azimuth.signum() * 2.0 * PI);
+                density += seam * (other[0] - density);
+                towards += seam * (other[1] - towards);
+            }
             let body = smoothstep(0.0, 0.16, density) * smoothstep(-0.10, 0.10, up + 0.25 * density);
             if body <= 0.0 {
                 continue;
             }
-            let shift = 0.22 / fineness;
-            let towards = heap(shift * to_sun, 0.35 * shift * fineness * 1.5, up + 0.22);
-            let shade = smoothstep(-0.30, 0.26, density - towards - 0.16) * (0.55 + 0.45 * smoothstep(-0.1, 0.7, up));
+            let shade = smoothstep(-0.10, 0.20, density - towards) * (0.60 + 0.40 * smoothstep(-0.1, 0.6, up));
             let lit = add(scale(self.sunlight, 0.36), scale(self.skylight, 0.50));
             let dark = add(scale(self.skylight, 0.62), scale(self.sunlight, 0.085));
             let colour = mix(mix(dark, lit, shade), behind, clear);

@@ -89,8 +89,12 @@ pub(crate) struct Surface {
 impl Surface {
     /// The surface of `z` (already refined), exaggerated by the caller.
     pub(crate) fn new(g: &Ground, r: &Refinement, z: Vec<f32>) -> Self {
+        Self::with_step([g.cell[0] / r.factor as f32, g.cell[1] / r.factor as f32], r, z)
+    }
+
+    /// The surface of `z` on nodes that are `step` m apart.
+    pub(crate) fn with_step(step: [f32; 2], r: &Refinement, z: Vec<f32>) -> Self {
         let [nx, ny] = r.nodes;
-        let step = [g.cell[0] / r.factor as f32, g.cell[1] / r.factor as f32];
         let (w0, h0) = (nx - 1, ny - 1);
         let mut max = vec![0.0; w0 * h0];
         max.par_chunks_mut(w0).enumerate().for_each(|(y, row)| {
