@@ -1,9 +1,8 @@
-//! Draws synthetic worlds to PNG files: `cargo run --release -p eyot-render --example look -- FOLDER [SIZE]`.
+//! Draws synthetic worlds to PNG files: `cargo run --release -p eyot-render --example look -- FOLDER [SIZE [NAME]]`.
 
 use eyot_core::layer::known;
 use eyot_core::{Field, Grid, Limits, Rim, World};
 use eyot_render::{MapOptions, Picture, ReliefOptions, ViewOptions, layer_map, perspective, relief};
-use std::path::Path;
 use std::time::Instant;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
@@ -12,8 +11,9 @@ fn main() -> Outcome {
     let mut args = std::env::args().skip(1);
     let folder = args.next().unwrap_or_else(|| "look".to_owned());
     let size: usize = args.next().map_or(Ok(512), |s| s.parse())?;
-    let folder = Path::new(&folder);
-    std::fs::create_dir_all(folder)?;
+    let only = args.next().unwrap_or_default();
+    let folder = &Folder { path: folder.into(), only };
+    std::fs::create_dir_all(&folder.path)?;
 
     let island = island(size)?;
     let mountains = mountains(size)?;
@@ -43,11 +43,20 @@ fn main() -> Outcome {
     Ok(())
 }
 
-fn time(folder: &Path, name: &str, draw: impl Fn() -> eyot_core::Result<Picture>) -> Outcome {
+/// Where pictures go, and with what their names must begin.
+struct Folder {
+    path: std::path::PathBuf,
+    only: String,
+}
+
+fn time(folder: &Folder, name: &str, draw: impl Fn() -> eyot_core::Result<Picture>) -> Outcome {
+    if !name.starts_with(&folder.only) {
+        return Ok(());
+    }
     let start = Instant::now();
     let picture = draw()?;
     println!("{name:16} {}x{} {:6.0} ms", picture.width, picture.height, start.elapsed().as_secs_f64() * 1e3);
-    let file = std::io::BufWriter::new(std::fs::File::create(folder.join(format!("{name}.png")))?);
+    let file = std::io::BufWriter::new(std::fs::File::create(folder.path.join(format!("{name}.png")))?);
     let mut encoder = png::Encoder::new(file, picture.width as u32, picture.height as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.write_header()?.write_image_data(picture.bytes())?;
@@ -87,7 +96,7 @@ fn island(n: usize) -> Outcome<World> {
         let outer = (1.0 - (q - ring) / 0.028).clamp(0.0, 1.0);
         let crest = (inner * inner * outer * open).min(0.5) * 2.0;
         let heads = ((fbm(u * 30.0 + 5.0, v * 30.0, 4) - 0.16) * 5.0).clamp(0.0, 1.0) * if q < ring { 0.8 } else { 0.0 };
-        let tide = -0.9 + 2.6 * fbm(u * 26.0, v * 26.0, 4) + 1.8 * fbm(u * 8.0 + 4.0, v * 8.0, 2);
+        let tide = -0.9 + 2.6 * fbm(u * 26.0, v * 26.0, 4) + 5.0 * fbm(u * 8.0 + 4.0, v * 8.0, 3);
         if h < tide {
             let top = h + (tide - h) * crest.max(heads);
             limestone.set(x, y, top - h);
@@ -215,7 +224,7 @@ fn carve(h: &mut [f32], n: usize, cell: f32, passes: usize, strength: f32) {
                 let i = y * n + x;
                 if before[i] > 0.0 {
                     let around = [before[i - 1], before[i + 1], before[i - n], before[i + n]];
-                    let creep: f32 = around.iter().map(|&b| (b - before[i]) * if (b - before[i]).abs() > 0.9 * cell { 0.16 } else { 0.03 }).sum();
+                    let creep: f32 = around.iter().map(|&b| (b - before[i]) * if (b - before[i]).abs() > 0.9 * cell { 0.10 } else { 0.04 }).sum();
                     h[i] += creep;
                 }
             }

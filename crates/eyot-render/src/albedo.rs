@@ -15,16 +15,16 @@ const FOREST: V3 = [0.020, 0.043, 0.015];
 const LUSH: V3 = [0.037, 0.071, 0.020];
 const GRASS: V3 = [0.105, 0.128, 0.042];
 const DRY_GRASS: V3 = [0.225, 0.195, 0.088];
-const ROCK: V3 = [0.150, 0.130, 0.112];
-const DARK_ROCK: V3 = [0.072, 0.064, 0.058];
-const SCREE: V3 = [0.215, 0.188, 0.158];
+const ROCK: V3 = [0.142, 0.118, 0.088];
+const DARK_ROCK: V3 = [0.066, 0.057, 0.044];
+const SCREE: V3 = [0.200, 0.170, 0.128];
 const RIVER_BED: V3 = [0.200, 0.175, 0.145];
 const SAND: V3 = [0.520, 0.435, 0.300];
 const SEABED: V3 = [0.520, 0.490, 0.370];
 const DEEP_SEABED: V3 = [0.240, 0.250, 0.220];
 const SEAGRASS: V3 = [0.130, 0.150, 0.085];
-const REEF_FLAT: V3 = [0.560, 0.555, 0.440];
-const CORAL: V3 = [0.190, 0.165, 0.105];
+const REEF_FLAT: V3 = [0.470, 0.470, 0.370];
+const CORAL: V3 = [0.165, 0.140, 0.085];
 const SNOW: V3 = [0.800, 0.830, 0.870];
 
 /// Snow lies above this height, m; tropical islands stay below it.
@@ -158,7 +158,7 @@ fn seabed(s: &Site, k: &Scales) -> V3 {
     c = mix(c, stone, 0.8 * smoothstep(0.9, 1.4, s.slope / k.rock + 0.3 * s.fine));
     if s.reef > 0.0 {
         let mottle = smoothstep(0.02, 0.32, s.fine + 0.25 * s.broad);
-        let flat = mix(REEF_FLAT, CORAL, 0.55 * mottle);
+        let flat = mix(REEF_FLAT, CORAL, 0.70 * mottle);
         let slope = mix(CORAL, REEF_FLAT, 0.35 * (1.0 - mottle));
         c = mix(c, mix(flat, slope, smoothstep(0.6, 3.0, depth * shallow)), 0.92 * s.reef);
     }

@@ -4,10 +4,10 @@ use crate::albedo::albedo;
 use crate::ground::{Ground, quantile};
 use crate::hillshade::{Hillshade, automatic_exaggeration};
 use crate::light::{Sun, sky_share, sunlight};
-use crate::math::{V3, lerp, mix, scale, smoothstep};
+use crate::math::{V3, lerp, mix, scale};
 use crate::picture::{Picture, quantise, tone_map};
 use crate::resample::Raster;
-use crate::surface::{Refinement, Surface};
+use crate::surface::{Refinement, Surface, b_spline};
 use crate::view::finite;
 use crate::water::Water;
 use eyot_core::{Result, World};
@@ -104,22 +104,22 @@ pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
                 let wet = (0.5 - z[i] / run).clamp(0.0, 1.0);
                 if wet > 0.0 {
                     let depth = (-z[i]).max(0.0);
-                    let below = sea_tint(&sea_water, ground_colour, depth, depth / clarity, depth / deepest);
+                    let below = sea_tint(&sea_water, ground_colour, depth, depth / deepest);
                     let bed = lerp(1.0, shade.at(slope) / shade.level(), 0.55 * (-0.35 * depth / clarity).exp() + 0.20);
                     c = mix(c, scale(below, bed * lerp(1.0, sun[i], 0.5 * shadows)), wet);
                 }
             }
-            *out = quantise(tone_map(scale(c, 0.80)), x, y);
+            *out = quantise(tone_map(scale(c, 0.76)), x, y);
         }
     });
     Ok(Picture { width: w, height: h, pixels })
 }
 
 /// Colour of the sea from above: the bottom while it can be seen, then tints by depth.
-fn sea_tint(water: &Water, floor: V3, depth: f32, in_clarity: f32, in_deepest: f32) -> V3 {
+fn sea_tint(water: &Water, floor: V3, depth: f32, in_deepest: f32) -> V3 {
     let seen = scale(water.upwelling(floor, depth, 2.2), 2.7);
     let tint = mix([0.030, 0.150, 0.270], [0.010, 0.042, 0.105], in_deepest.clamp(0.0, 1.0).powf(0.45));
-    mix(seen, tint, smoothstep(0.15, 1.3, in_clarity))
+    mix(seen, tint, water.opacity(depth).powi(2))
 }
 
 /// Cast shadows and open sky for every pixel.
@@ -129,7 +129,8 @@ fn cast(z: &[f32], size: [usize; 2], cell: [f32; 2], sea: bool, azimuth: f32, el
         return (vec![1.0; w * h], vec![1.0; w * h]);
     }
     let as_is = Refinement { cells: size, factor: 1, nodes: size };
-    let drawn = z.iter().map(|z| z * exaggeration).collect();
+    // Slightly smoothed: single cells would cast specks.
+    let drawn = as_is.refine(&z.iter().map(|z| z * exaggeration).collect::<Vec<_>>(), b_spline);
     let surface = Surface::with_step(cell, &as_is, drawn);
     let floor = if sea { 0.0 } else { f32::NEG_INFINITY };
     let sun = sunlight(&surface, &Sun::new(&surface, azimuth, elevation), floor);

@@ -44,9 +44,6 @@ impl Refinement {
     /// Values at the nodes.
     pub(crate) fn refine(&self, values: &[f32], kernel: Kernel) -> Vec<f32> {
         let ([w, h], f) = (self.cells, self.factor);
-        if f == 1 && self.nodes == self.cells {
-            return values.to_vec();
-        }
         let [nx, ny] = self.nodes;
         let weights: Vec<[f32; 4]> = (0..f).map(|i| kernel(i as f32 / f as f32)).collect();
         let at = |i: isize, n: usize| i.clamp(0, n as isize - 1) as usize;
