@@ -12,7 +12,10 @@ fn main() -> Outcome {
     let folder = args.next().unwrap_or_else(|| "look".to_owned());
     let size: usize = args.next().map_or(Ok(512), |s| s.parse())?;
     let only = args.next().unwrap_or_default();
-    let folder = &Folder { path: folder.into(), only };
+    let folder = &Folder {
+        path: folder.into(),
+        only,
+    };
     std::fs::create_dir_all(&folder.path)?;
 
     let island = island(size)?;
@@ -21,25 +24,64 @@ fn main() -> Outcome {
         time(folder, "island", || perspective(&island, &ViewOptions::default()))?;
     }
     time(folder, "island-near", || {
-        perspective(&island, &ViewOptions { distance: Some(0.5), elevation_deg: Some(17.0), azimuth_deg: 150.0, ..ViewOptions::default() })
+        perspective(
+            &island,
+            &ViewOptions {
+                distance: Some(0.5),
+                elevation_deg: Some(17.0),
+                azimuth_deg: 150.0,
+                ..ViewOptions::default()
+            },
+        )
     })?;
     time(folder, "island-high", || {
-        perspective(&island, &ViewOptions { elevation_deg: Some(50.0), distance: Some(1.2), azimuth_deg: 250.0, sun_azimuth_deg: 140.0, ..ViewOptions::default() })
+        perspective(
+            &island,
+            &ViewOptions {
+                elevation_deg: Some(50.0),
+                distance: Some(1.2),
+                azimuth_deg: 250.0,
+                sun_azimuth_deg: 140.0,
+                ..ViewOptions::default()
+            },
+        )
     })?;
     time(folder, "island-evening", || {
-        let o = ViewOptions { sun_elevation_deg: 9.0, sun_azimuth_deg: 335.0, elevation_deg: Some(10.0), haze: 2.0, ..ViewOptions::default() };
+        let o = ViewOptions {
+            sun_elevation_deg: 9.0,
+            sun_azimuth_deg: 335.0,
+            elevation_deg: Some(10.0),
+            haze: 2.0,
+            ..ViewOptions::default()
+        };
         perspective(&island, &o)
     })?;
     time(folder, "mountains", || perspective(&mountains, &ViewOptions::default()))?;
     let mut coast = mountains.clone();
     coast.sea_level_m = 320.0;
-    time(folder, "coast", || perspective(&coast, &ViewOptions { azimuth_deg: 150.0, ..ViewOptions::default() }))?;
+    time(folder, "coast", || {
+        perspective(
+            &coast,
+            &ViewOptions {
+                azimuth_deg: 150.0,
+                ..ViewOptions::default()
+            },
+        )
+    })?;
     for (name, world) in [("island", &island), ("mountains", &mountains), ("coast", &coast)] {
-        time(folder, &format!("{name}-relief"), || relief(world, &ReliefOptions::default()))?;
-        time(folder, &format!("{name}-height"), || layer_map(world, "height", &MapOptions::default()))?;
+        time(folder, &format!("{name}-relief"), || {
+            relief(world, &ReliefOptions::default())
+        })?;
+        time(folder, &format!("{name}-height"), || {
+            layer_map(world, "height", &MapOptions::default())
+        })?;
     }
-    time(folder, "island-limestone", || layer_map(&island, "limestone", &MapOptions::default()))?;
-    time(folder, "mountains-water", || layer_map(&mountains, "water", &MapOptions::default()))?;
+    time(folder, "island-limestone", || {
+        layer_map(&island, "limestone", &MapOptions::default())
+    })?;
+    time(folder, "mountains-water", || {
+        layer_map(&mountains, "water", &MapOptions::default())
+    })?;
     Ok(())
 }
 
@@ -55,7 +97,12 @@ fn time(folder: &Folder, name: &str, draw: impl Fn() -> eyot_core::Result<Pictur
     }
     let start = Instant::now();
     let picture = draw()?;
-    println!("{name:16} {}x{} {:6.0} ms", picture.width, picture.height, start.elapsed().as_secs_f64() * 1e3);
+    println!(
+        "{name:16} {}x{} {:6.0} ms",
+        picture.width,
+        picture.height,
+        start.elapsed().as_secs_f64() * 1e3
+    );
     let file = std::io::BufWriter::new(std::fs::File::create(folder.path.join(format!("{name}.png")))?);
     let mut encoder = png::Encoder::new(file, picture.width as u32, picture.height as u32);
     encoder.set_color(png::ColorType::Rgb);
@@ -95,7 +142,8 @@ fn island(n: usize) -> Outcome<World> {
         let inner = ((q - ring + 0.045) / 0.045).clamp(0.0, 1.0);
         let outer = (1.0 - (q - ring) / 0.028).clamp(0.0, 1.0);
         let crest = (inner * inner * outer * open).min(0.5) * 2.0;
-        let heads = ((fbm(u * 30.0 + 5.0, v * 30.0, 4) - 0.16) * 5.0).clamp(0.0, 1.0) * if q < ring { 0.8 } else { 0.0 };
+        let heads =
+            ((fbm(u * 30.0 + 5.0, v * 30.0, 4) - 0.16) * 5.0).clamp(0.0, 1.0) * if q < ring { 0.8 } else { 0.0 };
         let tide = -0.9 + 2.6 * fbm(u * 26.0, v * 26.0, 4) + 5.0 * fbm(u * 8.0 + 4.0, v * 8.0, 3);
         if h < tide {
             let top = h + (tide - h) * crest.max(heads);
@@ -124,7 +172,8 @@ fn mountains(n: usize) -> Outcome<World> {
     let height = Field::from_fn(n, n, |x, y| {
         let (u, v) = ((x as f32 + 0.5) / n as f32, (y as f32 + 0.5) / n as f32);
         let course = 0.5 + 0.22 * (u * 5.0).sin() + 0.10 * fbm(u * 4.0, 0.3, 3);
-        let wide = 0.0055 + 0.03 * (1.0 - ((u - 0.59) / 0.08).powi(2)).max(0.0).sqrt() * (1.0 + 0.6 * fbm(u * 14.0, 2.0, 3));
+        let wide =
+            0.0055 + 0.03 * (1.0 - ((u - 0.59) / 0.08).powi(2)).max(0.0).sqrt() * (1.0 + 0.6 * fbm(u * 14.0, 2.0, 3));
         let off = (v - course).abs();
         let level = 150.0 + 150.0 * u;
         let flat = ((off - wide) / 0.02).clamp(0.0, 1.0);
@@ -150,7 +199,10 @@ fn value(x: f32, y: f32) -> f32 {
     let s = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     let (u, v) = (s(x - fx), s(y - fy));
     let at = |dx: i32, dy: i32| hash(fx as i32 + dx, fy as i32 + dy);
-    let (a, b) = (at(0, 0) + (at(1, 0) - at(0, 0)) * u, at(0, 1) + (at(1, 1) - at(0, 1)) * u);
+    let (a, b) = (
+        at(0, 0) + (at(1, 0) - at(0, 0)) * u,
+        at(0, 1) + (at(1, 1) - at(0, 1)) * u,
+    );
     a + (b - a) * v
 }
 
@@ -224,7 +276,10 @@ fn carve(h: &mut [f32], n: usize, cell: f32, passes: usize, strength: f32) {
                 let i = y * n + x;
                 if before[i] > 0.0 {
                     let around = [before[i - 1], before[i + 1], before[i - n], before[i + n]];
-                    let creep: f32 = around.iter().map(|&b| (b - before[i]) * if (b - before[i]).abs() > 0.9 * cell { 0.10 } else { 0.04 }).sum();
+                    let creep: f32 = around
+                        .iter()
+                        .map(|&b| (b - before[i]) * if (b - before[i]).abs() > 0.9 * cell { 0.10 } else { 0.04 })
+                        .sum();
                     h[i] += creep;
                 }
             }

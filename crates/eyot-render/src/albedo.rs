@@ -58,7 +58,10 @@ pub(crate) fn albedo(world: &World, g: &Ground, variation: f32) -> Vec<V3> {
     out.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
         for (x, c) in row.iter_mut().enumerate() {
             let i = y * w + x;
-            let (px, py) = (x as f32 * g.cell[0] / scales.extent, y as f32 * g.cell[1] / scales.extent);
+            let (px, py) = (
+                x as f32 * g.cell[0] / scales.extent,
+                y as f32 * g.cell[1] / scales.extent,
+            );
             let site = Site {
                 z: g.z[i],
                 slope: slopes[i],
@@ -66,11 +69,17 @@ pub(crate) fn albedo(world: &World, g: &Ground, variation: f32) -> Vec<V3> {
                 broad: variation * fbm(px * 11.0, py * 11.0, 4, seed),
                 fine: variation * fbm(px * 90.0, py * 90.0, 3, seed ^ 0x51),
                 wetness: value(&wetness, i).clamp(0.0, 1.0),
-                reef: value(&growth, i).clamp(0.0, 1.0).max(smoothstep(0.2, 2.5, value(&limestone, i))),
+                reef: value(&growth, i)
+                    .clamp(0.0, 1.0)
+                    .max(smoothstep(0.2, 2.5, value(&limestone, i))),
                 zero: g.zero,
             };
             let shore = 0.5 * scales.beach;
-            let under = if g.sea { smoothstep(0.1 * shore, -0.1 * shore, site.z) } else { 0.0 };
+            let under = if g.sea {
+                smoothstep(0.1 * shore, -0.1 * shore, site.z)
+            } else {
+                0.0
+            };
             let land = if under < 1.0 { land(&site, &scales, g.sea) } else { SAND };
             let sea = if under > 0.0 { seabed(&site, &scales) } else { SEABED };
             *c = mix(land, sea, under);
@@ -110,13 +119,26 @@ struct Scales {
 
 impl Scales {
     fn new(g: &Ground, slopes: &[f32]) -> Self {
-        let land: Vec<f32> =
-            (0..slopes.len()).step_by((slopes.len() / 65_536).max(1) | 1).filter(|&i| !g.sea || g.z[i] > 0.0).map(|i| slopes[i]).collect();
+        let land: Vec<f32> = (0..slopes.len())
+            .step_by((slopes.len() / 65_536).max(1) | 1)
+            .filter(|&i| !g.sea || g.z[i] > 0.0)
+            .map(|i| slopes[i])
+            .collect();
         // Coarse grids round the slopes off, so rock begins where this land is steep for its kind.
-        let rock = if land.is_empty() { 0.9 } else { quantile(&land, 0.92).clamp(0.40, 1.15) };
+        let rock = if land.is_empty() {
+            0.9
+        } else {
+            quantile(&land, 0.92).clamp(0.40, 1.3)
+        };
         let relief = g.relief();
         let low = if g.sea { 0.0 } else { g.land_low };
-        Self { extent: g.extent(), low, relief, beach: (0.006 * relief).clamp(0.02, 4.0), rock }
+        Self {
+            extent: g.extent(),
+            low,
+            relief,
+            beach: (0.006 * relief).clamp(0.02, 4.0),
+            rock,
+        }
     }
 }
 
@@ -124,20 +146,42 @@ fn land(s: &Site, k: &Scales, sea: bool) -> V3 {
     let up = (s.z - k.low) / k.relief;
     // Paler and yellower, high and steep and on ridges; lush in hollows.
     let dryness = 0.95 * up + 0.42 * (s.slope / k.rock) + 0.22 * s.bump + 0.75 * s.broad + 0.18 * s.fine;
-    let mut c = mix(LUSH, FOREST, smoothstep(-0.35, 0.30, s.broad + 0.5 * s.fine - 0.3 * s.bump));
+    let mut c = mix(
+        LUSH,
+        FOREST,
+        smoothstep(-0.35, 0.30, s.broad + 0.5 * s.fine - 0.3 * s.bump),
+    );
     c = mix(c, GRASS, smoothstep(0.55, 1.05, dryness));
     c = mix(c, DRY_GRASS, 0.85 * smoothstep(0.95, 1.55, dryness));
     // Meadows and clearings at the foot.
-    c = mix(c, GRASS, 0.7 * smoothstep(0.10, 0.45, 1.1 * s.broad - 0.5 * s.fine) * smoothstep(0.55, 0.15, up) * smoothstep(0.45, 0.1, s.slope));
+    c = mix(
+        c,
+        GRASS,
+        0.7 * smoothstep(0.10, 0.45, 1.1 * s.broad - 0.5 * s.fine)
+            * smoothstep(0.55, 0.15, up)
+            * smoothstep(0.45, 0.1, s.slope),
+    );
     let stone = mix(ROCK, DARK_ROCK, smoothstep(-0.3, 0.4, s.fine - 0.5 * s.broad));
     // Green climbs cliffs in the wet lowlands; heights are barer.
-    let steep = s.slope / k.rock + 0.42 * s.fine + 0.26 * s.broad + 0.10 * s.bump + 0.30 * (up - 0.55);
+    let steep = s.slope / k.rock + 0.50 * s.fine + 0.30 * s.broad + 0.10 * s.bump + 0.30 * (up - 0.55);
     let scree = mix(SCREE, ROCK, smoothstep(-0.2, 0.3, s.fine));
-    c = mix(c, scree, 0.65 * smoothstep(0.92, 1.12, steep) * smoothstep(0.35, 0.75, up));
+    c = mix(
+        c,
+        scree,
+        0.65 * smoothstep(0.92, 1.12, steep) * smoothstep(0.35, 0.75, up),
+    );
     c = mix(c, stone, smoothstep(1.0, 1.28, steep));
-    c = mix(c, mix(RIVER_BED, ROCK, smoothstep(-0.3, 0.3, s.fine)), 0.85 * smoothstep(0.12, 0.65, s.wetness));
+    c = mix(
+        c,
+        mix(RIVER_BED, ROCK, smoothstep(-0.3, 0.3, s.fine)),
+        0.85 * smoothstep(0.12, 0.65, s.wetness),
+    );
     let altitude = s.z - s.zero;
-    let snow = smoothstep(-150.0, 350.0, altitude - SNOW_LINE_M + 500.0 * s.broad + 180.0 * s.fine - 120.0 * s.bump);
+    let snow = smoothstep(
+        -150.0,
+        350.0,
+        altitude - SNOW_LINE_M + 500.0 * s.broad + 180.0 * s.fine - 120.0 * s.bump,
+    );
     c = mix(c, SNOW, snow * smoothstep(1.45, 1.05, steep));
     if sea {
         let band = k.beach * (1.0 + 1.2 * s.broad + 0.5 * s.fine);
@@ -160,7 +204,11 @@ fn seabed(s: &Site, k: &Scales) -> V3 {
         let mottle = smoothstep(0.02, 0.32, s.fine + 0.25 * s.broad);
         let flat = mix(REEF_FLAT, CORAL, 0.70 * mottle);
         let slope = mix(CORAL, REEF_FLAT, 0.35 * (1.0 - mottle));
-        c = mix(c, mix(flat, slope, smoothstep(0.6, 3.0, depth * shallow)), 0.92 * s.reef);
+        c = mix(
+            c,
+            mix(flat, slope, smoothstep(0.6, 3.0, depth * shallow)),
+            0.92 * s.reef,
+        );
     }
     scale(c, lerp(1.0, 1.0 + 0.16 * s.fine + 0.12 * s.broad, 0.9))
 }
@@ -184,7 +232,9 @@ pub(crate) fn slopes(g: &Ground) -> Vec<f32> {
 }
 
 fn value(layer: &Option<Vec<f32>>, i: usize) -> f32 {
-    layer.as_ref().map_or(0.0, |v| if v[i].is_finite() { v[i] } else { 0.0 })
+    layer
+        .as_ref()
+        .map_or(0.0, |v| if v[i].is_finite() { v[i] } else { 0.0 })
 }
 
 fn quantile_of(a: &[f32], b: &[f32], q: f32) -> f32 {

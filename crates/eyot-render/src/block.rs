@@ -5,8 +5,13 @@ use crate::noise::{fbm, noise};
 use crate::scene::Scene;
 
 const SOIL: V3 = [0.085, 0.055, 0.034];
-const LAYERS: [V3; 5] =
-    [[0.34, 0.225, 0.125], [0.43, 0.315, 0.195], [0.27, 0.185, 0.12], [0.38, 0.29, 0.20], [0.215, 0.165, 0.125]];
+const LAYERS: [V3; 5] = [
+    [0.34, 0.225, 0.125],
+    [0.43, 0.315, 0.195],
+    [0.27, 0.185, 0.12],
+    [0.38, 0.29, 0.20],
+    [0.215, 0.165, 0.125],
+];
 const STUDIO: V3 = [0.66, 0.655, 0.64];
 
 /// The block's box in metres.
@@ -29,13 +34,20 @@ impl Block {
         let low = s.surface.z.iter().copied().fold(f32::INFINITY, f32::min);
         let top = if s.sea { s.surface.top.max(0.0) } else { s.surface.top };
         let base = low - (0.045 * s.extent).max(0.22 * (top - low));
-        Self { size: s.surface.extent(), base, top: top + 1e-3 * s.extent }
+        Self {
+            size: s.surface.extent(),
+            base,
+            top: top + 1e-3 * s.extent,
+        }
     }
 
     /// The part of a ray within the box.
     pub(crate) fn enter(&self, eye: V3, d: V3) -> Option<Entry> {
         let (mut from, mut to, mut side) = (0.0f32, f32::INFINITY, None);
-        for (axis, (lo, hi)) in [(0.0, self.size[0]), (0.0, self.size[1]), (self.base, self.top)].into_iter().enumerate() {
+        for (axis, (lo, hi)) in [(0.0, self.size[0]), (0.0, self.size[1]), (self.base, self.top)]
+            .into_iter()
+            .enumerate()
+        {
             if d[axis].abs() < 1e-9 {
                 if eye[axis] < lo || eye[axis] > hi {
                     return None;
@@ -68,7 +80,10 @@ impl Block {
         // The ground below sends light up; the foot of the wall sees less of everything.
         let up = (p[2] - self.base) / (ground - self.base).max(1e-6);
         let ambient = add(scale(s.sky.skylight, 0.55), scale(s.sky.sunlight, 0.07));
-        let light = add(scale(s.sky.sunlight, 0.92 * facing), scale(ambient, 0.62 + 0.38 * smoothstep(0.0, 0.4, up)));
+        let light = add(
+            scale(s.sky.sunlight, 0.92 * facing),
+            scale(ambient, 0.62 + 0.38 * smoothstep(0.0, 0.4, up)),
+        );
         if p[2] > ground {
             return Some(self.water_wall(s, p, d, ground, normal, light));
         }
@@ -86,15 +101,23 @@ impl Block {
         let pick = |i: f32| LAYERS[crate::noise::hash(i as i32, 7, 19) as usize % LAYERS.len()];
         let mut c = mix(pick(i), pick(i + 1.0), smoothstep(0.80, 1.0, f));
         let grain = fbm(160.0 * along, 40.0 * bent / thick, 3, 9);
-        c = scale(c, 1.0 + 0.16 * grain + 0.10 * noise(3.0 * along, 60.0 * bent / thick, 12));
+        c = scale(
+            c,
+            1.0 + 0.16 * grain + 0.10 * noise(3.0 * along, 60.0 * bent / thick, 12),
+        );
         let soil = (0.011 + 0.005 * fbm(20.0 * along, 1.0, 2, 14)) * s.extent;
-        mix(c, SOIL, 0.85 * smoothstep(soil, 0.45 * soil, below) * if ground > 0.0 || !s.sea { 1.0 } else { 0.0 })
+        mix(
+            c,
+            SOIL,
+            0.85 * smoothstep(soil, 0.45 * soil, below) * if ground > 0.0 || !s.sea { 1.0 } else { 0.0 },
+        )
     }
 
     /// A cut through the sea: a pane of water, paler above and dark below.
     fn water_wall(&self, s: &Scene, p: V3, d: V3, ground: f32, normal: V3, light: V3) -> V3 {
         let depth = -p[2] / s.exaggeration;
-        let deep = smoothstep(0.0, 1.0, (depth / (3.0 * s.clarity)).min(1.0)).max(0.35 * smoothstep(0.0, 1.0, p[2] / ground.min(-1e-6)));
+        let deep = smoothstep(0.0, 1.0, (depth / (3.0 * s.clarity)).min(1.0))
+            .max(0.35 * smoothstep(0.0, 1.0, p[2] / ground.min(-1e-6)));
         let pane = mul(mix([0.075, 0.30, 0.36], [0.012, 0.075, 0.15], deep), scale(light, 0.8));
         let f = crate::water::fresnel((-dot(d, normal)).max(0.1));
         add(scale(pane, 1.0 - f), scale(STUDIO, 0.6 * f))

@@ -36,16 +36,41 @@ impl Ground {
         let sea_level = world.sea_level_m as f32;
         let sea = lo < sea_level && sea_level.is_finite();
         let datum = if sea { sea_level } else { 0.0 };
-        let z: Vec<f32> = field.iter().map(|h| if h.is_finite() { h } else { lo } - datum).collect();
+        let z: Vec<f32> = field
+            .iter()
+            .map(|h| if h.is_finite() { h } else { lo } - datum)
+            .collect();
         let land: Vec<f32> = sample(&z).filter(|&h| !sea || h > 0.0).collect();
-        let (land_low, land_high) = if land.is_empty() { (0.0, 1.0) } else { (quantile(&land, 0.005), quantile(&land, 0.999)) };
-        let water = world.get(&known::WATER.name).map(|f| f.iter().map(|d| if d.is_finite() { d.max(0.0) } else { 0.0 }).collect());
-        let river = water.as_ref().map_or((1.0, 2.0), |w: &Vec<f32>| river_depths(w, &z, sea));
-        let rim = (0..width).flat_map(|x| [x, (height - 1) * width + x]).chain((0..height).flat_map(|y| [y * width, y * width + width - 1]));
+        let (land_low, land_high) = if land.is_empty() {
+            (0.0, 1.0)
+        } else {
+            (quantile(&land, 0.005), quantile(&land, 0.999))
+        };
+        let water = world
+            .get(&known::WATER.name)
+            .map(|f| f.iter().map(|d| if d.is_finite() { d.max(0.0) } else { 0.0 }).collect());
+        let river = water
+            .as_ref()
+            .map_or((1.0, 2.0), |w: &Vec<f32>| river_depths(w, &z, sea));
+        let rim = (0..width)
+            .flat_map(|x| [x, (height - 1) * width + x])
+            .chain((0..height).flat_map(|y| [y * width, y * width + width - 1]));
         let rim_land = rim.filter(|&i| z[i] > 0.0).count() as f32 / (2 * (width + height)) as f32;
         let cell = [world.grid.cell_x_m as f32, world.grid.cell_y_m as f32];
         let zero = -datum;
-        Ok(Self { width, height, cell, z, sea, land_low, land_high, zero, water, river, rim_land })
+        Ok(Self {
+            width,
+            height,
+            cell,
+            z,
+            sea,
+            land_low,
+            land_high,
+            zero,
+            water,
+            river,
+            rim_land,
+        })
     }
 
     /// Height of the land from its low to its high end, m; never 0.
@@ -69,7 +94,11 @@ impl Ground {
 /// or is half a metre deep in any case.
 fn river_depths(water: &[f32], z: &[f32], sea: bool) -> (f32, f32) {
     let step = (water.len() / 65_536).max(1);
-    let on_land: Vec<f32> = (0..water.len()).step_by(step).filter(|&i| !sea || z[i] > 0.0).map(|i| water[i]).collect();
+    let on_land: Vec<f32> = (0..water.len())
+        .step_by(step)
+        .filter(|&i| !sea || z[i] > 0.0)
+        .map(|i| water[i])
+        .collect();
     if on_land.is_empty() {
         return (1.0, 2.0);
     }
@@ -80,7 +109,10 @@ fn river_depths(water: &[f32], z: &[f32], sea: bool) -> (f32, f32) {
 
 /// Smallest and largest finite value; (0, 0) if there is none.
 pub(crate) fn finite_range(field: &Field) -> (f32, f32) {
-    let (lo, hi) = field.iter().filter(|v| v.is_finite()).fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let (lo, hi) = field
+        .iter()
+        .filter(|v| v.is_finite())
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     if lo <= hi { (lo, hi) } else { (0.0, 0.0) }
 }
 
@@ -103,14 +135,16 @@ pub(crate) fn box_mean(values: &[f32], width: usize, height: usize, radius: usiz
     let r = radius as isize;
     let norm = 1.0 / (2 * radius + 1) as f32;
     let mut rows = vec![0.0; values.len()];
-    rows.par_chunks_mut(width).zip(values.par_chunks(width)).for_each(|(out, row)| {
-        let at = |x: isize| row[x.clamp(0, width as isize - 1) as usize];
-        let mut sum: f64 = (-r..=r).map(|x| f64::from(at(x))).sum();
-        for x in 0..width {
-            out[x] = sum as f32 * norm;
-            sum += f64::from(at(x as isize + r + 1)) - f64::from(at(x as isize - r));
-        }
-    });
+    rows.par_chunks_mut(width)
+        .zip(values.par_chunks(width))
+        .for_each(|(out, row)| {
+            let at = |x: isize| row[x.clamp(0, width as isize - 1) as usize];
+            let mut sum: f64 = (-r..=r).map(|x| f64::from(at(x))).sum();
+            for x in 0..width {
+                out[x] = sum as f32 * norm;
+                sum += f64::from(at(x as isize + r + 1)) - f64::from(at(x as isize - r));
+            }
+        });
     // Columns: a band of rows starts from its own full sum, so the bands may run on any thread.
     let mut out = vec![0.0; values.len()];
     out.par_chunks_mut(width * 64).enumerate().for_each(|(band, chunk)| {
@@ -121,7 +155,10 @@ pub(crate) fn box_mean(values: &[f32], width: usize, height: usize, radius: usiz
         for (k, line) in chunk.chunks_mut(width).enumerate() {
             let y = y0 + k as isize;
             line.iter_mut().zip(&sum).for_each(|(o, s)| *o = *s as f32 * norm);
-            sum.iter_mut().zip(row(y + r + 1)).zip(row(y - r)).for_each(|((s, a), b)| *s += f64::from(*a) - f64::from(*b));
+            sum.iter_mut()
+                .zip(row(y + r + 1))
+                .zip(row(y - r))
+                .for_each(|((s, a), b)| *s += f64::from(*a) - f64::from(*b));
         }
     });
     out

@@ -14,7 +14,12 @@ impl Hillshade {
     pub(crate) fn new(azimuth_deg: f32, elevation_deg: f32, exaggeration: f32) -> Self {
         let light = |turn: f32, lift: f32| direction(azimuth_deg + turn, (elevation_deg + lift).min(90.0));
         Self {
-            lights: [(light(0.0, 0.0), 0.62), (light(62.0, 0.0), 0.17), (light(-62.0, 0.0), 0.17), ([0.0, 0.0, 1.0], 0.22)],
+            lights: [
+                (light(0.0, 0.0), 0.62),
+                (light(62.0, 0.0), 0.17),
+                (light(-62.0, 0.0), 0.17),
+                ([0.0, 0.0, 1.0], 0.22),
+            ],
             exaggeration,
         }
     }
@@ -22,7 +27,11 @@ impl Hillshade {
     /// Brightness of a slope (rise per metre eastward and southward), about 0..1.
     pub(crate) fn at(&self, slope: [f32; 2]) -> f32 {
         let n = unit([-slope[0] * self.exaggeration, -slope[1] * self.exaggeration, 1.0]);
-        0.05 + self.lights.iter().map(|(l, weight)| weight * dot(n, *l).max(0.0)).sum::<f32>()
+        0.05 + self
+            .lights
+            .iter()
+            .map(|(l, weight)| weight * dot(n, *l).max(0.0))
+            .sum::<f32>()
     }
 
     /// Brightness of level ground.
@@ -41,14 +50,21 @@ pub(crate) fn gradient(z: &[f32], w: usize, h: usize, cell: [f32; 2], x: usize, 
     let south = (at(x0, y1) + at(x1, y1)) + 2.0 * at(x, y1);
     let north = (at(x0, y0) + at(x1, y0)) + 2.0 * at(x, y0);
     let run = |a: usize, b: usize, cell: f32| 4.0 * (b - a).max(1) as f32 * cell;
-    [(east - west) / run(x0, x1, cell[0]), (south - north) / run(y0, y1, cell[1])]
+    [
+        (east - west) / run(x0, x1, cell[0]),
+        (south - north) / run(y0, y1, cell[1]),
+    ]
 }
 
 /// Brings the steeper quarter of the land to a slope that shades well.
 pub(crate) fn automatic_exaggeration(g: &Ground) -> f32 {
     let all = slopes(g);
     let step = (all.len() / 65_536).max(1) | 1;
-    let land: Vec<f32> = (0..all.len()).step_by(step).filter(|&i| !g.sea || g.z[i] > 0.0).map(|i| all[i]).collect();
+    let land: Vec<f32> = (0..all.len())
+        .step_by(step)
+        .filter(|&i| !g.sea || g.z[i] > 0.0)
+        .map(|i| all[i])
+        .collect();
     if land.is_empty() {
         return 1.0;
     }

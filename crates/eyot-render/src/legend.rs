@@ -24,14 +24,21 @@ impl Scale {
             Some(middle) if apart => Self::Middle { from, middle, to },
             Some(middle) => {
                 let reach = (middle - from).max(to - middle);
-                Self::Middle { from: middle - reach, middle, to: middle + reach }
+                Self::Middle {
+                    from: middle - reach,
+                    middle,
+                    to: middle + reach,
+                }
             }
         }
     }
 
     pub(crate) fn log(from: f32, to: f32) -> Self {
         let to = to.max(f32::MIN_POSITIVE);
-        Self::Log { from: from.max(1e-9 * to).min(0.999 * to), to }
+        Self::Log {
+            from: from.max(1e-9 * to).min(0.999 * to),
+            to,
+        }
     }
 
     fn ends(&self) -> (f32, f32) {
@@ -42,7 +49,13 @@ impl Scale {
 
     /// Place of a value in the colour map.
     pub(crate) fn place(&self, v: f32) -> f32 {
-        let share = |v: f32, a: f32, b: f32| if b > a { ((v - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
+        let share = |v: f32, a: f32, b: f32| {
+            if b > a {
+                ((v - a) / (b - a)).clamp(0.0, 1.0)
+            } else {
+                0.0
+            }
+        };
         match *self {
             Self::Linear { from, to } => share(v, from, to),
             Self::Middle { from, middle, .. } if v < middle => 0.4999 * share(v, from, middle),
@@ -87,7 +100,11 @@ impl Scale {
                 let mut ticks = round_values(from, middle, half);
                 ticks.retain(|t| (middle - t).abs() > 0.12 * (middle - from));
                 ticks.push(middle);
-                ticks.extend(round_values(middle, to, half).into_iter().filter(|t| (t - middle).abs() > 0.12 * (to - middle)));
+                ticks.extend(
+                    round_values(middle, to, half)
+                        .into_iter()
+                        .filter(|t| (t - middle).abs() > 0.12 * (to - middle)),
+                );
                 ticks
             }
             _ => round_values(from, to, count),
@@ -103,9 +120,15 @@ fn round_values(from: f32, to: f32, count: usize) -> Vec<f32> {
         return vec![from as f32];
     }
     let power = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * power).find(|s| *s >= 0.999 * rough).unwrap_or(10.0 * power);
+    let step = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|k| k * power)
+        .find(|s| *s >= 0.999 * rough)
+        .unwrap_or(10.0 * power);
     let (a, b) = ((from / step - 1e-6).ceil() as i64, (to / step + 1e-6).floor() as i64);
-    (a..=b.min(a.saturating_add(32))).map(|i| (i as f64 * step) as f32).collect()
+    (a..=b.min(a.saturating_add(32)))
+        .map(|i| (i as f64 * step) as f32)
+        .collect()
 }
 
 /// A value as short text.
@@ -114,16 +137,28 @@ fn label(v: f32) -> String {
     if a != 0.0 && !(1e-3..1e5).contains(&a) {
         return format!("{v:.0e}");
     }
-    let digits = if a == 0.0 || a >= 100.0 { 0 } else { (2 - a.log10().floor() as i32).clamp(0, 5) as usize };
+    let digits = if a == 0.0 || a >= 100.0 {
+        0
+    } else {
+        (2 - a.log10().floor() as i32).clamp(0, 5) as usize
+    };
     let s = format!("{v:.digits$}");
-    if s.contains('.') { s.trim_end_matches('0').trim_end_matches('.').to_owned() } else { s }
+    if s.contains('.') {
+        s.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        s
+    }
 }
 
 /// What stands over the bar.
 pub(crate) fn title(spec: &LayerSpec) -> String {
     let name = spec.name.replace('_', " ");
     let unit = spec.unit.replace("m2", "m\u{b2}").replace("m3", "m\u{b3}");
-    if unit.is_empty() || unit == "1" { name } else { format!("{name} ({unit})") }
+    if unit.is_empty() || unit == "1" {
+        name
+    } else {
+        format!("{name} ({unit})")
+    }
 }
 
 const PAPER: [u8; 3] = [250, 250, 248];
@@ -166,4 +201,57 @@ pub(crate) fn below(map: &Picture, spec: &LayerSpec, colours: ColourMap, scale: 
         free_from = at + 2 * half + 10;
     }
     p
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eyot_core::layer::known;
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        assert_eq!(
+            Scale::linear(0.0, 1.0, None, false).ticks(5),
+            [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+        );
+        assert_eq!(Scale::log(0.001, 100.0).ticks(6), [0.001, 0.01, 0.1, 1.0, 10.0, 100.0]);
+        let ticks = Scale::linear(-812.0, 1130.0, Some(0.0), true).ticks(6);
+        assert!(ticks.contains(&0.0) && ticks.len() <= 9, "{ticks:?}");
+        assert!(Scale::linear(3.0, 3.0, None, false).ticks(5).len() == 1);
+    }
+
+    #[test]
+    fn labels_are_short() {
+        let cases = [
+            (0.0, "0"),
+            (1200.0, "1200"),
+            (0.25, "0.25"),
+            (1e-5, "1e-5"),
+            (2e6, "2e6"),
+            (-0.5, "-0.5"),
+        ];
+        cases.into_iter().for_each(|(v, text)| assert_eq!(label(v), text));
+        assert_eq!(title(&known::HEIGHT), "height (m)");
+        assert_eq!(title(&known::WETNESS), "wetness");
+    }
+
+    #[test]
+    fn the_legend_holds_ink_and_every_colour() {
+        let map = Picture::new(300, 10, [9, 9, 9]);
+        let p = below(
+            &map,
+            &known::WATER,
+            ColourMap::Viridis,
+            &Scale::linear(0.0, 4.0, None, false),
+        );
+        let strip = &p.pixels[10 * p.width..];
+        assert!(
+            strip.iter().filter(|c| c.iter().all(|v| *v < 90)).count() > 100,
+            "no text"
+        );
+        let close = |c: &[u8; 3], to: [f32; 3]| (0..3).all(|k| (f32::from(c[k]) - 255.0 * to[k]).abs() < 3.0);
+        for t in [0.0, 0.5, 1.0] {
+            assert!(strip.iter().any(|c| close(c, ColourMap::Viridis.at(t))));
+        }
+    }
 }

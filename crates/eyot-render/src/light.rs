@@ -48,7 +48,11 @@ impl Sun {
             if line > s.block_max(level, x, y) {
                 // Leave the block: nothing in it reaches the line, which only rises. Then try a larger one.
                 let exit = |i: usize, p: f32, a: f32| {
-                    let edge = if a > 0.0 { ((i >> level) + 1) << level } else { (i >> level) << level };
+                    let edge = if a > 0.0 {
+                        ((i >> level) + 1) << level
+                    } else {
+                        (i >> level) << level
+                    };
                     if a == 0.0 { f32::INFINITY } else { (edge as f32 - p) / a }
                 };
                 way += exit(x, pu, self.along[0]).min(exit(y, pv, self.along[1])).max(0.0) + 0.05 * step;
@@ -88,7 +92,9 @@ impl Coarse {
         let [nx, ny] = [s.nx, s.ny].map(|n| (n - 1).div_ceil(stride) + 1);
         let mut values = vec![0.0; nx * ny];
         values.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
-            row.iter_mut().enumerate().for_each(|(x, v)| *v = value(x * stride, y * stride));
+            row.iter_mut()
+                .enumerate()
+                .for_each(|(x, v)| *v = value(x * stride, y * stride));
         });
         Self { nx, ny, stride, values }
     }
@@ -118,7 +124,9 @@ pub(crate) fn sunlight(s: &Surface, sun: &Sun, floor: f32) -> Vec<f32> {
     });
     let mut out = vec![1.0; s.nx * s.ny];
     out.par_chunks_mut(s.nx).enumerate().for_each(|(y, row)| {
-        row.iter_mut().enumerate().for_each(|(x, o)| *o = smoothstep(0.0, 1.0, above.at(x as f32, y as f32)));
+        row.iter_mut()
+            .enumerate()
+            .for_each(|(x, o)| *o = smoothstep(0.0, 1.0, above.at(x as f32, y as f32)));
     });
     out
 }

@@ -33,7 +33,15 @@ pub struct MapOptions {
 
 impl Default for MapOptions {
     fn default() -> Self {
-        Self { max_size: 2048, min_size: 512, colours: None, range: None, log: None, hillshade: 0.5, legend: true }
+        Self {
+            max_size: 2048,
+            min_size: 512,
+            colours: None,
+            range: None,
+            log: None,
+            hillshade: 0.5,
+            legend: true,
+        }
     }
 }
 
@@ -56,15 +64,27 @@ pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Pict
     pixels.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
         for (x, out) in row.iter_mut().enumerate() {
             let v = shown[y * w + x];
-            let mut c = if v.is_finite() { colours.at(scale.place(v)) } else { MISSING };
+            let mut c = if v.is_finite() {
+                colours.at(scale.place(v))
+            } else {
+                MISSING
+            };
             if let Some(s) = &shade {
                 c = c.map(|e| encode((linear(e) * s[y * w + x]).min(1.0)));
             }
             *out = quantise(c, x, y);
         }
     });
-    let map = Picture { width: w, height: h, pixels };
-    Ok(if o.legend { legend::below(&map, &layer.spec, colours, &scale) } else { map })
+    let map = Picture {
+        width: w,
+        height: h,
+        pixels,
+    };
+    Ok(if o.legend {
+        legend::below(&map, &layer.spec, colours, &scale)
+    } else {
+        map
+    })
 }
 
 /// Encoded value to linear light.
@@ -91,7 +111,8 @@ fn choose(world: &World, spec: &LayerSpec, values: &[f32], o: &MapOptions) -> (C
         _ => ColourMap::Viridis,
     });
     let positive: Vec<f32> = sample.iter().copied().filter(|v| *v > 0.0).collect();
-    let heavy = !positive.is_empty() && low >= 0.0 && high > 0.0 && quantile(&positive, 0.99) > 30.0 * quantile(&positive, 0.5);
+    let heavy =
+        !positive.is_empty() && low >= 0.0 && high > 0.0 && quantile(&positive, 0.99) > 30.0 * quantile(&positive, 0.5);
     let log = o.log.unwrap_or(heavy && !colours.has_middle()) && high > 0.0 && !positive.is_empty();
     let (mut from, mut to) = match o.range {
         Some((a, b)) if a.is_finite() && b.is_finite() && a < b => (a, b),
@@ -100,14 +121,29 @@ fn choose(world: &World, spec: &LayerSpec, values: &[f32], o: &MapOptions) -> (C
         _ => (quantile(&sample, 0.002), quantile(&sample, 0.998)),
     };
     if from >= to {
-        (from, to) = if low < high { (low, high) } else { (low - 0.5 * low.abs().max(1.0), low + 0.5 * low.abs().max(1.0)) };
+        (from, to) = if low < high {
+            (low, high)
+        } else {
+            (low - 0.5 * low.abs().max(1.0), low + 0.5 * low.abs().max(1.0))
+        };
     }
     let middle = colours.has_middle().then(|| {
         let sea = world.sea_level_m as f32;
         // Without a sea the whole of the land tints serves the land.
-        if is_height { if sea.is_finite() { sea.clamp(from, to) } else { from } } else { 0.0f32.clamp(from, to) }
+        if is_height {
+            if sea.is_finite() { sea.clamp(from, to) } else { from }
+        } else {
+            0.0f32.clamp(from, to)
+        }
     });
-    (colours, if log { Scale::log(from, to) } else { Scale::linear(from, to, middle, is_height) })
+    (
+        colours,
+        if log {
+            Scale::log(from, to)
+        } else {
+            Scale::linear(from, to, middle, is_height)
+        },
+    )
 }
 
 /// Brightness under the colours, from the layer `height` if there is one.
@@ -120,7 +156,11 @@ fn underlay(world: &World, layer_name: &str, raster: &Raster, strength: f32) -> 
     let (w, h) = (raster.width, raster.height);
     let cell = raster.pixel_m(&ground);
     let shade = Hillshade::new(315.0, 42.0, automatic_exaggeration(&ground));
-    let strength = if layer_name == known::HEIGHT.name { strength } else { 0.75 * strength };
+    let strength = if layer_name == known::HEIGHT.name {
+        strength
+    } else {
+        0.75 * strength
+    };
     let mut out = vec![1.0; w * h];
     out.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
         for (x, o) in row.iter_mut().enumerate() {

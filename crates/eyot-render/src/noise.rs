@@ -3,12 +3,13 @@
 /// The integer below `x`; the library's `floor` is a call where the processor's own is not assumed.
 fn floor(x: f32) -> i32 {
     let i = x as i32;
-    i - i32::from((i as f32) > x)
+    i.wrapping_sub(i32::from((i as f32) > x))
 }
 
 /// Integer hash of a lattice point.
 pub(crate) fn hash(x: i32, y: i32, seed: u32) -> u32 {
-    let mut h = (x as u32).wrapping_mul(0x8da6_b343) ^ (y as u32).wrapping_mul(0xd816_3841) ^ seed.wrapping_mul(0xcb1a_b31f);
+    let mut h =
+        (x as u32).wrapping_mul(0x8da6_b343) ^ (y as u32).wrapping_mul(0xd816_3841) ^ seed.wrapping_mul(0xcb1a_b31f);
     h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
     h = (h ^ (h >> 12)).wrapping_mul(0x297a_2d39);
     h ^ (h >> 15)
@@ -45,7 +46,8 @@ pub(crate) fn noise_with_slope(x: f32, y: f32, seed: u32) -> (f32, f32, f32) {
     let (su, sv, du, dv) = (fade(u), fade(v), fade_slope(u), fade_slope(v));
     let k = a - b - c + d;
     let value = a + su * (b - a) + sv * (c - a) + su * sv * k;
-    let corner = |i: usize| ga[i] + su * (gb[i] - ga[i]) + sv * (gc[i] - ga[i]) + su * sv * (ga[i] - gb[i] - gc[i] + gd[i]);
+    let corner =
+        |i: usize| ga[i] + su * (gb[i] - ga[i]) + sv * (gc[i] - ga[i]) + su * sv * (ga[i] - gb[i] - gc[i] + gd[i]);
     let slope_x = corner(0) + du * (b - a + sv * k);
     let slope_y = corner(1) + dv * (c - a + su * k);
     // Gradient noise rarely passes 0.7.

@@ -22,7 +22,9 @@ pub fn perspective(world: &World, o: &ViewOptions) -> Result<Picture> {
     let (w, h) = (o.width, o.height);
     let mut once = vec![[0.0f32; 3]; w * h];
     once.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, row)| {
-        row.iter_mut().enumerate().for_each(|(x, c)| *c = shot.encoded(x as f32 + 0.5, y as f32 + 0.5));
+        row.iter_mut()
+            .enumerate()
+            .for_each(|(x, c)| *c = shot.encoded(x as f32 + 0.5, y as f32 + 0.5));
     });
     let samples = o.samples.clamp(1, 16);
     let mut pixels = vec![[0u8; 3]; w * h];
@@ -39,7 +41,11 @@ pub fn perspective(world: &World, o: &ViewOptions) -> Result<Picture> {
             *out = quantise(c, x, y);
         }
     });
-    Ok(Picture { width: w, height: h, pixels })
+    Ok(Picture {
+        width: w,
+        height: h,
+        pixels,
+    })
 }
 
 /// Points that fill the pixel evenly for any count (Roberts' R2 sequence); the first is the centre.
@@ -54,7 +60,10 @@ fn is_edge(colours: &[V3], w: usize, h: usize, x: usize, y: usize) -> bool {
         let c = colours[y * w + x];
         (0..3).any(|k| (c[k] - here[k]).abs() > EDGE)
     };
-    (x > 0 && differs(x - 1, y)) || (x + 1 < w && differs(x + 1, y)) || (y > 0 && differs(x, y - 1)) || (y + 1 < h && differs(x, y + 1))
+    (x > 0 && differs(x - 1, y))
+        || (x + 1 < w && differs(x + 1, y))
+        || (y > 0 && differs(x, y - 1))
+        || (y + 1 < h && differs(x, y + 1))
 }
 
 /// Scene and camera together.
@@ -70,7 +79,11 @@ struct Shot<'a> {
 impl<'a> Shot<'a> {
     fn new(scene: &'a Scene, o: &ViewOptions) -> Self {
         let e = scene.surface.extent();
-        let automatic = if scene.block { (34.0, 1.72, -0.1) } else { (15.0, 1.06, 0.40) };
+        let automatic = if scene.block {
+            (34.0, 1.72, -0.1)
+        } else {
+            (15.0, 1.06, 0.40)
+        };
         let elevation = finite(o.elevation_deg.unwrap_or(automatic.0), automatic.0);
         let distance = finite(o.distance.unwrap_or(automatic.1), automatic.1).clamp(0.01, 100.0) * scene.extent;
         let share = finite(o.target_height.unwrap_or(automatic.2), automatic.2);
@@ -81,13 +94,27 @@ impl<'a> Shot<'a> {
         let clearance = |p: V3| {
             let (u, v) = scene.place(p);
             let over = p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= e[0] && p[1] <= e[1];
-            let ground = if over { scene.surface.height(u, v) } else { f32::NEG_INFINITY };
+            let ground = if over {
+                scene.surface.height(u, v)
+            } else {
+                f32::NEG_INFINITY
+            };
             ground.max(if scene.sea { 0.0 } else { f32::NEG_INFINITY }) + 0.004 * scene.extent
         };
         let camera = Camera::new(o, target, elevation, distance, clearance);
         let block = scene.block.then(|| Block::new(scene));
-        let haze = if scene.block { 0.0 } else { finite(o.haze, 1.0).max(0.0) * 0.055 / scene.extent };
-        Self { scene, camera, block, haze, exposure: finite(o.exposure, 1.0).max(0.0) }
+        let haze = if scene.block {
+            0.0
+        } else {
+            finite(o.haze, 1.0).max(0.0) * 0.055 / scene.extent
+        };
+        Self {
+            scene,
+            camera,
+            block,
+            haze,
+            exposure: finite(o.exposure, 1.0).max(0.0),
+        }
     }
 
     fn encoded(&self, x: f32, y: f32) -> V3 {
@@ -106,12 +133,18 @@ impl<'a> Shot<'a> {
     /// A ray into the relief model.
     fn model(&self, block: &Block, eye: V3, d: V3) -> V3 {
         let s = self.scene;
-        let Some(entry) = block.enter(eye, d) else { return block.studio(s, eye, d) };
+        let Some(entry) = block.enter(eye, d) else {
+            return block.studio(s, eye, d);
+        };
         let p = add(eye, scale(d, entry.from));
         if let Some(c) = block.wall(s, p, d, &entry) {
             return c;
         }
-        let to_sea = if s.sea && d[2] < 0.0 { -eye[2] / d[2] } else { f32::INFINITY };
+        let to_sea = if s.sea && d[2] < 0.0 {
+            -eye[2] / d[2]
+        } else {
+            f32::INFINITY
+        };
         if let Some(t) = self.ground_hit(eye, d, entry.from, entry.to.min(to_sea)) {
             return s.land(add(eye, scale(d, t)), d, self.camera.pixel * t);
         }
@@ -143,7 +176,10 @@ impl<'a> Shot<'a> {
         let [e, d] = [eye, d].map(|v| v.map(f64::from));
         let origin = [e[0] / step[0], e[1] / step[1], e[2]];
         let dir = [d[0] / step[0], d[1] / step[1], d[2]];
-        self.scene.surface.trace(origin, dir, f64::from(from), f64::from(to)).map(|t| t as f32)
+        self.scene
+            .surface
+            .trace(origin, dir, f64::from(from), f64::from(to))
+            .map(|t| t as f32)
     }
 
     /// The part of a ray over the grid and below its highest point.
@@ -151,7 +187,11 @@ impl<'a> Shot<'a> {
         let s = &self.scene.surface;
         let e = s.extent();
         let (mut from, mut to) = (0.0f32, f32::INFINITY);
-        for (p, d, lo, hi) in [(eye[0], d[0], 0.0, e[0]), (eye[1], d[1], 0.0, e[1]), (eye[2], d[2], f32::NEG_INFINITY, s.top.max(1e-3))] {
+        for (p, d, lo, hi) in [
+            (eye[0], d[0], 0.0, e[0]),
+            (eye[1], d[1], 0.0, e[1]),
+            (eye[2], d[2], f32::NEG_INFINITY, s.top.max(1e-3)),
+        ] {
             if d.abs() < 1e-9 {
                 if p < lo || p > hi {
                     return None;

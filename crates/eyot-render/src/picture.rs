@@ -17,7 +17,11 @@ pub struct Picture {
 impl Picture {
     /// A picture of one colour.
     pub fn new(width: usize, height: usize, colour: [u8; 3]) -> Self {
-        Self { width, height, pixels: vec![colour; width * height] }
+        Self {
+            width,
+            height,
+            pixels: vec![colour; width * height],
+        }
     }
 
     /// The colour at (column, row).
@@ -25,7 +29,12 @@ impl Picture {
     /// # Panics
     /// If the pixel is outside the picture.
     pub fn get(&self, x: usize, y: usize) -> [u8; 3] {
-        assert!(x < self.width && y < self.height, "pixel ({x}, {y}) of a {}x{} picture", self.width, self.height);
+        assert!(
+            x < self.width && y < self.height,
+            "pixel ({x}, {y}) of a {}x{} picture",
+            self.width,
+            self.height
+        );
         self.pixels[y * self.width + x]
     }
 
@@ -37,13 +46,21 @@ impl Picture {
 
 /// Linear light in 0..1 to the sRGB curve, still as a float.
 pub(crate) fn encode(c: f32) -> f32 {
-    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+    if c <= 0.003_130_8 {
+        12.92 * c
+    } else {
+        1.055 * c.powf(1.0 / 2.4) - 0.055
+    }
 }
 
 /// sRGB byte to linear light.
 pub(crate) fn decode(b: u8) -> f32 {
     let c = f32::from(b) / 255.0;
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    if c <= 0.04045 {
+        c / 12.92
+    } else {
+        ((c + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 /// A filmic curve (Narkowicz' fit of the ACES reference): soft shoulder, slight toe, then the sRGB curve.

@@ -68,13 +68,16 @@ pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
     let sea = ground.sea && o.sea;
 
     let colours = albedo(world, &ground, finite(o.variation, 1.0).clamp(0.0, 4.0));
-    let channels: [Vec<f32>; 3] = std::array::from_fn(|k| raster.map(&colours.iter().map(|c| c[k]).collect::<Vec<_>>()));
+    let channels: [Vec<f32>; 3] =
+        std::array::from_fn(|k| raster.map(&colours.iter().map(|c| c[k]).collect::<Vec<_>>()));
     let z = raster.map(&ground.z);
     let water = ground.water.as_ref().filter(|_| o.fresh_water).map(|w| raster.map(w));
     let (w, h) = (raster.width, raster.height);
     let cell = raster.pixel_m(&ground);
 
-    let exaggeration = o.vertical_exaggeration.map_or_else(|| automatic_exaggeration(&ground), |x| finite(x, 1.0).clamp(0.0, 1e3));
+    let exaggeration = o
+        .vertical_exaggeration
+        .map_or_else(|| automatic_exaggeration(&ground), |x| finite(x, 1.0).clamp(0.0, 1e3));
     let azimuth = finite(o.sun_azimuth_deg, 315.0);
     let elevation = finite(o.sun_elevation_deg, 42.0).clamp(1.0, 89.0);
     let shade = Hillshade::new(azimuth, elevation, exaggeration);
@@ -95,8 +98,15 @@ pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
             if let Some(d) = water.as_ref().map(|v| v[i])
                 && ground.river_cover(d) > 0.0
             {
-                let body = scale(fresh_water.upwelling(ground_colour, d, 2.2), 2.9 * lerp(1.0, sun[i], 0.5 * shadows));
-                c = mix(c, [body[0] + 0.008, body[1] + 0.022, body[2] + 0.040], ground.river_cover(d));
+                let body = scale(
+                    fresh_water.upwelling(ground_colour, d, 2.2),
+                    2.9 * lerp(1.0, sun[i], 0.5 * shadows),
+                );
+                c = mix(
+                    c,
+                    [body[0] + 0.008, body[1] + 0.022, body[2] + 0.040],
+                    ground.river_cover(d),
+                );
             }
             if sea {
                 // The share of the pixel that the shore leaves to the sea.
@@ -105,30 +115,54 @@ pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
                 if wet > 0.0 {
                     let depth = (-z[i]).max(0.0);
                     let below = sea_tint(&sea_water, ground_colour, depth, depth / deepest);
-                    let bed = lerp(1.0, shade.at(slope) / shade.level(), 0.55 * (-0.35 * depth / clarity).exp() + 0.20);
+                    let bed = lerp(
+                        1.0,
+                        shade.at(slope) / shade.level(),
+                        0.55 * (-0.35 * depth / clarity).exp() + 0.20,
+                    );
                     c = mix(c, scale(below, bed * lerp(1.0, sun[i], 0.5 * shadows)), wet);
                 }
             }
             *out = quantise(tone_map(scale(c, 0.76)), x, y);
         }
     });
-    Ok(Picture { width: w, height: h, pixels })
+    Ok(Picture {
+        width: w,
+        height: h,
+        pixels,
+    })
 }
 
 /// Colour of the sea from above: the bottom while it can be seen, then tints by depth.
 fn sea_tint(water: &Water, floor: V3, depth: f32, in_deepest: f32) -> V3 {
     let seen = scale(water.upwelling(floor, depth, 2.2), 2.7);
-    let tint = mix([0.030, 0.150, 0.270], [0.010, 0.042, 0.105], in_deepest.clamp(0.0, 1.0).powf(0.45));
+    let tint = mix(
+        [0.030, 0.150, 0.270],
+        [0.010, 0.042, 0.105],
+        in_deepest.clamp(0.0, 1.0).powf(0.45),
+    );
     mix(seen, tint, water.opacity(depth).powi(2))
 }
 
 /// Cast shadows and open sky for every pixel.
-fn cast(z: &[f32], size: [usize; 2], cell: [f32; 2], sea: bool, azimuth: f32, elevation: f32, exaggeration: f32) -> (Vec<f32>, Vec<f32>) {
+fn cast(
+    z: &[f32],
+    size: [usize; 2],
+    cell: [f32; 2],
+    sea: bool,
+    azimuth: f32,
+    elevation: f32,
+    exaggeration: f32,
+) -> (Vec<f32>, Vec<f32>) {
     let [w, h] = size;
     if w < 2 || h < 2 {
         return (vec![1.0; w * h], vec![1.0; w * h]);
     }
-    let as_is = Refinement { cells: size, factor: 1, nodes: size };
+    let as_is = Refinement {
+        cells: size,
+        factor: 1,
+        nodes: size,
+    };
     // Slightly smoothed: single cells would cast specks.
     let drawn = as_is.refine(&z.iter().map(|z| z * exaggeration).collect::<Vec<_>>(), b_spline);
     let surface = Surface::with_step(cell, &as_is, drawn);
@@ -137,7 +171,9 @@ fn cast(z: &[f32], size: [usize; 2], cell: [f32; 2], sea: bool, azimuth: f32, el
     let share = sky_share(&surface, floor);
     let mut open = vec![1.0; w * h];
     open.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
-        row.iter_mut().enumerate().for_each(|(x, o)| *o = share.at(x as f32, y as f32));
+        row.iter_mut()
+            .enumerate()
+            .for_each(|(x, o)| *o = share.at(x as f32, y as f32));
     });
     (sun, open)
 }

@@ -21,9 +21,19 @@ impl Raster {
     pub(crate) fn new(width: usize, height: usize, min: usize, max: usize) -> Self {
         let longer = width.max(height);
         let down = longer.div_ceil(max.max(1));
-        let up = if down == 1 { (min.min(max) / longer).clamp(1, 64) } else { 1 };
+        let up = if down == 1 {
+            (min.min(max) / longer).clamp(1, 64)
+        } else {
+            1
+        };
         let size = |n: usize| n.div_ceil(down) * up;
-        Self { cells: [width, height], up, down, width: size(width), height: size(height) }
+        Self {
+            cells: [width, height],
+            up,
+            down,
+            width: size(width),
+            height: size(height),
+        }
     }
 
     /// Size of a pixel, m.
@@ -45,7 +55,9 @@ impl Raster {
         if self.down > 1 {
             return self.means(values);
         }
-        (0..self.width * self.height).map(|i| values[(i / self.width / self.up) * self.cells[0] + i % self.width / self.up]).collect()
+        (0..self.width * self.height)
+            .map(|i| values[(i / self.width / self.up) * self.cells[0] + i % self.width / self.up])
+            .collect()
     }
 
     /// Means over squares of cells; cells that are not finite do not count.
@@ -77,17 +89,22 @@ impl Raster {
             (c.floor() as isize, b_spline(c - c.floor()))
         };
         let mut across = vec![0.0; self.width * h];
-        across.par_chunks_mut(self.width).zip(values.par_chunks(w)).for_each(|(out, row)| {
-            for (x, o) in out.iter_mut().enumerate() {
-                let (c, k) = place(x);
-                *o = (0..4).map(|j| k[j] * row[at(c + j as isize - 1, w)]).sum();
-            }
-        });
+        across
+            .par_chunks_mut(self.width)
+            .zip(values.par_chunks(w))
+            .for_each(|(out, row)| {
+                for (x, o) in out.iter_mut().enumerate() {
+                    let (c, k) = place(x);
+                    *o = (0..4).map(|j| k[j] * row[at(c + j as isize - 1, w)]).sum();
+                }
+            });
         let mut out = vec![0.0; self.width * self.height];
         out.par_chunks_mut(self.width).enumerate().for_each(|(y, line)| {
             let (c, k) = place(y);
             for (x, o) in line.iter_mut().enumerate() {
-                *o = (0..4).map(|j| k[j] * across[at(c + j as isize - 1, h) * self.width + x]).sum();
+                *o = (0..4)
+                    .map(|j| k[j] * across[at(c + j as isize - 1, h) * self.width + x])
+                    .sum();
             }
         });
         out

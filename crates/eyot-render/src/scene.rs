@@ -47,7 +47,7 @@ pub(crate) struct Scene {
 impl Scene {
     pub(crate) fn new(world: &World, o: &ViewOptions) -> Result<Self> {
         let ground = Ground::new(world)?;
-let refine = Refinement::new(ground.width, ground.height);
+        let refine = Refinement::new(ground.width, ground.height);
         let extent = ground.extent();
         let exaggeration = exaggeration(o, &ground);
         let sea = ground.sea && o.sea;
@@ -67,7 +67,11 @@ let refine = Refinement::new(ground.width, ground.height);
         };
         let surface = Surface::new(&ground, &refine, refine.refine(&top, b_spline));
         let fresh = water.map(|w| refine.refine(w, mitchell));
-        let foam = if sea { Some(refine.refine(&surf(&ground, clarity), b_spline)) } else { None };
+        let foam = if sea {
+            Some(refine.refine(&surf(&ground, clarity), b_spline))
+        } else {
+            None
+        };
 
         let sun_elevation = finite(o.sun_elevation_deg, 36.0).clamp(1.0, 89.0);
         let sun_azimuth = finite(o.sun_azimuth_deg, 285.0);
@@ -75,7 +79,11 @@ let refine = Refinement::new(ground.width, ground.height);
         let floor = if sea { 0.0 } else { f32::NEG_INFINITY };
         let light = sunlight(&surface, &sun, floor);
         let open_sky = sky_share(&surface, floor);
-        let sky = Sky::new(direction(sun_azimuth, sun_elevation), if block { 0.0 } else { o.clouds }, world.seed as u32);
+        let sky = Sky::new(
+            direction(sun_azimuth, sun_elevation),
+            if block { 0.0 } else { o.clouds },
+            world.seed as u32,
+        );
 
         let colours = albedo(world, &ground, 1.0);
         let channels: [Vec<f32>; 3] = std::array::from_fn(|k| {
@@ -104,7 +112,20 @@ let refine = Refinement::new(ground.width, ground.height);
         });
         let fresh_water = Water::fresh(2.0 * ground.river.1);
         let sea_water = Water::sea(clarity);
-        Ok(Self { ground, surface, nodes, open_sky, sky, sea, block, sea_water, fresh_water, clarity, exaggeration, extent })
+        Ok(Self {
+            ground,
+            surface,
+            nodes,
+            open_sky,
+            sky,
+            sea,
+            block,
+            sea_water,
+            fresh_water,
+            clarity,
+            exaggeration,
+            extent,
+        })
     }
 
     /// Node coordinates of a place in metres.
@@ -167,7 +188,7 @@ let refine = Refinement::new(ground.width, ground.height);
             let s = 0.24 * keep * smoothstep(150.0, 50.0, length);
             rise[0] += s * (0.83 * na - 0.56 * nb);
             rise[1] += s * (0.56 * na + 0.83 * nb);
-            colour = scale(colour, 1.0 + 0.24 * keep * n);
+            colour = scale(colour, 1.0 + (0.44 - 0.20 * green) * keep * n);
             length *= 0.47;
         }
         let normal = unit([-rise[0], -rise[1], 1.0]);
@@ -205,7 +226,10 @@ let refine = Refinement::new(ground.width, ground.height);
         let half = [0.5 * e[0], 0.5 * e[1]];
         let margin = 0.11 * half[0].min(half[1]);
         let corner = 0.55 * half[0].min(half[1]);
-        let q = [(x - half[0]).abs() - half[0] + corner, (y - half[1]).abs() - half[1] + corner];
+        let q = [
+            (x - half[0]).abs() - half[0] + corner,
+            (y - half[1]).abs() - half[1] + corner,
+        ];
         let outside = q[0].max(0.0).hypot(q[1].max(0.0)) + q[0].max(q[1]).min(0.0) - corner;
         if outside < -3.0 * margin {
             return 0.0;
@@ -233,14 +257,14 @@ pub(crate) fn clarity(given_m: Option<f32>, g: &Ground) -> f32 {
 
 /// Where waves break: shallow places with deep water close by, so outer reefs and open shores but no lagoons.
 fn surf(g: &Ground, clarity: f32) -> Vec<f32> {
-    let depth: Vec<f32> = g.z.iter().map(|z| (-z).clamp(0.0, 2.5 * clarity)).collect();
-    let radius = (g.width.max(g.height) / 90).clamp(2, 24);
+    let depth: Vec<f32> = g.z.iter().map(|z| (-z).clamp(0.0, 5.0 * clarity)).collect();
+    let radius = (g.width.max(g.height) / 55).clamp(2, 40);
     let near = box_mean(&depth, g.width, g.height, radius);
     g.z.iter()
         .zip(&near)
         .map(|(z, mean)| {
             let shallow = smoothstep(0.16, 0.02, -z / clarity) * smoothstep(0.10, 0.02, z / clarity);
-            shallow * smoothstep(0.45, 0.95, mean / clarity)
+            shallow * smoothstep(0.75, 1.6, mean / clarity)
         })
         .collect()
 }

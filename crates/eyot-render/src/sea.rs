@@ -27,7 +27,10 @@ pub(crate) fn sea(s: &Scene, p: V3, d: V3, footprint: f32) -> V3 {
     let bend = (1.0 - down * down).max(0.0).sqrt() / down;
     let flat = (d[0] * d[0] + d[1] * d[1]).sqrt().max(1e-6);
     let reach = (surface_depth * s.exaggeration).min(2.0 * s.clarity) * bend;
-    let way = [d[0] / flat * reach + normal[0] * surface_depth, d[1] / flat * reach + normal[1] * surface_depth];
+    let way = [
+        d[0] / flat * reach + normal[0] * surface_depth,
+        d[1] / flat * reach + normal[1] * surface_depth,
+    ];
     let (bu, bv) = (u + way[0] / s.surface.step[0], v + way[1] / s.surface.step[1]);
     let bottom = s.node(bu, bv);
     let depth = 0.5 * (depth_below(bu, bv).max(0.0) + surface_depth);
@@ -38,7 +41,10 @@ pub(crate) fn sea(s: &Scene, p: V3, d: V3, footprint: f32) -> V3 {
     let floor_normal = unit([-bottom.rise[0], -bottom.rise[1], 1.0]);
     let tilt = (0.35 + 0.65 * dot(floor_normal, s.sky.sun).max(0.0) / s.sky.sun[2].max(0.1)).min(1.25);
     let wet = scale(bottom.albedo, tilt);
-    let light = add(scale(s.sky.sunlight, here.sun * s.sky.sun[2].max(0.0)), scale(s.sky.skylight, open));
+    let light = add(
+        scale(s.sky.sunlight, here.sun * s.sky.sun[2].max(0.0)),
+        scale(s.sky.skylight, open),
+    );
     let body = mul(s.sea_water.upwelling(wet, depth, path), light);
 
     // Waves that are too small to see tilt the mirror away from grazing angles.
@@ -52,7 +58,10 @@ pub(crate) fn sea(s: &Scene, p: V3, d: V3, footprint: f32) -> V3 {
     let half = unit(add(s.sky.sun, scale(d, -1.0)));
     if half[2] > 0.05 {
         let spread = 0.004 + 0.9 * (rough * strength) * (rough * strength);
-        let (sx, sy) = (half[0] / half[2] - normal[0] / normal[2], half[1] / half[2] - normal[1] / normal[2]);
+        let (sx, sy) = (
+            half[0] / half[2] - normal[0] / normal[2],
+            half[1] / half[2] - normal[1] / normal[2],
+        );
         let facing = (-(sx * sx + sy * sy) / spread).exp() / (std::f32::consts::PI * spread);
         let glint = 0.25 * fresnel(dot(half, s.sky.sun).max(0.0)) * facing / (half[2].powi(4) * cos.max(0.15));
         c = add(c, scale(s.sky.sunlight, here.sun * glint.min(3.0)));

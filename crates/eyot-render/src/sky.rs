@@ -49,7 +49,13 @@ impl Sky {
             let x = 1.0 + g * g - 2.0 * g * mu;
             (1.0 - g * g) / (x * x.sqrt())
         };
-        c = add(c, scale(self.glow, 0.018 * phase(0.62) * (0.35 + 0.65 * (-3.0 * up).exp()) + 0.0022 * phase(0.94)));
+        c = add(
+            c,
+            scale(
+                self.glow,
+                0.018 * phase(0.62) * (0.35 + 0.65 * (-3.0 * up).exp()) + 0.0022 * phase(0.94),
+            ),
+        );
         c
     }
 
@@ -70,16 +76,28 @@ impl Sky {
         let elevation = d[2].clamp(-1.0, 1.0).asin();
         let mut c = behind;
         // Far and low first, then near and high.
-        for (k, (base, tall, fineness, clear)) in [(0.012, 0.040, 26.0, 0.45), (0.030, 0.100, 11.0, 0.20)].into_iter().enumerate() {
+        for (k, (base, tall, fineness, clear)) in [(0.012, 0.040, 26.0, 0.45), (0.030, 0.100, 11.0, 0.20)]
+            .into_iter()
+            .enumerate()
+        {
             let up = (elevation - base) / tall;
             if !(-0.3..1.6).contains(&up) {
                 continue;
             }
             let seed = self.seed ^ (0xc1 + 16 * k as u32);
             let heaps = |azimuth: f32| {
-                let lump = |turn: f32, lift: f32| fbm(fineness * (azimuth + turn), 1.35 * fineness * (elevation + lift), 5, seed);
+                let lump = |turn: f32, lift: f32| {
+                    fbm(
+                        fineness * (azimuth + turn),
+                        1.35 * fineness * (elevation + lift),
+                        5,
+                        seed,
+                    )
+                };
                 let bank = fbm(0.21 * fineness * azimuth, 0.3, 2, seed ^ 7);
-                let heap = |turn: f32, lift: f32, up: f32| 0.95 * lump(turn, lift) + 0.8 * bank - 0.55 * up * up.abs().sqrt() + 0.6 * self.clouds - 0.20;
+                let heap = |turn: f32, lift: f32, up: f32| {
+                    0.95 * lump(turn, lift) + 0.8 * bank - 0.55 * up * up.abs().sqrt() + 0.6 * self.clouds - 0.20
+                };
                 let shift = 0.13 / fineness;
                 [heap(0.0, 0.0, up), heap(shift * to_sun, shift, up + shift / tall)]
             };
@@ -107,7 +125,11 @@ impl Sky {
     /// Light of air over a surface seen in direction `d` through haze of transmittance `clear`.
     pub(crate) fn through_air(&self, surface: V3, d: V3, optical: f32) -> V3 {
         // Blue is scattered more than red: nearer hills turn blue before they turn pale.
-        let left = [(-0.72 * optical).exp(), (-0.95 * optical).exp(), (-1.28 * optical).exp()];
+        let left = [
+            (-0.72 * optical).exp(),
+            (-0.95 * optical).exp(),
+            (-1.28 * optical).exp(),
+        ];
         let level = crate::math::unit([d[0], d[1], d[2].max(0.0) + 0.035]);
         let air = scale(self.clear(level), 0.94);
         add(mul(surface, left), mul(air, left.map(|l| 1.0 - l)))

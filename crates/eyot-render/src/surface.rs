@@ -21,7 +21,12 @@ pub(crate) fn mitchell(t: f32) -> [f32; 4] {
 /// The cubic B-spline: C2, never outside the range of its values.
 pub(crate) fn b_spline(t: f32) -> [f32; 4] {
     let s = 1.0 - t;
-    [s * s * s / 6.0, (4.0 - 6.0 * t * t + 3.0 * t * t * t) / 6.0, (4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0, t * t * t / 6.0]
+    [
+        s * s * s / 6.0,
+        (4.0 - 6.0 * t * t + 3.0 * t * t * t) / 6.0,
+        (4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0,
+        t * t * t / 6.0,
+    ]
 }
 
 /// How a grid of cells maps to the finer grid of nodes.
@@ -35,10 +40,18 @@ pub(crate) struct Refinement {
 impl Refinement {
     pub(crate) fn new(width: usize, height: usize) -> Self {
         let longer = width.max(height);
-        let factor = if longer >= NODES { 1 } else { NODES.div_ceil(longer).min(MAX_FACTOR) };
+        let factor = if longer >= NODES {
+            1
+        } else {
+            NODES.div_ceil(longer).min(MAX_FACTOR)
+        };
         // A single row or column becomes a strip of its own width.
         let nodes = [width, height].map(|n| if n == 1 { factor + 1 } else { (n - 1) * factor + 1 });
-        Self { cells: [width, height], factor, nodes }
+        Self {
+            cells: [width, height],
+            factor,
+            nodes,
+        }
     }
 
     /// Values at the nodes.
@@ -48,12 +61,15 @@ impl Refinement {
         let weights: Vec<[f32; 4]> = (0..f).map(|i| kernel(i as f32 / f as f32)).collect();
         let at = |i: isize, n: usize| i.clamp(0, n as isize - 1) as usize;
         let mut across = vec![0.0; nx * h];
-        across.par_chunks_mut(nx).zip(values.par_chunks(w)).for_each(|(out, row)| {
-            for (i, o) in out.iter_mut().enumerate() {
-                let (c, k) = ((i / f) as isize, &weights[i % f]);
-                *o = (0..4).map(|j| k[j] * row[at(c + j as isize - 1, w)]).sum();
-            }
-        });
+        across
+            .par_chunks_mut(nx)
+            .zip(values.par_chunks(w))
+            .for_each(|(out, row)| {
+                for (i, o) in out.iter_mut().enumerate() {
+                    let (c, k) = ((i / f) as isize, &weights[i % f]);
+                    *o = (0..4).map(|j| k[j] * row[at(c + j as isize - 1, w)]).sum();
+                }
+            });
         let mut out = vec![0.0; nx * ny];
         out.par_chunks_mut(nx).enumerate().for_each(|(j, line)| {
             let (c, k) = ((j / f) as isize, &weights[j % f]);
@@ -96,7 +112,9 @@ impl Surface {
         let mut max = vec![0.0; w0 * h0];
         max.par_chunks_mut(w0).enumerate().for_each(|(y, row)| {
             let (a, b) = (&z[y * nx..][..nx], &z[(y + 1) * nx..][..nx]);
-            row.iter_mut().enumerate().for_each(|(x, m)| *m = a[x].max(a[x + 1]).max(b[x]).max(b[x + 1]));
+            row.iter_mut()
+                .enumerate()
+                .for_each(|(x, m)| *m = a[x].max(a[x + 1]).max(b[x]).max(b[x + 1]));
         });
         let mut levels = vec![Level { width: w0, max }];
         let (mut w, mut h) = (w0, h0);
@@ -115,7 +133,14 @@ impl Surface {
             (w, h) = (nw, nh);
         }
         let top = levels[levels.len() - 1].max[0];
-        Self { nx, ny, step, z, top, levels }
+        Self {
+            nx,
+            ny,
+            step,
+            z,
+            top,
+            levels,
+        }
     }
 
     /// East-west and north-south extent, m.
@@ -169,7 +194,13 @@ impl Surface {
                 let p = origin[axis] + dir[axis] * inside;
                 let i = p as i64 - i64::from(p < 0.0);
                 // A ray that comes in through the rim may start a rounding error outside.
-                if i == n && dir[axis] < 0.0 { n - 1 } else if i == -1 && dir[axis] > 0.0 { 0 } else { i }
+                if i == n && dir[axis] < 0.0 {
+                    n - 1
+                } else if i == -1 && dir[axis] > 0.0 {
+                    0
+                } else {
+                    i
+                }
             };
             let (x, y) = (at(0, w), at(1, h));
             if x < 0 || y < 0 || x >= w || y >= h {
@@ -239,5 +270,75 @@ impl Surface {
         // The first root, in the form that does not cancel.
         let root = 2.0 * q0 / (-q1 + disc.sqrt());
         (root >= 0.0 && root <= s).then_some(from + root)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::fbm;
+
+    fn hills(n: usize) -> Surface {
+        let z = (0..n * n)
+            .map(|i| 20.0 * fbm((i % n) as f32 * 0.11, (i / n) as f32 * 0.13, 4, 3))
+            .collect();
+        Surface::with_step(
+            [1.0, 1.0],
+            &Refinement {
+                cells: [n, n],
+                factor: 1,
+                nodes: [n, n],
+            },
+            z,
+        )
+    }
+
+    #[test]
+    fn kernels_sum_to_one() {
+        for k in [mitchell, b_spline] {
+            for i in 0..=10 {
+                let sum: f32 = k(i as f32 / 10.0).iter().sum();
+                assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_hit_where_small_steps_find_the_surface() {
+        let s = hills(65);
+        let mut hits = 0;
+        for k in 0..200 {
+            let (sin, cos) = (k as f64 * 0.37).sin_cos();
+            let o = [32.0 - 31.0 * cos, 32.0 - 31.0 * sin, 22.0 + (k % 7) as f64];
+            let d = [cos, sin, -0.2 - 0.004 * k as f64];
+            let found = s.trace(o, d, 0.0, 1e3);
+            let z = |t: f64| o[2] + d[2] * t - f64::from(s.height((o[0] + d[0] * t) as f32, (o[1] + d[1] * t) as f32));
+            let inside = |t: f64| (0..2).all(|a| (0.0..=64.0).contains(&(o[a] + d[a] * t)));
+            let walked = (0..80_000)
+                .map(|i| i as f64 * 1e-3)
+                .take_while(|t| inside(*t))
+                .find(|t| z(*t) <= 0.0);
+            match (found, walked) {
+                (Some(a), Some(b)) => {
+                    assert!((a - b).abs() < 2e-2, "ray {k}: {a} but {b}");
+                    hits += 1;
+                }
+                (None, None) => {}
+                other => panic!("ray {k}: {other:?}"),
+            }
+        }
+        assert!(hits > 100, "{hits}");
+    }
+
+    #[test]
+    fn refinement_keeps_a_plane() {
+        let r = Refinement::new(40, 30);
+        let plane: Vec<f32> = (0..1200).map(|i| 2.0 * (i % 40) as f32 - (i / 40) as f32).collect();
+        let fine = r.refine(&plane, b_spline);
+        let [nx, ny] = r.nodes;
+        for (x, y) in [(nx / 2, ny / 2), (nx / 3, ny / 4)] {
+            let exact = (2.0 * x as f32 - y as f32) / r.factor as f32;
+            assert!((fine[y * nx + x] - exact).abs() < 1e-3);
+        }
     }
 }

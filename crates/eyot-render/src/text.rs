@@ -16,7 +16,9 @@ pub(crate) fn draw(p: &mut Picture, x: usize, y: usize, text: &str, ink: [u8; 3]
     let mut left = x;
     for c in text.chars() {
         let glyph = |c| get_raster(c, FontWeight::Regular, RasterHeight::Size16);
-        let Some(g) = glyph(c).or_else(|| glyph('?')) else { continue };
+        let Some(g) = glyph(c).or_else(|| glyph('?')) else {
+            continue;
+        };
         for (dy, row) in g.rows().enumerate() {
             for (dx, &cover) in row.iter().enumerate() {
                 let (px, py) = (left + dx, y + dy);

@@ -98,7 +98,13 @@ pub(crate) struct Camera {
 
 impl Camera {
     /// A camera that looks at `target` from `distance_m`; `clearance` is the least height of the eye at a place.
-    pub(crate) fn new(o: &ViewOptions, target: V3, elevation_deg: f32, distance_m: f32, clearance: impl Fn(V3) -> f32) -> Self {
+    pub(crate) fn new(
+        o: &ViewOptions,
+        target: V3,
+        elevation_deg: f32,
+        distance_m: f32,
+        clearance: impl Fn(V3) -> f32,
+    ) -> Self {
         let back = direction(finite(o.azimuth_deg, 180.0), elevation_deg.clamp(1.0, 89.0));
         let mut eye = add(target, scale(back, distance_m));
         eye[2] = eye[2].max(clearance(eye));
@@ -106,9 +112,18 @@ impl Camera {
         // East cross north is up; south counts positive, so the order is turned.
         let right = unit(cross([0.0, 0.0, 1.0], forward));
         let up = cross(forward, right);
-        let tan = (0.5 * finite(o.field_of_view_deg, 36.0).clamp(5.0, 120.0)).to_radians().tan();
+        let tan = (0.5 * finite(o.field_of_view_deg, 36.0).clamp(5.0, 120.0))
+            .to_radians()
+            .tan();
         let pixel = 2.0 * tan / o.height.max(1) as f32;
-        Self { eye, forward, right, up, pixel, centre: [0.5 * o.width as f32, 0.5 * o.height as f32] }
+        Self {
+            eye,
+            forward,
+            right,
+            up,
+            pixel,
+            centre: [0.5 * o.width as f32, 0.5 * o.height as f32],
+        }
     }
 
     /// Direction through a point of the picture, in pixels from its top left corner.
