@@ -48,10 +48,10 @@ fn main() -> Outcome {
     })?;
     time(folder, "island-evening", || {
         let o = ViewOptions {
-            sun_elevation_deg: 9.0,
-            sun_azimuth_deg: 335.0,
+            sun_elevation_deg: 11.0,
+            sun_azimuth_deg: 268.0,
             elevation_deg: Some(10.0),
-            haze: 2.0,
+            haze: 1.6,
             ..ViewOptions::default()
         };
         perspective(&island, &o)

@@ -12,7 +12,7 @@ const LAYERS: [V3; 5] = [
     [0.38, 0.29, 0.20],
     [0.215, 0.165, 0.125],
 ];
-const STUDIO: V3 = [0.66, 0.655, 0.64];
+const STUDIO: V3 = [0.78, 0.775, 0.76];
 
 /// The block's box in metres.
 pub(crate) struct Block {
@@ -33,7 +33,7 @@ impl Block {
     pub(crate) fn new(s: &Scene) -> Self {
         let low = s.surface.z.iter().copied().fold(f32::INFINITY, f32::min);
         let top = if s.sea { s.surface.top.max(0.0) } else { s.surface.top };
-        let base = low - (0.045 * s.extent).max(0.22 * (top - low));
+        let base = low - (0.040 * s.extent).max(0.16 * (top - low));
         Self {
             size: s.surface.extent(),
             base,

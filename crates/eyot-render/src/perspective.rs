@@ -80,7 +80,7 @@ impl<'a> Shot<'a> {
     fn new(scene: &'a Scene, o: &ViewOptions) -> Self {
         let e = scene.surface.extent();
         let automatic = if scene.block {
-            (34.0, 1.72, -0.1)
+            (33.0, 1.72, -0.42)
         } else {
             (15.0, 1.06, 0.40)
         };

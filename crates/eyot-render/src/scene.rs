@@ -258,13 +258,13 @@ pub(crate) fn clarity(given_m: Option<f32>, g: &Ground) -> f32 {
 /// Where waves break: shallow places with deep water close by, so outer reefs and open shores but no lagoons.
 fn surf(g: &Ground, clarity: f32) -> Vec<f32> {
     let depth: Vec<f32> = g.z.iter().map(|z| (-z).clamp(0.0, 5.0 * clarity)).collect();
-    let radius = (g.width.max(g.height) / 55).clamp(2, 40);
+    let radius = (g.width.max(g.height) / 40).clamp(2, 48);
     let near = box_mean(&depth, g.width, g.height, radius);
     g.z.iter()
         .zip(&near)
         .map(|(z, mean)| {
             let shallow = smoothstep(0.16, 0.02, -z / clarity) * smoothstep(0.10, 0.02, z / clarity);
-            shallow * smoothstep(0.75, 1.6, mean / clarity)
+            shallow * smoothstep(0.55, 1.2, mean / clarity)
         })
         .collect()
 }
