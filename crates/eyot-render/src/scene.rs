@@ -225,7 +225,7 @@ impl Scene {
         let e = self.surface.extent();
         let half = [0.5 * e[0], 0.5 * e[1]];
         let margin = 0.11 * half[0].min(half[1]);
-        let corner = 0.55 * half[0].min(half[1]);
+        let corner = 0.75 * half[0].min(half[1]);
         let q = [
             (x - half[0]).abs() - half[0] + corner,
             (y - half[1]).abs() - half[1] + corner,
@@ -234,7 +234,7 @@ impl Scene {
         if outside < -3.0 * margin {
             return 0.0;
         }
-        let wander = 0.9 * margin * fbm(5.0 * x / self.extent, 5.0 * y / self.extent, 4, 61);
+        let wander = 1.25 * margin * fbm(5.0 * x / self.extent, 5.0 * y / self.extent, 4, 61);
         let t = smoothstep(-1.6 * margin, 1.4 * margin, outside + wander);
         4.0 * self.clarity * t * t
     }
