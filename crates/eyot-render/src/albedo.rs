@@ -15,16 +15,16 @@ const FOREST: V3 = [0.020, 0.043, 0.015];
 const LUSH: V3 = [0.037, 0.071, 0.020];
 const GRASS: V3 = [0.105, 0.128, 0.042];
 const DRY_GRASS: V3 = [0.225, 0.195, 0.088];
-const ROCK: V3 = [0.150, 0.130, 0.112];
-const DARK_ROCK: V3 = [0.072, 0.064, 0.058];
-const SCREE: V3 = [0.215, 0.188, 0.158];
+const ROCK: V3 = [0.142, 0.118, 0.088];
+const DARK_ROCK: V3 = [0.066, 0.057, 0.044];
+const SCREE: V3 = [0.200, 0.170, 0.128];
 const RIVER_BED: V3 = [0.200, 0.175, 0.145];
-const SAND: V3 = [0.640, 0.540, 0.370];
+const SAND: V3 = [0.520, 0.435, 0.300];
 const SEABED: V3 = [0.520, 0.490, 0.370];
 const DEEP_SEABED: V3 = [0.240, 0.250, 0.220];
 const SEAGRASS: V3 = [0.130, 0.150, 0.085];
-const REEF_FLAT: V3 = [0.560, 0.555, 0.440];
-const CORAL: V3 = [0.190, 0.165, 0.105];
+const REEF_FLAT: V3 = [0.470, 0.470, 0.370];
+const CORAL: V3 = [0.165, 0.140, 0.085];
 const SNOW: V3 = [0.800, 0.830, 0.870];
 
 /// Snow lies above this height, m; tropical islands stay below it.
@@ -116,7 +116,7 @@ impl Scales {
             .map(|i| slopes[i])
             .collect();
         // Coarse grids round the slopes off, so rock begins where this land is steep for its kind.
-        let rock = if land.is_empty() { 0.9 } else { quantile(&land, 0.92).clamp(0.40, 1.15) };
+        let rock = if land.is_empty() { 0.9 } else { quantile(&land, 0.92).clamp(0.40, 1.3) };
         let relief = g.relief();
         let low = if g.sea { 0.0 } else { g.land_low };
         Self { extent: g.extent(), low, relief, beach: (0.006 * relief).clamp(0.02, 4.0), rock }
@@ -140,7 +140,7 @@ fn land(s: &Site, k: &Scales, sea: bool) -> V3 {
     );
     let stone = mix(ROCK, DARK_ROCK, smoothstep(-0.3, 0.4, s.fine - 0.5 * s.broad));
     // Green climbs cliffs in the wet lowlands; heights are barer.
-    let steep = s.slope / k.rock + 0.42 * s.fine + 0.26 * s.broad + 0.10 * s.bump + 0.30 * (up - 0.55);
+    let steep = s.slope / k.rock + 0.50 * s.fine + 0.30 * s.broad + 0.10 * s.bump + 0.30 * (up - 0.55);
     let scree = mix(SCREE, ROCK, smoothstep(-0.2, 0.3, s.fine));
     c = mix(c, scree, 0.65 * smoothstep(0.92, 1.12, steep) * smoothstep(0.35, 0.75, up));
     c = mix(c, stone, smoothstep(1.0, 1.28, steep));
@@ -167,7 +167,7 @@ fn seabed(s: &Site, k: &Scales) -> V3 {
     c = mix(c, stone, 0.8 * smoothstep(0.9, 1.4, s.slope / k.rock + 0.3 * s.fine));
     if s.reef > 0.0 {
         let mottle = smoothstep(0.02, 0.32, s.fine + 0.25 * s.broad);
-        let flat = mix(REEF_FLAT, CORAL, 0.55 * mottle);
+        let flat = mix(REEF_FLAT, CORAL, 0.70 * mottle);
         let slope = mix(CORAL, REEF_FLAT, 0.35 * (1.0 - mottle));
         c = mix(c, mix(flat, slope, smoothstep(0.6, 3.0, depth * shallow)), 0.92 * s.reef);
     }

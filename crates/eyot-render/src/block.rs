@@ -7,7 +7,7 @@ use crate::scene::Scene;
 const SOIL: V3 = [0.085, 0.055, 0.034];
 const LAYERS: [V3; 5] =
     [[0.34, 0.225, 0.125], [0.43, 0.315, 0.195], [0.27, 0.185, 0.12], [0.38, 0.29, 0.20], [0.215, 0.165, 0.125]];
-const STUDIO: V3 = [0.66, 0.655, 0.64];
+const STUDIO: V3 = [0.78, 0.775, 0.76];
 
 /// The block's box in metres.
 pub(crate) struct Block {
@@ -28,7 +28,7 @@ impl Block {
     pub(crate) fn new(s: &Scene) -> Self {
         let low = s.surface.z.iter().copied().fold(f32::INFINITY, f32::min);
         let top = if s.sea { s.surface.top.max(0.0) } else { s.surface.top };
-        let base = low - (0.045 * s.extent).max(0.22 * (top - low));
+        let base = low - (0.040 * s.extent).max(0.16 * (top - low));
         Self { size: s.surface.extent(), base, top: top + 1e-3 * s.extent }
     }
 
@@ -142,7 +142,7 @@ impl Block {
         if from >= to {
             return 0.0;
         }
-        const STEPS: usize = 20;
+        const STEPS: usize = 40;
         let mut horizon = 0.0f32;
         for i in 0..STEPS {
             // Denser at the near end, where the walls stand.
@@ -151,6 +151,6 @@ impl Block {
             let (u, v) = s.place([p[0] + dx * way, p[1] + dy * way, 0.0]);
             horizon = horizon.max((s.surface.height(u, v) - self.base) / way.max(1e-3 * s.extent));
         }
-        smoothstep(0.86 * tan, 1.16 * tan, horizon)
+        smoothstep(0.80 * tan, 1.20 * tan, horizon)
     }
 }

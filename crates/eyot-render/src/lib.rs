@@ -1,21 +1,59 @@
 //! Pictures of Eyot worlds, made on the CPU: perspective views, reliefs from above and maps of layers.
+//!
+//! - [`perspective`] looks at the world from a camera: islands in an open sea, everything else as a relief model.
+//! - [`relief`] draws it from above as a map maker would.
+//! - [`layer_map`] maps one layer with a legend.
+//! - [`terrain_colours`] gives the colours of the ground that all of them use, for meshes too.
+//!
+//! ```
+//! use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
+//! use eyot_render::{MapOptions, ReliefOptions, ViewOptions, layer_map, perspective, relief};
+//!
+//! let mut world = World::new(Grid::new(48, 48, 20.0, Rim::CLOSED, &Limits::default())?, 7);
+//! let cone = |x: usize, y: usize| 200.0 - 12.0 * (x as f32 - 24.0).hypot(y as f32 - 24.0);
+//! world.put(&known::HEIGHT, Field::from_fn(48, 48, cone))?;
+//!
+//! let view = perspective(&world, &ViewOptions { width: 160, height: 90, azimuth_deg: 220.0, ..Default::default() })?;
+//! assert_eq!(view.bytes().len(), 3 * 160 * 90);
+//! let map = relief(&world, &ReliefOptions { min_size: 48, ..Default::default() })?;
+//! assert_eq!((map.width, map.height), (48, 48));
+//! layer_map(&world, "height", &MapOptions::default())?;
+//! # Ok::<(), eyot_core::Error>(())
+//! ```
+//!
+//! # How a view is made
+//! The cells are refined by a cubic kernel until a node is about a pixel wide (`surface.rs`). Light that
+//! does not depend on the camera is computed once per node: the sun's disc over the horizon and the open share of the
+//! sky (`light.rs`). A ray then finds the surface through a pyramid of maxima and reads colour, slope and light between
+//! nodes. Pixels with edges take more rays. Every pixel is a pure function of world, options and its place, so the bytes
+//! do not depend on the number of threads.
 
 mod albedo;
 mod block;
+mod colour_map;
 mod ground;
+mod hillshade;
+mod legend;
 mod light;
+mod map;
 mod math;
 mod noise;
 mod perspective;
 mod picture;
+mod relief;
+mod resample;
 mod scene;
 mod sea;
 mod sky;
 mod surface;
+mod text;
 mod view;
 mod water;
 
 pub use albedo::terrain_colours;
+pub use colour_map::ColourMap;
+pub use map::{MapOptions, layer_map};
 pub use perspective::perspective;
 pub use picture::Picture;
+pub use relief::{ReliefOptions, relief};
 pub use view::{Setting, ViewOptions};

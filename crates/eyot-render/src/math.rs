@@ -7,10 +7,6 @@ pub(crate) fn add(a: V3, b: V3) -> V3 {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-pub(crate) fn sub(a: V3, b: V3) -> V3 {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
 /// Component by component: light on a surface colour.
 pub(crate) fn mul(a: V3, b: V3) -> V3 {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
@@ -52,11 +48,6 @@ pub(crate) fn smoothstep(lo: f32, hi: f32, x: f32) -> f32 {
 /// Component by component `exp(-k x)`: what is left of light on a way `x` through water or air.
 pub(crate) fn attenuate(k: V3, x: f32) -> V3 {
     [(-k[0] * x).exp(), (-k[1] * x).exp(), (-k[2] * x).exp()]
-}
-
-/// Brightness as the eye sees it (Rec. 709 weights).
-pub(crate) fn luminance(c: V3) -> f32 {
-    dot(c, [0.2126, 0.7152, 0.0722])
 }
 
 /// The direction to a compass bearing and elevation, in east, south, up coordinates.

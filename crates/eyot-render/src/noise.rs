@@ -3,7 +3,7 @@
 /// The integer below `x`; the library's `floor` is a call where the processor's own is not assumed.
 fn floor(x: f32) -> i32 {
     let i = x as i32;
-    i - i32::from((i as f32) > x)
+    i.wrapping_sub(i32::from((i as f32) > x))
 }
 
 /// Integer hash of a lattice point.

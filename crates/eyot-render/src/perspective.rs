@@ -73,10 +73,13 @@ struct Shot<'a> {
 impl<'a> Shot<'a> {
     fn new(scene: &'a Scene, o: &ViewOptions) -> Self {
         let e = scene.surface.extent();
-        let distance = finite(o.distance, 1.2).clamp(0.01, 100.0) * scene.extent;
+        let automatic = if scene.block { (33.0, 1.72, -0.42) } else { (15.0, 1.06, 0.40) };
+        let elevation = finite(o.elevation_deg.unwrap_or(automatic.0), automatic.0);
+        let distance = finite(o.distance.unwrap_or(automatic.1), automatic.1).clamp(0.01, 100.0) * scene.extent;
+        let share = finite(o.target_height.unwrap_or(automatic.2), automatic.2);
         let g = &scene.ground;
         let low = if scene.sea { 0.0 } else { g.land_low };
-        let height = (low + finite(o.target_height, 0.3) * (g.land_high - low)) * scene.exaggeration;
+        let height = (low + share * (g.land_high - low)) * scene.exaggeration;
         let target = [finite(o.target[0], 0.5) * e[0], finite(o.target[1], 0.5) * e[1], height];
         let clearance = |p: V3| {
             let (u, v) = scene.place(p);
@@ -84,7 +87,7 @@ impl<'a> Shot<'a> {
             let ground = if over { scene.surface.height(u, v) } else { f32::NEG_INFINITY };
             ground.max(if scene.sea { 0.0 } else { f32::NEG_INFINITY }) + 0.004 * scene.extent
         };
-        let camera = Camera::new(o, target, distance, clearance);
+        let camera = Camera::new(o, target, elevation, distance, clearance);
         let block = scene.block.then(|| Block::new(scene));
         let haze = if scene.block { 0.0 } else { finite(o.haze, 1.0).max(0.0) * 0.055 / scene.extent };
         Self { scene, camera, block, haze, exposure: finite(o.exposure, 1.0).max(0.0) }
@@ -106,7 +109,9 @@ impl<'a> Shot<'a> {
     /// A ray into the relief model.
     fn model(&self, block: &Block, eye: V3, d: V3) -> V3 {
         let s = self.scene;
-        let Some(entry) = block.enter(eye, d) else { return block.studio(s, eye, d) };
+        let Some(entry) = block.enter(eye, d) else {
+            return block.studio(s, eye, d);
+        };
         let p = add(eye, scale(d, entry.from));
         if let Some(c) = block.wall(s, p, d, &entry) {
             return c;

@@ -56,7 +56,7 @@ impl Scene {
             Setting::OpenSea => !sea,
             Setting::Block => true,
         };
-        let clarity = clarity(o, &ground);
+        let clarity = clarity(o.sea_clarity_m, &ground);
 
         let water = ground.water.as_ref().filter(|_| o.fresh_water);
         // Draw the water's surface, but not the film that rain leaves everywhere.
@@ -177,10 +177,11 @@ impl Scene {
                 break;
             }
             let (n, na, nb) = noise_with_slope(a / length, b / length, 300 + k);
-            let s = 0.24 * keep;
+            // Longer bumps would be hills that are not there.
+            let s = 0.24 * keep * smoothstep(150.0, 50.0, length);
             rise[0] += s * (0.83 * na - 0.56 * nb);
             rise[1] += s * (0.56 * na + 0.83 * nb);
-            colour = scale(colour, 1.0 + 0.28 * keep * n);
+            colour = scale(colour, 1.0 + (0.44 - 0.20 * green) * keep * n);
             length *= 0.47;
         }
         let normal = unit([-rise[0], -rise[1], 1.0]);
@@ -217,13 +218,13 @@ impl Scene {
         let e = self.surface.extent();
         let half = [0.5 * e[0], 0.5 * e[1]];
         let margin = 0.11 * half[0].min(half[1]);
-        let corner = 0.55 * half[0].min(half[1]);
+        let corner = 0.75 * half[0].min(half[1]);
         let q = [(x - half[0]).abs() - half[0] + corner, (y - half[1]).abs() - half[1] + corner];
         let outside = q[0].max(0.0).hypot(q[1].max(0.0)) + q[0].max(q[1]).min(0.0) - corner;
         if outside < -3.0 * margin {
             return 0.0;
         }
-        let wander = 0.9 * margin * fbm(5.0 * x / self.extent, 5.0 * y / self.extent, 4, 61);
+        let wander = 1.25 * margin * fbm(5.0 * x / self.extent, 5.0 * y / self.extent, 4, 61);
         let t = smoothstep(-1.6 * margin, 1.4 * margin, outside + wander);
         4.0 * self.clarity * t * t
     }
@@ -238,22 +239,22 @@ fn exaggeration(o: &ViewOptions, g: &Ground) -> f32 {
 }
 
 /// Clear tropical water shows its bottom to about 26 m; a small world gets a sea in its own measure.
-fn clarity(o: &ViewOptions, g: &Ground) -> f32 {
+pub(crate) fn clarity(given_m: Option<f32>, g: &Ground) -> f32 {
     let lowest = g.z.iter().copied().fold(0.0f32, f32::min);
     let automatic = (0.03 * (g.land_high.max(0.0) - lowest)).clamp(0.05, 26.0);
-    o.sea_clarity_m.map_or(automatic, |c| finite(c, automatic).max(1e-3))
+    given_m.map_or(automatic, |c| finite(c, automatic).max(1e-3))
 }
 
 /// Where waves break: shallow places with deep water close by, so outer reefs and open shores but no lagoons.
 fn surf(g: &Ground, clarity: f32) -> Vec<f32> {
-    let depth: Vec<f32> = g.z.iter().map(|z| (-z).clamp(0.0, 2.5 * clarity)).collect();
-    let radius = (g.width.max(g.height) / 90).clamp(2, 24);
+    let depth: Vec<f32> = g.z.iter().map(|z| (-z).clamp(0.0, 5.0 * clarity)).collect();
+    let radius = (g.width.max(g.height) / 40).clamp(2, 48);
     let near = box_mean(&depth, g.width, g.height, radius);
     g.z.iter()
         .zip(&near)
         .map(|(z, mean)| {
             let shallow = smoothstep(0.16, 0.02, -z / clarity) * smoothstep(0.10, 0.02, z / clarity);
-            shallow * smoothstep(0.45, 0.95, mean / clarity)
+            shallow * smoothstep(0.55, 1.2, mean / clarity)
         })
         .collect()
 }

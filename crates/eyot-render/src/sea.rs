@@ -73,5 +73,5 @@ fn foam(s: &Scene, p: V3, depth: f32, surf: f32) -> f32 {
     let k = 260.0 / s.extent;
     let broken = fbm(p[0] * k, p[1] * k, 3, 83) + 0.35 * fbm(p[0] * k * 0.12, p[1] * k * 0.12, 2, 85);
     let edge = smoothstep(0.10, 0.0, depth / s.clarity);
-    0.75 * smoothstep(0.42, 0.85, surf * (0.62 + 0.38 * edge) + 0.55 * broken)
+    0.80 * smoothstep(0.30, 0.72, surf * (0.62 + 0.38 * edge) + 0.55 * broken)
 }

@@ -2,6 +2,7 @@
 
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep};
 use crate::noise::fbm;
+use std::f32::consts::PI;
 
 /// Light of sun and sky for one picture. Colours are linear; 1 is what a white sheet sends back at noon, about.
 pub(crate) struct Sky {
@@ -28,9 +29,9 @@ impl Sky {
         Self {
             sun,
             sunlight: scale(warm, 2.75 * strength),
-            skylight: mix([0.16, 0.20, 0.34], [0.40, 0.53, 0.74], strength),
+            skylight: mix([0.16, 0.20, 0.34], [0.47, 0.585, 0.75], strength),
             zenith: mix([0.030, 0.060, 0.170], [0.055, 0.190, 0.560], strength),
-            horizon: mix([0.52, 0.36, 0.30], [0.50, 0.70, 0.93], high),
+            horizon: mix([0.66, 0.40, 0.27], [0.40, 0.62, 0.92], high),
             glow: scale(warm, 0.25 + 0.75 * strength),
             clouds: clouds.clamp(0.0, 1.0),
             seed,
@@ -48,7 +49,7 @@ impl Sky {
             let x = 1.0 + g * g - 2.0 * g * mu;
             (1.0 - g * g) / (x * x.sqrt())
         };
-        c = add(c, scale(self.glow, 0.026 * phase(0.62) * (0.35 + 0.65 * (-3.0 * up).exp()) + 0.0022 * phase(0.94)));
+        c = add(c, scale(self.glow, 0.018 * phase(0.62) * (0.35 + 0.65 * (-3.0 * up).exp()) + 0.0022 * phase(0.94)));
         c
     }
 
@@ -62,29 +63,51 @@ impl Sky {
         add(c, scale(self.sunlight, 12.0 * disc))
     }
 
-    /// A thin field of cumulus: noise on a plane overhead, lit by how dense it is towards the sun.
+    /// Two rows of trade-wind cumulus over the horizon: flat bases, heaped tops, lit from the sun's side.
     fn cloud(&self, behind: V3, d: V3) -> V3 {
-        // A curved shell instead of a plane keeps the far field from shrinking to a line.
-        let way = 1.0 / (d[2] + 0.055);
-        let (x, y) = (d[0] * way * 1.15, d[1] * way * 1.15);
-        let cover = 0.24 - 0.36 * self.clouds;
-        let shape = |x: f32, y: f32| {
-            fbm(x * 0.55, y * 0.55, 2, self.seed ^ 0xc1) * 0.55
-                + fbm(x * 1.3 + 5.0, y * 1.3, 5, self.seed ^ 0xc2) * 0.75
-        };
-        let density = shape(x, y);
-        let body = smoothstep(cover, cover + 0.30, density);
-        if body <= 0.0 {
-            return behind;
+        let azimuth = d[0].atan2(-d[1]);
+        let to_sun = (self.sun[0].atan2(-self.sun[1]) - azimuth).sin();
+        let elevation = d[2].clamp(-1.0, 1.0).asin();
+        let mut c = behind;
+        // Far and low first, then near and high.
+        for (k, (base, tall, fineness, clear)) in
+            [(0.012, 0.040, 26.0, 0.45), (0.030, 0.100, 11.0, 0.20)].into_iter().enumerate()
+        {
+            let up = (elevation - base) / tall;
+            if !(-0.3..1.6).contains(&up) {
+                continue;
+            }
+            let seed = self.seed ^ (0xc1 + 16 * k as u32);
+            let heaps = |azimuth: f32| {
+                let lump = |turn: f32, lift: f32| {
+                    fbm(fineness * (azimuth + turn), 1.35 * fineness * (elevation + lift), 5, seed)
+                };
+                let bank = fbm(0.21 * fineness * azimuth, 0.3, 2, seed ^ 7);
+                let heap = |turn: f32, lift: f32, up: f32| {
+                    0.95 * lump(turn, lift) + 0.8 * bank - 0.55 * up * up.abs().sqrt() + 0.6 * self.clouds - 0.20
+                };
+                let shift = 0.13 / fineness;
+                [heap(0.0, 0.0, up), heap(shift * to_sun, shift, up + shift / tall)]
+            };
+            let [mut density, mut towards] = heaps(azimuth);
+            // The bearing jumps at south: fade into what continues from the other side.
+            let seam = smoothstep(PI - 0.2, PI, azimuth.abs()) * 0.5;
+            if seam > 0.0 {
+                let other = heaps(azimuth - azimuth.signum() * 2.0 * PI);
+                density += seam * (other[0] - density);
+                towards += seam * (other[1] - towards);
+            }
+            let body = smoothstep(0.0, 0.16, density) * smoothstep(-0.10, 0.10, up + 0.25 * density);
+            if body <= 0.0 {
+                continue;
+            }
+            let shade = smoothstep(-0.10, 0.20, density - towards) * (0.60 + 0.40 * smoothstep(-0.1, 0.6, up));
+            let lit = add(scale(self.sunlight, 0.36), scale(self.skylight, 0.50));
+            let dark = add(scale(self.skylight, 0.62), scale(self.sunlight, 0.085));
+            let colour = mix(mix(dark, lit, shade), behind, clear);
+            c = mix(c, colour, 0.94 * body);
         }
-        let towards = shape(x + 0.16 * self.sun[0], y + 0.16 * self.sun[1]);
-        let shade = smoothstep(-0.22, 0.22, density - towards);
-        let lit = add(mul(self.sunlight, [0.40, 0.40, 0.40]), scale(self.skylight, 0.35));
-        let dark = add(scale(self.skylight, 0.72), scale(self.sunlight, 0.09));
-        let colour = mix(dark, lit, 0.35 + 0.65 * shade * (1.0 - 0.35 * body));
-        // Distance swallows the clouds near the horizon.
-        let near = smoothstep(0.004, 0.16, d[2]);
-        mix(behind, mix(behind, colour, 0.45 + 0.55 * near), 0.86 * body * near.sqrt())
+        c
     }
 
     /// Light of air over a surface seen in direction `d` through haze of transmittance `clear`.

@@ -49,9 +49,6 @@ impl Refinement {
     /// Values at the nodes.
     pub(crate) fn refine(&self, values: &[f32], kernel: Kernel) -> Vec<f32> {
         let ([w, h], f) = (self.cells, self.factor);
-        if f == 1 && self.nodes == self.cells {
-            return values.to_vec();
-        }
         let [nx, ny] = self.nodes;
         let weights: Vec<[f32; 4]> = (0..f).map(|i| kernel(i as f32 / f as f32)).collect();
         let at = |i: isize, n: usize| i.clamp(0, n as isize - 1) as usize;
@@ -94,8 +91,12 @@ pub(crate) struct Surface {
 impl Surface {
     /// The surface of `z` (already refined), exaggerated by the caller.
     pub(crate) fn new(g: &Ground, r: &Refinement, z: Vec<f32>) -> Self {
+        Self::with_step([g.cell[0] / r.factor as f32, g.cell[1] / r.factor as f32], r, z)
+    }
+
+    /// The surface of `z` on nodes that are `step` m apart.
+    pub(crate) fn with_step(step: [f32; 2], r: &Refinement, z: Vec<f32>) -> Self {
         let [nx, ny] = r.nodes;
-        let step = [g.cell[0] / r.factor as f32, g.cell[1] / r.factor as f32];
         let (w0, h0) = (nx - 1, ny - 1);
         let mut max = vec![0.0; w0 * h0];
         max.par_chunks_mut(w0).enumerate().for_each(|(y, row)| {
@@ -249,5 +250,62 @@ impl Surface {
         // The first root, in the form that does not cancel.
         let root = 2.0 * q0 / (-q1 + disc.sqrt());
         (root >= 0.0 && root <= s).then_some(from + root)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::fbm;
+
+    fn hills(n: usize) -> Surface {
+        let z = (0..n * n).map(|i| 20.0 * fbm((i % n) as f32 * 0.11, (i / n) as f32 * 0.13, 4, 3)).collect();
+        Surface::with_step([1.0, 1.0], &Refinement { cells: [n, n], factor: 1, nodes: [n, n] }, z)
+    }
+
+    #[test]
+    fn kernels_sum_to_one() {
+        for k in [mitchell, b_spline] {
+            for i in 0..=10 {
+                let sum: f32 = k(i as f32 / 10.0).iter().sum();
+                assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_hit_where_small_steps_find_the_surface() {
+        let s = hills(65);
+        let mut hits = 0;
+        for k in 0..200 {
+            let (sin, cos) = (k as f64 * 0.37).sin_cos();
+            let o = [32.0 - 31.0 * cos, 32.0 - 31.0 * sin, 22.0 + (k % 7) as f64];
+            let d = [cos, sin, -0.2 - 0.004 * k as f64];
+            let found = s.trace(o, d, 0.0, 1e3);
+            let z = |t: f64| o[2] + d[2] * t - f64::from(s.height((o[0] + d[0] * t) as f32, (o[1] + d[1] * t) as f32));
+            let inside = |t: f64| (0..2).all(|a| (0.0..=64.0).contains(&(o[a] + d[a] * t)));
+            let walked = (0..80_000).map(|i| i as f64 * 1e-3).take_while(|t| inside(*t)).find(|t| z(*t) <= 0.0);
+            match (found, walked) {
+                (Some(a), Some(b)) => {
+                    assert!((a - b).abs() < 2e-2, "ray {k}: {a} but {b}");
+                    hits += 1;
+                }
+                (None, None) => {}
+                other => panic!("ray {k}: {other:?}"),
+            }
+        }
+        assert!(hits > 100, "{hits}");
+    }
+
+    #[test]
+    fn refinement_keeps_a_plane() {
+        let r = Refinement::new(40, 30);
+        let plane: Vec<f32> = (0..1200).map(|i| 2.0 * (i % 40) as f32 - (i / 40) as f32).collect();
+        let fine = r.refine(&plane, b_spline);
+        let [nx, ny] = r.nodes;
+        for (x, y) in [(nx / 2, ny / 2), (nx / 3, ny / 4)] {
+            let exact = (2.0 * x as f32 - y as f32) / r.factor as f32;
+            assert!((fine[y * nx + x] - exact).abs() < 1e-3);
+        }
     }
 }

@@ -23,16 +23,18 @@ pub struct ViewOptions {
     pub height: usize,
     /// Bearing from the target to the camera: 180 looks from the south to the north.
     pub azimuth_deg: f32,
-    /// Height of the camera over the horizon as seen from the target, 1 to 89.
-    pub elevation_deg: f32,
-    /// Distance from target to camera, in lengths of the grid's longer side.
-    pub distance: f32,
+    /// Height of the camera over the horizon as seen from the target, 1 to 89. `None` looks over an open sea with some
+    /// sky above it, and down on a block.
+    pub elevation_deg: Option<f32>,
+    /// Distance from target to camera, in lengths of the grid's longer side. `None` fits the setting.
+    pub distance: Option<f32>,
     /// Angle of view from the picture's bottom to its top, 5 to 120.
     pub field_of_view_deg: f32,
     /// What the camera looks at, as shares of the grid's width and height; 0.5, 0.5 is the middle.
     pub target: [f32; 2],
     /// Height of the target over the sea or over the low end of the land, as a share of the relief.
-    pub target_height: f32,
+    /// `None` fits the setting.
+    pub target_height: Option<f32>,
     /// Factor on heights. `None` draws flat land higher so that it reads as land, and mountains as they are.
     pub vertical_exaggeration: Option<f32>,
     /// Bearing of the sun.
@@ -63,11 +65,11 @@ impl Default for ViewOptions {
             width: 1280,
             height: 720,
             azimuth_deg: 205.0,
-            elevation_deg: 19.0,
-            distance: 1.12,
-            field_of_view_deg: 36.0,
+            elevation_deg: None,
+            distance: None,
+            field_of_view_deg: 37.0,
             target: [0.5, 0.5],
-            target_height: 0.42,
+            target_height: None,
             vertical_exaggeration: None,
             sun_azimuth_deg: 285.0,
             sun_elevation_deg: 36.0,
@@ -96,8 +98,14 @@ pub(crate) struct Camera {
 
 impl Camera {
     /// A camera that looks at `target` from `distance_m`; `clearance` is the least height of the eye at a place.
-    pub(crate) fn new(o: &ViewOptions, target: V3, distance_m: f32, clearance: impl Fn(V3) -> f32) -> Self {
-        let back = direction(finite(o.azimuth_deg, 180.0), finite(o.elevation_deg, 25.0).clamp(1.0, 89.0));
+    pub(crate) fn new(
+        o: &ViewOptions,
+        target: V3,
+        elevation_deg: f32,
+        distance_m: f32,
+        clearance: impl Fn(V3) -> f32,
+    ) -> Self {
+        let back = direction(finite(o.azimuth_deg, 180.0), elevation_deg.clamp(1.0, 89.0));
         let mut eye = add(target, scale(back, distance_m));
         eye[2] = eye[2].max(clearance(eye));
         let forward = unit([target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]]);

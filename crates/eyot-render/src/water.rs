@@ -87,3 +87,37 @@ pub(crate) fn waves(x: f32, y: f32, unit_m: f32, footprint_m: f32) -> ([f32; 2],
     }
     ([sx, sy], rough)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opacity_grows_with_depth_from_nothing_to_all() {
+        for water in [Water::sea(20.0), Water::fresh(2.0)] {
+            let mut last = -1.0;
+            for i in 0..400 {
+                let o = water.opacity(0.25 * i as f32);
+                assert!(o > last || o > 0.9999, "depth {}: {o} after {last}", 0.25 * i as f32);
+                last = o;
+            }
+            assert_eq!(water.opacity(0.0), 0.0);
+            assert!(last > 0.99);
+        }
+    }
+
+    #[test]
+    fn red_goes_first_and_deep_water_hides_its_floor() {
+        let w = Water::sea(25.0);
+        let c = w.upwelling([0.5; 3], 6.0, 2.2);
+        assert!(c[0] < 0.5 * c[1] && c[1] > 0.1, "{c:?}");
+        let (bright, dark) = (w.upwelling([0.8; 3], 400.0, 2.2), w.upwelling([0.0; 3], 400.0, 2.2));
+        assert!((0..3).all(|k| (bright[k] - dark[k]).abs() < 1e-5));
+    }
+
+    #[test]
+    fn a_mirror_at_grazing_angles_and_clear_from_above() {
+        assert!(fresnel(1.0) < 0.03 && fresnel(0.0) > 0.99);
+        assert!((refracted_cos(1.0) - 1.0).abs() < 1e-6 && refracted_cos(0.0) > 0.6);
+    }
+}

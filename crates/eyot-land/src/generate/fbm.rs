@@ -41,7 +41,15 @@ pub struct Fbm {
 
 impl Default for Fbm {
     fn default() -> Self {
-        Self { basis: Basis::Simplex, amplitude: 500.0, offset: 0.0, scale: 0.3, octaves: 8, lacunarity: 2.0, gain: 0.5 }
+        Self {
+            basis: Basis::Simplex,
+            amplitude: 500.0,
+            offset: 0.0,
+            scale: 0.3,
+            octaves: 8,
+            lacunarity: 2.0,
+            gain: 0.5,
+        }
     }
 }
 

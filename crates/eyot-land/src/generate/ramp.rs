@@ -37,7 +37,8 @@ impl Generator for Ramp {
         let (east, north) = (f64::from(math::sin(angle)), f64::from(math::cos(angle)));
         let half = 0.5 * (w * east.abs() + h * north.abs());
         Ok(Field::from_fn(g.width, g.height, |x, y| {
-            let along = ((x as f64 + 0.5) * g.cell_x_m - 0.5 * w) * east - ((y as f64 + 0.5) * g.cell_y_m - 0.5 * h) * north;
+            let along =
+                ((x as f64 + 0.5) * g.cell_x_m - 0.5 * w) * east - ((y as f64 + 0.5) * g.cell_y_m - 0.5 * h) * north;
             let s = (0.5 * (along / half + 1.0)) as f32;
             self.low + (self.high - self.low) * s
         }))

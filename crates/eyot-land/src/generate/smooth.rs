@@ -48,7 +48,8 @@ fn kernel(sigma: f64) -> Vec<f32> {
         return vec![1.0];
     }
     let n = (4.0 * sigma).ceil() as i32;
-    let bell: Vec<f64> = (0..=n).map(|i| f64::from(eyot_core::math::exp((-0.5 * (f64::from(i) / sigma).powi(2)) as f32))).collect();
+    let bell: Vec<f64> =
+        (0..=n).map(|i| f64::from(eyot_core::math::exp((-0.5 * (f64::from(i) / sigma).powi(2)) as f32))).collect();
     let sum: f64 = bell[0] + 2.0 * bell[1..].iter().sum::<f64>();
     bell.into_iter().map(|b| (b / sum) as f32).collect()
 }

@@ -1,0 +1,134 @@
+//! Maps of single layers, with a legend.
+
+use crate::colour_map::ColourMap;
+use crate::ground::{Ground, quantile};
+use crate::hillshade::{Hillshade, automatic_exaggeration, gradient};
+use crate::legend::{self, Scale};
+use crate::math::{V3, mix};
+use crate::picture::{Picture, decode, encode, quantise};
+use crate::resample::Raster;
+use crate::view::finite;
+use eyot_core::layer::{LayerSpec, known};
+use eyot_core::{Result, World};
+use rayon::prelude::*;
+
+/// How a layer is mapped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapOptions {
+    /// Grids with a longer side above this are averaged down to it, pixels.
+    pub max_size: usize,
+    /// Grids with a longer side below this are drawn with several pixels a cell, pixels.
+    pub min_size: usize,
+    /// Colours. `None` chooses by the layer's name and values.
+    pub colours: Option<ColourMap>,
+    /// Values at the two ends of the legend. `None` leaves out the rarest few.
+    pub range: Option<(f32, f32)>,
+    /// Logarithmic scale. `None` takes it for layers with a heavy tail.
+    pub log: Option<bool>,
+    /// Strength of a hillshade of the layer `height` under the colours, 0 to 1.
+    pub hillshade: f32,
+    /// Draw a legend with name, unit and ticks below the map.
+    pub legend: bool,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        Self { max_size: 2048, min_size: 512, colours: None, range: None, log: None, hillshade: 0.5, legend: true }
+    }
+}
+
+/// Cells without a value.
+const MISSING: V3 = [0.62, 0.62, 0.62];
+
+/// A map of one layer, north up. See [`MapOptions`].
+///
+/// # Errors
+/// If the world has no layer of that name.
+pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Picture> {
+    let layer = world.layer(layer_name)?;
+    let values = layer.field.to_vec();
+    let raster = Raster::new(layer.field.width(), layer.field.height(), o.min_size, o.max_size);
+    let shown = raster.cells(&values);
+    let (colours, scale) = choose(world, &layer.spec, &values, o);
+    let shade = underlay(world, layer_name, &raster, finite(o.hillshade, 0.0).clamp(0.0, 1.0));
+    let (w, h) = (raster.width, raster.height);
+    let mut pixels = vec![[0u8; 3]; w * h];
+    pixels.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+        for (x, out) in row.iter_mut().enumerate() {
+            let v = shown[y * w + x];
+            let mut c = if v.is_finite() { colours.at(scale.place(v)) } else { MISSING };
+            if let Some(s) = &shade {
+                c = c.map(|e| encode((linear(e) * s[y * w + x]).min(1.0)));
+            }
+            *out = quantise(c, x, y);
+        }
+    });
+    let map = Picture { width: w, height: h, pixels };
+    Ok(if o.legend { legend::below(&map, &layer.spec, colours, &scale) } else { map })
+}
+
+/// Encoded value to linear light.
+fn linear(e: f32) -> f32 {
+    let t = e.clamp(0.0, 1.0) * 255.0;
+    let (lo, hi) = (decode(t as u8), decode((t as u8).saturating_add(1)));
+    lo + (hi - lo) * t.fract()
+}
+
+/// Colours and scale for a layer.
+fn choose(world: &World, spec: &LayerSpec, values: &[f32], o: &MapOptions) -> (ColourMap, Scale) {
+    let step = (values.len() / 262_144).max(1) | 1;
+    let mut sample: Vec<f32> = values.iter().copied().step_by(step).filter(|v| v.is_finite()).collect();
+    if sample.is_empty() {
+        sample.push(0.0);
+    }
+    let is_height = spec.name == known::HEIGHT.name;
+    let (low, high) = (quantile(&sample, 0.0), quantile(&sample, 1.0));
+    let colours = o.colours.unwrap_or_else(|| match &*spec.name {
+        _ if is_height => ColourMap::Heights,
+        n if n.contains("water") || n.contains("rain") || n.contains("flow") || n.contains("wet") => ColourMap::Blues,
+        n if n.contains("temperature") || n.contains("light") || n.contains("uplift") => ColourMap::Magma,
+        _ if low < 0.0 && high > 0.0 => ColourMap::Diverging,
+        _ => ColourMap::Viridis,
+    });
+    let positive: Vec<f32> = sample.iter().copied().filter(|v| *v > 0.0).collect();
+    let heavy =
+        !positive.is_empty() && low >= 0.0 && high > 0.0 && quantile(&positive, 0.99) > 30.0 * quantile(&positive, 0.5);
+    let log = o.log.unwrap_or(heavy && !colours.has_middle()) && high > 0.0 && !positive.is_empty();
+    let (mut from, mut to) = match o.range {
+        Some((a, b)) if a.is_finite() && b.is_finite() && a < b => (a, b),
+        _ if is_height => (low, high),
+        _ if log => (quantile(&positive, 0.02).max(high * 1e-6), high),
+        _ => (quantile(&sample, 0.002), quantile(&sample, 0.998)),
+    };
+    if from >= to {
+        (from, to) =
+            if low < high { (low, high) } else { (low - 0.5 * low.abs().max(1.0), low + 0.5 * low.abs().max(1.0)) };
+    }
+    let middle = colours.has_middle().then(|| {
+        let sea = world.sea_level_m as f32;
+        // Without a sea the whole of the land tints serves the land.
+        if is_height { if sea.is_finite() { sea.clamp(from, to) } else { from } } else { 0.0f32.clamp(from, to) }
+    });
+    (colours, if log { Scale::log(from, to) } else { Scale::linear(from, to, middle, is_height) })
+}
+
+/// Brightness under the colours, from the layer `height` if there is one.
+fn underlay(world: &World, layer_name: &str, raster: &Raster, strength: f32) -> Option<Vec<f32>> {
+    if strength <= 0.0 || world.get(&known::HEIGHT.name).is_none() {
+        return None;
+    }
+    let ground = Ground::new(world).ok()?;
+    let z = raster.map(&ground.z);
+    let (w, h) = (raster.width, raster.height);
+    let cell = raster.pixel_m(&ground);
+    let shade = Hillshade::new(315.0, 42.0, automatic_exaggeration(&ground));
+    let strength = if layer_name == known::HEIGHT.name { strength } else { 0.75 * strength };
+    let mut out = vec![1.0; w * h];
+    out.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+        for (x, o) in row.iter_mut().enumerate() {
+            let s = shade.at(gradient(&z, w, h, cell, x, y)) / shade.level();
+            *o = mix([1.0; 3], [s; 3], strength)[0];
+        }
+    });
+    Some(out)
+}

@@ -1,0 +1,153 @@
+//! Reliefs: the world from above, drawn as a map maker would.
+
+use crate::albedo::albedo;
+use crate::ground::{Ground, quantile};
+use crate::hillshade::{Hillshade, automatic_exaggeration};
+use crate::light::{Sun, sky_share, sunlight};
+use crate::math::{V3, lerp, mix, scale};
+use crate::picture::{Picture, quantise, tone_map};
+use crate::resample::Raster;
+use crate::surface::{Refinement, Surface, b_spline};
+use crate::view::finite;
+use crate::water::Water;
+use eyot_core::{Result, World};
+use rayon::prelude::*;
+
+/// How a relief is drawn. Angles in degrees, bearings clockwise from north.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReliefOptions {
+    /// Grids with a longer side above this are averaged down to it, pixels.
+    pub max_size: usize,
+    /// Grids with a longer side below this are drawn with several pixels a cell, pixels.
+    pub min_size: usize,
+    /// Bearing of the light. Maps are lit from the north-west by custom.
+    pub sun_azimuth_deg: f32,
+    /// Height of the light over the horizon, 1 to 89.
+    pub sun_elevation_deg: f32,
+    /// Factor on heights for shading. `None` fits it to the slopes at hand.
+    pub vertical_exaggeration: Option<f32>,
+    /// Strength of cast shadows, 0 to 1.
+    pub shadows: f32,
+    /// Strength of the natural variation of colours; 0 draws even tints.
+    pub variation: f32,
+    /// Draw the sea.
+    pub sea: bool,
+    /// Depth at which the sea's bottom is all but lost, m. `None` as in perspective views.
+    pub sea_clarity_m: Option<f32>,
+    /// Draw rivers and lakes of the layer `water`.
+    pub fresh_water: bool,
+}
+
+impl Default for ReliefOptions {
+    fn default() -> Self {
+        Self {
+            max_size: 2048,
+            min_size: 512,
+            sun_azimuth_deg: 315.0,
+            sun_elevation_deg: 42.0,
+            vertical_exaggeration: None,
+            shadows: 0.45,
+            variation: 1.0,
+            sea: true,
+            sea_clarity_m: None,
+            fresh_water: true,
+        }
+    }
+}
+
+/// The world from above, north up. See [`ReliefOptions`].
+///
+/// # Errors
+/// If the world has no layer `height`.
+pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
+    let ground = Ground::new(world)?;
+    let raster = Raster::new(ground.width, ground.height, o.min_size, o.max_size);
+    let clarity = crate::scene::clarity(o.sea_clarity_m, &ground);
+    let sea_water = Water::sea(clarity);
+    let fresh_water = Water::fresh(2.0 * ground.river.1);
+    let sea = ground.sea && o.sea;
+
+    let colours = albedo(world, &ground, finite(o.variation, 1.0).clamp(0.0, 4.0));
+    let channels: [Vec<f32>; 3] =
+        std::array::from_fn(|k| raster.map(&colours.iter().map(|c| c[k]).collect::<Vec<_>>()));
+    let z = raster.map(&ground.z);
+    let water = ground.water.as_ref().filter(|_| o.fresh_water).map(|w| raster.map(w));
+    let (w, h) = (raster.width, raster.height);
+    let cell = raster.pixel_m(&ground);
+
+    let exaggeration =
+        o.vertical_exaggeration.map_or_else(|| automatic_exaggeration(&ground), |x| finite(x, 1.0).clamp(0.0, 1e3));
+    let azimuth = finite(o.sun_azimuth_deg, 315.0);
+    let elevation = finite(o.sun_elevation_deg, 42.0).clamp(1.0, 89.0);
+    let shade = Hillshade::new(azimuth, elevation, exaggeration);
+    let (sun, open) = cast(&z, [w, h], cell, sea, azimuth, elevation, exaggeration);
+    let shadows = finite(o.shadows, 0.45).clamp(0.0, 1.0);
+    // Deep water: the tint goes on falling from the end of sight to the deepest place.
+    let deepest = (-quantile(&ground.z, 0.0)).max(2.0 * clarity);
+
+    let mut pixels = vec![[0u8; 3]; w * h];
+    pixels.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+        for (x, out) in row.iter_mut().enumerate() {
+            let i = y * w + x;
+            let slope = crate::hillshade::gradient(&z, w, h, cell, x, y);
+            let ground_colour: V3 = std::array::from_fn(|k| channels[k][i].max(0.0));
+            let lit = lerp(1.0, sun[i], shadows) * lerp(0.55, 1.0, open[i]);
+            let light = 2.9 * shade.at(slope) * lit;
+            let mut c = scale(ground_colour, light);
+            if let Some(d) = water.as_ref().map(|v| v[i])
+                && ground.river_cover(d) > 0.0
+            {
+                let body = scale(fresh_water.upwelling(ground_colour, d, 2.2), 2.9 * lerp(1.0, sun[i], 0.5 * shadows));
+                c = mix(c, [body[0] + 0.008, body[1] + 0.022, body[2] + 0.040], ground.river_cover(d));
+            }
+            if sea {
+                // The share of the pixel that the shore leaves to the sea.
+                let run = (slope[0].abs() * cell[0] + slope[1].abs() * cell[1]).max(1e-6);
+                let wet = (0.5 - z[i] / run).clamp(0.0, 1.0);
+                if wet > 0.0 {
+                    let depth = (-z[i]).max(0.0);
+                    let below = sea_tint(&sea_water, ground_colour, depth, depth / deepest);
+                    let bed = lerp(1.0, shade.at(slope) / shade.level(), 0.55 * (-0.35 * depth / clarity).exp() + 0.20);
+                    c = mix(c, scale(below, bed * lerp(1.0, sun[i], 0.5 * shadows)), wet);
+                }
+            }
+            *out = quantise(tone_map(scale(c, 0.76)), x, y);
+        }
+    });
+    Ok(Picture { width: w, height: h, pixels })
+}
+
+/// Colour of the sea from above: the bottom while it can be seen, then tints by depth.
+fn sea_tint(water: &Water, floor: V3, depth: f32, in_deepest: f32) -> V3 {
+    let seen = scale(water.upwelling(floor, depth, 2.2), 2.7);
+    let tint = mix([0.030, 0.150, 0.270], [0.010, 0.042, 0.105], in_deepest.clamp(0.0, 1.0).powf(0.45));
+    mix(seen, tint, water.opacity(depth).powi(2))
+}
+
+/// Cast shadows and open sky for every pixel.
+fn cast(
+    z: &[f32],
+    size: [usize; 2],
+    cell: [f32; 2],
+    sea: bool,
+    azimuth: f32,
+    elevation: f32,
+    exaggeration: f32,
+) -> (Vec<f32>, Vec<f32>) {
+    let [w, h] = size;
+    if w < 2 || h < 2 {
+        return (vec![1.0; w * h], vec![1.0; w * h]);
+    }
+    let as_is = Refinement { cells: size, factor: 1, nodes: size };
+    // Slightly smoothed: single cells would cast specks.
+    let drawn = as_is.refine(&z.iter().map(|z| z * exaggeration).collect::<Vec<_>>(), b_spline);
+    let surface = Surface::with_step(cell, &as_is, drawn);
+    let floor = if sea { 0.0 } else { f32::NEG_INFINITY };
+    let sun = sunlight(&surface, &Sun::new(&surface, azimuth, elevation), floor);
+    let share = sky_share(&surface, floor);
+    let mut open = vec![1.0; w * h];
+    open.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+        row.iter_mut().enumerate().for_each(|(x, o)| *o = share.at(x as f32, y as f32));
+    });
+    (sun, open)
+}
