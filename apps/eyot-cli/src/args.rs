@@ -77,10 +77,10 @@ pub(crate) struct Run {
 #[derive(Args)]
 pub(crate) struct Change {
     /// Seed of all random numbers
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
     /// Cells along the longer side, or columns x rows; the extent stays
-    #[arg(long, value_name = "N|WxH", value_parser = size)]
+    #[arg(long, value_name = "N|WxH", allow_negative_numbers = true, value_parser = size)]
     pub(crate) size: Option<(u32, Option<u32>)>,
     /// Change a key of the recipe; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
@@ -93,7 +93,7 @@ pub(crate) struct Change {
 #[derive(Args)]
 pub(crate) struct Work {
     /// Threads [default: all cores]; they do not change a byte of the result
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) threads: Option<u16>,
     /// Say nothing but errors
     #[arg(long, short)]
@@ -102,7 +102,7 @@ pub(crate) struct Work {
     #[arg(long)]
     pub(crate) json: bool,
     /// Seconds between two checkpoints
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = seconds)]
+    #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) checkpoint_seconds: f64,
 }
 
@@ -170,28 +170,28 @@ pub(crate) struct Render {
     #[arg(long)]
     pub(crate) relief: bool,
     /// Width x height of a view in pixels
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = size)]
     pub(crate) size: Option<(u32, Option<u32>)>,
     /// Where the camera stands, degrees clockwise from north
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, -360.0, 360.0))]
     pub(crate) azimuth: Option<f32>,
     /// How high the camera stands, degrees over the horizon
-    #[arg(long, value_name = "DEG", value_parser = |s: &str| number(s, 1.0, 89.0))]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 1.0, 89.0))]
     pub(crate) elevation: Option<f32>,
     /// Distance of the camera, in lengths of the land's longer side
-    #[arg(long, value_name = "X", value_parser = |s: &str| number(s, 0.05, 50.0))]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| number(s, 0.05, 50.0))]
     pub(crate) distance: Option<f32>,
     /// Angle of view from bottom to top, degrees
-    #[arg(long, value_name = "DEG", value_parser = |s: &str| number(s, 5.0, 120.0))]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 5.0, 120.0))]
     pub(crate) field_of_view: Option<f32>,
     /// Factor on heights
-    #[arg(long, value_name = "X", value_parser = |s: &str| number(s, 0.01, 100.0))]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| number(s, 0.01, 100.0))]
     pub(crate) exaggeration: Option<f32>,
     /// Where the sun stands, degrees clockwise from north
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, -360.0, 360.0))]
     pub(crate) sun_azimuth: Option<f32>,
     /// How high the sun stands, degrees over the horizon
-    #[arg(long, value_name = "DEG", value_parser = |s: &str| number(s, 1.0, 89.0))]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 1.0, 89.0))]
     pub(crate) sun_elevation: Option<f32>,
 }
 
@@ -210,7 +210,7 @@ pub(crate) struct Bench {
     #[arg(long, value_name = "N")]
     pub(crate) size: Option<u32>,
     /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) threads: Option<u16>,
 }
 

@@ -243,7 +243,7 @@ pub(crate) fn range_words(schema: &Value) -> String {
 pub(crate) fn meaning_line(property: &Value) -> String {
     let mut notes = Vec::new();
     if let Some(unit) = property["unit"].as_str() {
-        notes.push(if unit == "1" { "a plain number without unit".to_owned() } else { format!("unit {unit}") });
+        notes.push(if unit == "1" { "no unit".to_owned() } else { format!("unit {unit}") });
     }
     match &property["default"] {
         Value::Null => {}
@@ -268,7 +268,8 @@ pub(crate) fn number(x: f64) -> String {
     let short = x as f32;
     let (long, short) = (format!("{x}"), if f64::from(short) == x { format!("{short}") } else { format!("{x}") });
     let text = if short.len() < long.len() { short } else { long };
-    if text.len() > 12 { format!("{x:e}") } else { text }
+    let scientific = format!("{x:e}");
+    if text.len() > 8 && scientific.len() < text.len() { scientific } else { text }
 }
 
 fn unit_suffix(property: &Value) -> String {

@@ -73,7 +73,7 @@ impl Problems {
     /// Line and column of a span's start, both counted from 1; the column counts characters.
     pub fn line_column(&self, span: &Span) -> (usize, usize) {
         let text = self.source(span).map_or("", |s| s.text.as_str());
-        let before = text.get(..span.start).unwrap_or(text);
+        let before = &text[..text.floor_char_boundary(span.start)];
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
         (line, column)
@@ -147,6 +147,6 @@ mod tests {
     #[test]
     fn columns_count_characters() {
         let p = Problems::new(vec![Source { name: "a".into(), text: "é=1\nñx=2".into() }], vec![]);
-        assert_eq!(p.line_column(&Span { source: 0, start: 6, end: 7 }), (2, 2));
+        assert_eq!(p.line_column(&Span { source: 0, start: 7, end: 8 }), (2, 2));
     }
 }

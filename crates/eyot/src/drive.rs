@@ -108,8 +108,9 @@ impl Driver {
         cancel: Cancel,
     ) -> Self {
         let now = Instant::now();
+        let allowance = options.paused.then_some(0);
         let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0);
-        Self { recipe, options, world, state, inbox, outbox, cancel, allowance: None, begun: now, seconds_before, last_checkpoint: now, resumed }
+        Self { recipe, options, world, state, inbox, outbox, cancel, allowance, begun: now, seconds_before, last_checkpoint: now, resumed }
     }
 
     /// Runs to the end, to a stop or to an error.

@@ -27,6 +27,8 @@ pub struct RunOptions {
     pub chunk: Option<u64>,
     /// Upper bounds on what the run may use.
     pub limits: Limits,
+    /// Whether the run waits for a command before its first step.
+    pub paused: bool,
     /// Whether a stopped run in the folder may be overwritten.
     pub restart: bool,
     /// Commands of an earlier run that are to be given again at the same steps.
@@ -41,6 +43,7 @@ impl Default for RunOptions {
             checkpoint_every: Duration::from_secs(60),
             chunk: None,
             limits: Limits::default(),
+            paused: false,
             restart: false,
             replay: Vec::new(),
         }

@@ -28,7 +28,7 @@ pub(crate) fn recipe(source: RecipeSource, overrides: Overrides, registry: &Regi
         set::apply(&mut doc, flag, registry, &mut sources, &mut out);
     }
     let mut v = Validator { registry, limits, folder: &source.folder, out, layers: Vec::new() };
-    let document: keys::Document = v.keys_of(&doc, "the recipe", &["grid", "step", "export", "view"]);
+    let document: keys::Document = v.keys_of(&doc, "recipe", &["grid", "step", "export", "view"]);
     let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
     let steps = v.steps(&doc, document.seed);
     let exports = v.exports(doc.get("export"));
@@ -239,24 +239,25 @@ impl Validator<'_> {
             check::table(schema, node, entry.name, &GENERATE_KEYS, &mut self.out);
         }
         let entry = entry?;
+        let mut parameters = without(node, &GENERATE_KEYS);
+        if entry.name == "import" {
+            let file = node.get("file");
+            let span = file.map_or_else(|| node.span.clone(), |n| n.span.clone());
+            match file.map(Node::text) {
+                None | Some(Some("")) => {
+                    let message = "`import` needs the key `file`";
+                    let help = "add file = \"NAME.tif\", relative to the recipe's folder";
+                    self.out.push(Diagnostic::at(span, message, "which file?").help(help));
+                }
+                Some(Some(file)) => parameters["file"] = self.file(file, &span).map_or(Value::Null, Value::String),
+                Some(None) => {}
+            }
+        }
         if self.out.len() > before {
             self.layers.extend(node.get("layer").and_then(Node::text).or(Some("height")).map(str::to_owned));
             return None;
         }
         let keys: keys::Generate = self.keys_of(&mine, "step", &[]);
-        let mut parameters = without(node, &GENERATE_KEYS);
-        if entry.name == "import" {
-            let file = node.get("file");
-            let span = file.map_or_else(|| node.span.clone(), |n| n.span.clone());
-            match file.and_then(Node::text).filter(|f| !f.is_empty()) {
-                Some(file) => parameters["file"] = Value::String(self.file(file, &span)?),
-                None => {
-                    let message = "`import` needs the key `file`";
-                    self.out.push(Diagnostic::at(span, message, "which file?").help("add file = \"NAME.tif\", relative to the recipe's folder"));
-                    return None;
-                }
-            }
-        }
         let generator = match (entry.make)(parameters.clone()) {
             Ok(g) => g,
             Err(e) => {
@@ -274,7 +275,8 @@ impl Validator<'_> {
             && !self.layers.contains(mask)
         {
             let span = node.get("mask").map_or_else(|| node.span.clone(), |n| n.span.clone());
-            self.out.push(self.no_layer(mask, span));
+            let problem = self.no_layer(mask, span);
+            self.out.push(problem);
         }
         if keys.enabled && generator.is_filter() && !self.layers.contains(&keys.layer) {
             let message = format!("`{}` changes a layer, but there is no layer `{}` yet", entry.name, keys.layer);
@@ -434,7 +436,8 @@ impl Validator<'_> {
             for (i, layer) in export.layers.iter().enumerate().filter(|_| export.uses_layers()) {
                 if sure && export.enabled && !self.layers.contains(layer) {
                     let span = item.get("layers").and_then(|l| l.elements().get(i)).map_or_else(|| place("layers"), |n| n.span.clone());
-                    self.out.push(self.no_layer(layer, span));
+                    let problem = self.no_layer(layer, span);
+                    self.out.push(problem);
                 }
             }
             for file in export.files().into_iter().filter(|_| export.enabled) {
