@@ -1,25 +1,441 @@
-//! The CPU engine (placeholder).
+//! The CPU engine: runs plans on all cores.
+//!
+//! Several steps make one chain of passes. The grid is cut into bands of rows. First every band runs the whole chain
+//! over the rows that need nothing from its neighbours: pass p stops `lag(p)` rows short of the cut. Then the wedges
+//! around the cuts are filled in, pass p over the `2 lag(p)` rows that are missing. Bands, and then wedges, touch
+//! disjoint rows, so each set runs in parallel without copies and without computing anything twice; inside each, rows
+//! are swept as a skewed wave, so that a row stays in cache through all passes of all steps of the chain.
+//!
+//! Every cell's value is a pure function of the plan, so bands, chains and threads never change a bit. Sums are kept
+//! per row, each row's in the order of time, and folded over the rows from north to south.
+
+// Reason for the exception: rows of one field are handed to several threads at once, as the schedule allows.
+#![allow(unsafe_code)]
+
 use crate::control::Control;
 use crate::error::Result;
-use crate::process::{Scheduled, Span};
+use crate::field::{Field, RawField};
+use crate::grid::{Edge, Grid};
+use crate::isa::Isa;
+use crate::kernel::{ROWS, RowJob};
+use crate::lanes::WIDTH;
+use crate::layer::{Beyond, LayerSpec, Stagger};
+use crate::limits::Limits;
+use crate::plan::Plan;
+use crate::process::{Moment, Scheduled, Span};
+use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Tally, TallyUnit};
+use crate::schedule::Schedule;
 use crate::world::World;
+use rayon::prelude::*;
 
-/// Executes plans on all cores.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct CpuEngine {}
+/// Columns kept valid beyond each end of a row: rules may be evaluated at column -1 and look [`MAX_REACH`] further.
+const HALO: usize = MAX_REACH + 1;
+
+/// Executes plans on the cores of the current rayon pool.
+#[derive(Clone, Copy, Debug)]
+pub struct CpuEngine {
+    /// Instruction set.
+    pub isa: Isa,
+    /// Steps run as one chain; 0 chooses.
+    pub chain: usize,
+    /// Rows of a band; 0 chooses. Raised to what the chain's lag needs.
+    pub band: usize,
+    /// Bounds on what may be allocated.
+    pub limits: Limits,
+}
+
+impl Default for CpuEngine {
+    fn default() -> Self {
+        Self { isa: Isa::best(), chain: 0, band: 0, limits: Limits::default() }
+    }
+}
 
 impl CpuEngine {
     /// Runs a span of steps of the given processes on the world.
     ///
     /// # Errors
-    /// On a request to stop (the world is then in the state after the last whole step, `world.step` tells which),
-    /// and if a value that is not finite turns up.
-    pub fn simulate(&self, world: &mut World, processes: &[Scheduled], span: Span, control: &Control<'_>) -> Result<()> {
-        for i in 0..span.steps {
-            let _ = (processes, span.from);
-            world.step += 1;
-            control.tick(i + 1, span.steps)?;
+    /// If a parameter does not fit the world or memory would exceed the limits (before the first step), on a request to
+    /// stop (the world is then in the state after the last whole step; `world.step` tells which), and if a value that is
+    /// not finite turns up.
+    pub fn simulate(
+        &self,
+        world: &mut World,
+        processes: &[Scheduled],
+        span: Span,
+        control: &Control<'_>,
+    ) -> Result<()> {
+        for s in processes {
+            for (spec, value) in s.process.layers() {
+                world.ensure(&spec, value);
+            }
+            s.process.prepare(world)?;
         }
+        let mut arena = Arena::new(self, world, processes)?;
+        let chain = self.chain_length(&world.grid);
+        let mut done = 0;
+        let mut outcome = Ok(());
+        while done < span.steps && outcome.is_ok() {
+            let steps = chain.min(span.steps - done);
+            let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+            let mut plan = Plan::default();
+            for i in 0..steps {
+                plan_step(processes, span.from + done + i, &mut moment, &mut plan);
+            }
+            arena.run(self, &plan)?;
+            (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
+            done += steps;
+            outcome = control.tick(done, span.steps);
+        }
+        arena.give_back(world);
+        world.check_finite(&format!("step {}", world.step))?;
+        outcome
+    }
+
+    fn chain_length(&self, grid: &Grid) -> u64 {
+        match self.chain {
+            // Measured (docs/performance.md): two steps when all layers fit the last cache, four when they do not.
+            0 if grid.cells() <= 1 << 19 => 2,
+            0 => 4,
+            n => n as u64,
+        }
+    }
+}
+
+/// Adds one step of all processes that are due to the plan, and moves the moment on.
+pub(crate) fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut Moment, plan: &mut Plan) {
+    for s in processes {
+        if local_step.is_multiple_of(s.every.max(1)) {
+            plan.step = moment.step;
+            moment.turn = local_step / s.every.max(1);
+            s.process.plan(moment, plan);
+            s.process.advance(moment);
+        }
+    }
+    moment.step += 1;
+}
+
+/// Buffers of a simulation: two copies of each layer as needed, scratch layers, sums per row.
+struct Arena {
+    grid: Grid,
+    seed: u64,
+    specs: Vec<LayerSpec>,
+    /// Layers of the world come first, scratch layers after them.
+    world_layers: usize,
+    fields: Vec<[Option<Field>; 2]>,
+    current: Vec<usize>,
+    zeros: Field,
+    dummy: Field,
+    tallies: Vec<Tally>,
+    sums: Vec<f64>,
+}
+
+impl Arena {
+    /// Takes the world's fields and plans one step of everything to learn which other buffers are needed.
+    fn new(engine: &CpuEngine, world: &mut World, processes: &[Scheduled]) -> Result<Self> {
+        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut plan = Plan::default();
+        plan_step(processes, 0, &mut moment, &mut plan);
+        let mut specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
+        let world_layers = specs.len();
+        specs.extend(plan.scratch_layers().iter().cloned());
+        let schedule = Schedule::new(&plan, &specs, &vec![0; specs.len()])?;
+        let flips: Vec<bool> = (0..specs.len())
+            .map(|l| schedule.passes.iter().any(|p| p.writes.iter().any(|b| b.layer == l && b.copy == 1)))
+            .collect();
+
+        let g = world.grid;
+        let extra = flips.iter().filter(|f| **f).count() + plan.scratch_layers().len();
+        let bytes = (g.width as u128 + 64) * (g.height as u128 + 2) * 4 * (world_layers + extra) as u128;
+        engine.limits.check_bytes("the layers of this simulation", bytes)?;
+
+        let mut stagger = 0;
+        let mut fresh = || {
+            stagger += 1;
+            Field::staggered(g.width, g.height, 0.0, 2 * stagger + 1)
+        };
+        let mut fields: Vec<[Option<Field>; 2]> = world
+            .layers_mut()
+            .iter_mut()
+            .map(|l| [Some(std::mem::replace(&mut l.field, Field::new(0, 0, 0.0))), None])
+            .collect();
+        fields.extend(plan.scratch_layers().iter().map(|_| [Some(fresh()), None]));
+        for (pair, flips) in fields.iter_mut().zip(&flips) {
+            if *flips {
+                pair[1] = Some(fresh());
+            }
+        }
+        let mut arena = Self {
+            grid: g,
+            seed: world.seed,
+            current: vec![0; specs.len()],
+            world_layers,
+            fields,
+            zeros: Field::new(g.width, 1, 0.0),
+            dummy: Field::new(g.width, MAX_WRITES, 0.0),
+            tallies: schedule.tallies.clone(),
+            sums: vec![0.0; schedule.tallies.len() * g.height],
+            specs,
+        };
+        for (l, spec) in arena.specs.iter().enumerate() {
+            let Some(field) = &mut arena.fields[l][0] else { continue };
+            let raw = field.raw();
+            for y in 0..g.height as isize {
+                // SAFETY: this thread owns the field.
+                unsafe { finish_row(raw.row(y), &g, spec, y) };
+            }
+        }
+        Ok(arena)
+    }
+
+    fn run(&mut self, engine: &CpuEngine, plan: &Plan) -> Result<()> {
+        let schedule = Schedule::new(plan, &self.specs, &self.current)?;
+        debug_assert!(schedule.tallies.iter().all(|t| self.tallies.contains(t)));
+        let sum_index: Vec<usize> = schedule
+            .tallies
+            .iter()
+            .map(|t| self.tallies.iter().position(|k| k.account == t.account).unwrap_or(usize::MAX))
+            .collect();
+        let raw: Vec<[Option<RawField>; 2]> = self
+            .fields
+            .iter_mut()
+            .map(|pair| [pair[0].as_mut().map(Field::raw), pair[1].as_mut().map(Field::raw)])
+            .collect();
+        let sweep = Sweep {
+            isa: engine.isa,
+            grid: self.grid,
+            seed: self.seed,
+            plan,
+            schedule: &schedule,
+            specs: &self.specs,
+            raw: &raw,
+            zeros: self.zeros.raw(),
+            dummy: self.dummy.raw(),
+            sum_index: &sum_index,
+            tallies: self.tallies.len(),
+            sums: SumsPointer(self.sums.as_mut_ptr()),
+        };
+        sweep.run(engine.band);
+        self.current = schedule.current;
         Ok(())
+    }
+
+    /// Puts the fields back into the world and the sums into its ledger.
+    fn give_back(mut self, world: &mut World) {
+        for (l, layer) in world.layers_mut().iter_mut().enumerate().take(self.world_layers) {
+            if let Some(f) = self.fields[l][self.current[l]].take() {
+                layer.field = f;
+            }
+        }
+        let area = world.grid.cell_area_m2();
+        for (i, t) in self.tallies.iter().enumerate() {
+            let sum: f64 = self.sums.chunks_exact(self.tallies.len()).map(|row| row[i]).sum();
+            let (amount, unit) = match t.unit {
+                TallyUnit::Thickness => (sum * area, "m3"),
+                TallyUnit::Count => (sum, "1"),
+            };
+            world.ledger.add(t.account, amount, unit, t.meaning, t.sign);
+        }
+    }
+}
+
+/// Where the sums per row lie; a row's sums belong to whoever computes the row.
+#[derive(Clone, Copy)]
+struct SumsPointer(*mut f64);
+// SAFETY: only an address; the schedule gives each row to one thread at a time.
+unsafe impl Send for SumsPointer {}
+// SAFETY: as above.
+unsafe impl Sync for SumsPointer {}
+
+/// One chain of passes over the grid.
+struct Sweep<'a> {
+    isa: Isa,
+    grid: Grid,
+    seed: u64,
+    plan: &'a Plan,
+    schedule: &'a Schedule,
+    specs: &'a [LayerSpec],
+    raw: &'a [[Option<RawField>; 2]],
+    zeros: RawField,
+    dummy: RawField,
+    sum_index: &'a [usize],
+    tallies: usize,
+    sums: SumsPointer,
+}
+
+impl Sweep<'_> {
+    fn run(&self, band: usize) {
+        let height = self.grid.height;
+        let lag = self.schedule.longest_lag;
+        let least = 2 * lag + 2 * MAX_REACH + 1;
+        let wraps = self.grid.rim.y == Edge::Wrap;
+        let threads = rayon::current_num_threads();
+        // Enough bands that threads finish together, tall enough that wedges stay a small part.
+        let wanted = if band > 0 { band } else { (height / (4 * threads)).max(4 * lag) };
+        let bands = (height / wanted.max(least)).max(1);
+        if wraps && height < least {
+            // Too low for wedges on a ring: pass by pass.
+            for p in 0..self.schedule.passes.len() {
+                self.wave(p..p + 1, 0, |_| (0, height as isize));
+            }
+            return;
+        }
+        let cut = |i: usize| (i * height / bands) as isize;
+        (0..bands).into_par_iter().for_each(|i| {
+            let (a, b) = (cut(i), cut(i + 1));
+            self.wave(0..self.schedule.passes.len(), a, |p| {
+                let lag = self.schedule.passes[p].lag as isize;
+                let low = if i == 0 && !wraps { self.first_row(p) } else { a + lag };
+                let high = if i + 1 == bands && !wraps { b } else { b - lag };
+                (low, high)
+            });
+        });
+        let wedges = if wraps { 0..bands } else { 1..bands };
+        wedges.into_par_iter().for_each(|i| {
+            let b = cut(i);
+            self.wave(0..self.schedule.passes.len(), b - lag as isize, |p| {
+                let lag = self.schedule.passes[p].lag as isize;
+                (b - lag, b + lag)
+            });
+        });
+    }
+
+    /// Passes that write southern faces also compute the northern rim's faces when that rim is open.
+    fn first_row(&self, pass: usize) -> isize {
+        let writes = &self.schedule.passes[pass].writes;
+        let faces = writes.iter().any(|b| self.specs[b.layer].stagger == Stagger::FaceY);
+        if faces && self.grid.rim.y == Edge::Open { -1 } else { 0 }
+    }
+
+    /// Sweeps the rows `range(p)` of the passes as a wave that starts at row `start`.
+    fn wave(&self, passes: std::ops::Range<usize>, start: isize, range: impl Fn(usize) -> (isize, isize)) {
+        let rows: Vec<(usize, isize, isize, isize)> = passes
+            .map(|p| {
+                let (low, high) = range(p);
+                (p, self.schedule.passes[p].lag as isize, low, high)
+            })
+            .collect();
+        let first = rows.iter().map(|(_, lag, low, _)| low + lag).min().unwrap_or(start);
+        let last = rows.iter().map(|(_, lag, _, high)| high + lag).max().unwrap_or(start);
+        for tick in first..last {
+            for &(p, lag, low, high) in &rows {
+                let y = tick - lag;
+                if low <= y && y < high {
+                    self.row(
+                        p,
+                        if self.grid.rim.y == Edge::Wrap { y.rem_euclid(self.grid.height as isize) } else { y },
+                    );
+                }
+            }
+        }
+    }
+
+    fn row(&self, p: usize, y: isize) {
+        let (pass, scheduled) = (&self.plan.passes[p], &self.schedule.passes[p]);
+        let (g, last) = (&self.grid, self.grid.height as isize - 1);
+        let mut job = RowJob {
+            rows: [[std::ptr::null(); ROWS]; MAX_READS],
+            out: [std::ptr::null_mut(); MAX_WRITES],
+            west_face: [false; MAX_WRITES],
+            width: g.width,
+            y,
+            seed: self.seed,
+            step: pass.step,
+            open: [false; 4],
+            sums: [0.0; MAX_TALLIES],
+        };
+        for (slot, (buffer, reach)) in scheduled.reads.iter().enumerate() {
+            let (spec, raw) = (&self.specs[buffer.layer], self.buffer(buffer.layer, buffer.copy));
+            for d in MAX_REACH - reach..=MAX_REACH + reach {
+                job.rows[slot][d] = self.row_pointer(raw, spec, y + d as isize - MAX_REACH as isize);
+            }
+        }
+        for (i, buffer) in scheduled.writes.iter().enumerate() {
+            let stagger = self.specs[buffer.layer].stagger;
+            job.out[i] = if y < 0 && stagger != Stagger::FaceY {
+                self.dummy.row(i as isize)
+            } else {
+                self.buffer(buffer.layer, buffer.copy).row(y)
+            };
+            job.west_face[i] = y >= 0 && g.rim.x == Edge::Open && stagger == Stagger::FaceX;
+        }
+        if y >= 0 {
+            let (open_x, open_y) = (g.rim.x == Edge::Open, g.rim.y == Edge::Open);
+            job.open = [open_x, open_x, open_y && y == 0, open_y && y == last];
+        }
+        pass.rule.row(self.isa, &mut job);
+        for buffer in &scheduled.writes {
+            let spec = &self.specs[buffer.layer];
+            if y >= 0 || spec.stagger == Stagger::FaceY {
+                // SAFETY: this row of the written buffers belongs to this call.
+                unsafe { finish_row(self.buffer(buffer.layer, buffer.copy).row(y), g, spec, y) };
+            }
+        }
+        if y >= 0 {
+            for (i, &sum) in scheduled.sums.iter().enumerate() {
+                // SAFETY: `sums` holds `tallies` numbers for each row, and this row belongs to this call.
+                unsafe { *self.sums.0.add(y as usize * self.tallies + self.sum_index[sum]) += job.sums[i] };
+            }
+        }
+    }
+
+    fn buffer(&self, layer: usize, copy: usize) -> RawField {
+        // The arena made a second copy for every layer that any step of these processes flips.
+        self.raw[layer][copy].unwrap_or_else(|| unreachable!("layer {layer} has no copy {copy}"))
+    }
+
+    fn row_pointer(&self, raw: RawField, spec: &LayerSpec, y: isize) -> *const f32 {
+        let (height, rim) = (self.grid.height as isize, self.grid.rim.y);
+        if (0..height).contains(&y) || (y == -1 && rim == Edge::Open && spec.stagger == Stagger::FaceY) {
+            return raw.row(y);
+        }
+        match (rim, beyond(spec, rim)) {
+            (Edge::Wrap, _) => raw.row(y.rem_euclid(height)),
+            (_, Beyond::Nearest) => raw.row(y.clamp(0, height - 1)),
+            (_, Beyond::Zero) => self.zeros.row(0),
+        }
+    }
+}
+
+fn beyond(spec: &LayerSpec, edge: Edge) -> Beyond {
+    if edge == Edge::Open { spec.beyond_open } else { spec.beyond_closed }
+}
+
+/// Makes the columns beyond both ends of a row what the rim says, and shuts faces on closed rims.
+///
+/// # Safety
+/// `row` must be column 0 of a row of a `Field` as wide as the grid, and nobody else may be using it.
+unsafe fn finish_row(row: *mut f32, g: &Grid, spec: &LayerSpec, y: isize) {
+    let width = g.width;
+    // SAFETY: rows are padded by two blocks of lanes on the left and one block on the right after rounding up.
+    let cells = unsafe { std::slice::from_raw_parts_mut(row.sub(WIDTH), WIDTH + width.next_multiple_of(WIDTH) + HALO) };
+    let at = |x: isize| (x + WIDTH as isize) as usize;
+    if spec.stagger == Stagger::FaceY && g.rim.y == Edge::Closed && y == g.height as isize - 1 {
+        cells[at(0)..at(width as isize)].fill(0.0);
+    }
+    if spec.stagger == Stagger::FaceX && g.rim.x == Edge::Closed {
+        cells[at(width as isize - 1)] = 0.0;
+    }
+    let end = cells.len() - WIDTH;
+    match (g.rim.x, beyond(spec, g.rim.x)) {
+        (Edge::Wrap, _) => {
+            for i in 1..=HALO {
+                cells[at(-(i as isize))] = cells[at((-(i as isize)).rem_euclid(width as isize))];
+            }
+            for x in width..end {
+                cells[at(x as isize)] = cells[at((x % width) as isize)];
+            }
+        }
+        (edge, beyond) => {
+            let (west, east) = match beyond {
+                Beyond::Nearest => (cells[at(0)], cells[at(width as isize - 1)]),
+                Beyond::Zero => (0.0, 0.0),
+            };
+            // Column -1 of an open rim's faces has been computed.
+            let computed = usize::from(edge == Edge::Open && spec.stagger == Stagger::FaceX);
+            for i in 1 + computed..=HALO {
+                cells[at(-(i as isize))] = west;
+            }
+            cells[at(width as isize)..].fill(east);
+        }
     }
 }

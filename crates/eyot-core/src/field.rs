@@ -57,7 +57,11 @@ impl Field {
     /// If `values` has another length than `width * height`.
     pub fn from_slice(width: usize, height: usize, values: &[f32]) -> Result<Self> {
         if values.len() != width * height {
-            return Err(Error::Shape { what: format!("a field of {width}x{height}"), expected: width * height, found: values.len() });
+            return Err(Error::Shape {
+                what: format!("a field of {width}x{height}"),
+                expected: width * height,
+                found: values.len(),
+            });
         }
         let mut f = Self::new(width, height, 0.0);
         for (y, row) in values.chunks_exact(width).enumerate() {
@@ -151,6 +155,34 @@ impl Field {
         v
     }
 
+    /// Values on the faces west of column 0 (north to south) and north of row 0 (west to east), which layers of fluxes
+    /// have on an open rim: `height + width` numbers. With [`Field::to_vec`] this is the whole state of such a layer.
+    pub fn outer_faces(&self) -> Vec<f32> {
+        let west = (0..self.height).map(|y| self.data[self.origin + y * self.stride - 1]);
+        let north = self.origin - self.stride;
+        west.chain(self.data[north..north + self.width].iter().copied()).collect()
+    }
+
+    /// Puts back what [`Field::outer_faces`] gave.
+    ///
+    /// # Errors
+    /// If there are not `height + width` values.
+    pub fn set_outer_faces(&mut self, faces: &[f32]) -> Result<()> {
+        if faces.len() != self.height + self.width {
+            return Err(Error::Shape {
+                what: "outer faces".into(),
+                expected: self.height + self.width,
+                found: faces.len(),
+            });
+        }
+        for (y, v) in faces[..self.height].iter().enumerate() {
+            self.data[self.origin + y * self.stride - 1] = *v;
+        }
+        let north = self.origin - self.stride;
+        self.data[north..north + self.width].copy_from_slice(&faces[self.height..]);
+        Ok(())
+    }
+
     /// Changes every value.
     pub fn map_in_place(&mut self, mut f: impl FnMut(f32) -> f32) {
         self.rows_mut().for_each(|r| r.iter_mut().for_each(|v| *v = f(*v)));
@@ -183,12 +215,14 @@ impl Field {
 }
 
 impl Clone for Field {
-    /// Copies the interior; the copy may be aligned differently.
+    /// Copies the interior and the outer faces; the copy may be aligned differently.
     fn clone(&self) -> Self {
         let mut f = Self::new(self.width, self.height, 0.0);
         for y in 0..self.height {
             f.row_mut(y).copy_from_slice(self.row(y));
         }
+        // Both have the same number of faces, so this cannot fail.
+        let _ = f.set_outer_faces(&self.outer_faces());
         f
     }
 }

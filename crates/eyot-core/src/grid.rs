@@ -78,7 +78,9 @@ impl Grid {
         }
         for (name, c) in [("x", self.cell_x_m), ("y", self.cell_y_m)] {
             if !(c.is_finite() && (1e-6..=1e7).contains(&c)) {
-                return Err(Error::BadGrid(format!("the cell size along {name} is {c} m; it must lie within 1e-6..=1e7 m")));
+                return Err(Error::BadGrid(format!(
+                    "the cell size along {name} is {c} m; it must lie within 1e-6..=1e7 m"
+                )));
             }
         }
         limits.check_cells(self.width, self.height)?;

@@ -95,7 +95,8 @@ pub mod known {
         LayerSpec::new("water", "m", "Depth of fresh water on the ground", (0.0, 12000.0)).empty_outside();
     /// Sediment carried by the water.
     pub const SEDIMENT: LayerSpec =
-        LayerSpec::new("sediment", "m", "Sediment suspended in the water, as thickness of ground", (0.0, 1000.0)).empty_outside();
+        LayerSpec::new("sediment", "m", "Sediment suspended in the water, as thickness of ground", (0.0, 1000.0))
+            .empty_outside();
     /// Reef limestone.
     pub const LIMESTONE: LayerSpec =
         LayerSpec::new("limestone", "m", "Thickness of reef limestone grown here; part of the height", (0.0, 12000.0));
@@ -103,8 +104,7 @@ pub mod known {
     pub const WETNESS: LayerSpec =
         LayerSpec::new("wetness", "1", "How much running water this cell has seen lately", (0.0, 1.0));
     /// Bounded coral counter for colours.
-    pub const GROWTH: LayerSpec =
-        LayerSpec::new("growth", "1", "How much coral has grown here lately", (0.0, 1.0));
+    pub const GROWTH: LayerSpec = LayerSpec::new("growth", "1", "How much coral has grown here lately", (0.0, 1.0));
     /// Dissolved inorganic carbon available to corals.
     pub const CARBON: LayerSpec =
         LayerSpec::new("carbon", "1", "Inorganic carbon in the sea water relative to the open sea", (0.0, 1.0));

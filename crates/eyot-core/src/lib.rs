@@ -2,17 +2,28 @@
 //!
 //! This crate knows no process, no file format, no GPU and no window; everything else builds on it.
 
+pub mod conformance;
 pub mod control;
 pub mod engine;
 mod error;
 mod field;
+pub mod graph;
 mod grid;
+pub mod isa;
+mod kernel;
 pub mod lanes;
 pub mod layer;
 mod ledger;
 mod limits;
+pub mod math;
 pub mod plan;
 pub mod process;
+pub mod real;
+pub mod reference;
+pub mod rng;
+pub mod rule;
+mod schedule;
+pub mod wgsl;
 mod world;
 
 pub use control::{Cancel, Control};

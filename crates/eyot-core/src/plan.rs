@@ -1,4 +1,174 @@
-//! Plans (placeholder).
-/// A list of passes.
+//! Plans: lists of passes, with the layers that each reads (and how far) and writes.
+
+use crate::graph::Graph;
+use crate::isa::Isa;
+use crate::kernel::{self, RowJob};
+use crate::layer::LayerSpec;
+use crate::real::Real;
+use crate::rule::{Cell, MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, ParamSet, Read, Rule, Side, Slot, Tally};
+use std::marker::PhantomData;
+
+/// Rules with their parameters, in the order in which they run.
 #[derive(Default)]
-pub struct Plan {}
+pub struct Plan {
+    pub(crate) passes: Vec<Pass>,
+    pub(crate) scratch: Vec<LayerSpec>,
+    pub(crate) step: u64,
+}
+
+/// One rule with its parameters, at one step.
+pub struct Pass {
+    pub(crate) rule: Box<dyn ErasedRule>,
+    pub(crate) step: u64,
+}
+
+impl Plan {
+    /// Adds a pass of rule `U`.
+    ///
+    /// # Panics
+    /// If the rule declares more reads, writes, sums or reach than an engine handles: a mistake in the rule.
+    pub fn push<U: Rule>(&mut self, params: <U::Params as ParamSet>::Of<f32>)
+    where
+        <U::Params as ParamSet>::Of<f32>: Send + Sync,
+    {
+        const {
+            assert!(U::READS.len() <= MAX_READS, "too many reads");
+            assert!(U::WRITES.len() <= MAX_WRITES, "too many writes");
+            assert!(U::TALLIES.len() <= MAX_TALLIES, "too many sums");
+            let mut i = 0;
+            while i < U::READS.len() {
+                assert!(U::READS[i].reach <= MAX_REACH, "reach too long");
+                i += 1;
+            }
+        }
+        self.passes.push(Pass { rule: Box::new(Typed::<U> { params, rule: PhantomData }), step: self.step });
+    }
+
+    /// Declares a layer that lives only between the passes of a step and is never seen outside.
+    pub fn scratch(&mut self, spec: &LayerSpec) {
+        if !self.scratch.iter().any(|s| s.name == spec.name) {
+            self.scratch.push(spec.clone());
+        }
+    }
+
+    /// The passes in their order.
+    pub fn passes(&self) -> impl ExactSizeIterator<Item = &Pass> {
+        self.passes.iter()
+    }
+
+    /// Scratch layers declared by the passes.
+    pub fn scratch_layers(&self) -> &[LayerSpec] {
+        &self.scratch
+    }
+}
+
+impl Pass {
+    /// Name of the rule.
+    pub fn name(&self) -> &'static str {
+        self.rule.name()
+    }
+    /// Layers read.
+    pub fn reads(&self) -> &'static [Read] {
+        self.rule.reads()
+    }
+    /// Layers written.
+    pub fn writes(&self) -> &'static [&'static str] {
+        self.rule.writes()
+    }
+    /// Expression graph of the rule.
+    pub fn graph(&self) -> Graph {
+        self.rule.graph()
+    }
+    /// Parameter values in the order of the graph's names.
+    pub fn params(&self) -> Vec<f32> {
+        self.rule.params()
+    }
+}
+
+/// A rule whose type has been forgotten.
+pub(crate) trait ErasedRule: Send + Sync {
+    fn name(&self) -> &'static str;
+    fn reads(&self) -> &'static [Read];
+    fn writes(&self) -> &'static [&'static str];
+    fn tallies(&self) -> &'static [Tally];
+    fn params(&self) -> Vec<f32>;
+    fn graph(&self) -> Graph;
+    /// Evaluates one row; see [`kernel`].
+    fn row(&self, isa: Isa, job: &mut RowJob);
+    /// New values and sums of one cell in double precision.
+    fn cell_f64(&self, view: &View<'_, f64>) -> (Vec<f64>, Vec<f64>);
+    /// New values and sums of one cell in single precision.
+    fn cell_f32(&self, view: &View<'_, f32>) -> (Vec<f32>, Vec<f32>);
+    /// What leaves through a side, in double precision.
+    fn leaving_f64(&self, view: &View<'_, f64>, side: Side) -> Option<Vec<f64>>;
+}
+
+struct Typed<U: Rule> {
+    params: <U::Params as ParamSet>::Of<f32>,
+    rule: PhantomData<fn() -> U>,
+}
+
+impl<U: Rule> ErasedRule for Typed<U>
+where
+    <U::Params as ParamSet>::Of<f32>: Send + Sync,
+{
+    fn name(&self) -> &'static str {
+        U::NAME
+    }
+    fn reads(&self) -> &'static [Read] {
+        U::READS
+    }
+    fn writes(&self) -> &'static [&'static str] {
+        U::WRITES
+    }
+    fn tallies(&self) -> &'static [Tally] {
+        U::TALLIES
+    }
+    fn params(&self) -> Vec<f32> {
+        let mut values = Vec::new();
+        U::Params::map(&self.params, |_, v| values.push(v));
+        values
+    }
+    fn graph(&self) -> Graph {
+        Graph::of::<U>()
+    }
+    fn row(&self, isa: Isa, job: &mut RowJob) {
+        kernel::row::<U>(isa, &self.params, job);
+    }
+    fn cell_f64(&self, view: &View<'_, f64>) -> (Vec<f64>, Vec<f64>) {
+        let p = U::Params::map(&self.params, |_, v| f64::from(v));
+        let (out, sums) = U::cell(&p, view);
+        (out.as_ref().to_vec(), sums.as_ref().to_vec())
+    }
+    fn cell_f32(&self, view: &View<'_, f32>) -> (Vec<f32>, Vec<f32>) {
+        let (out, sums) = U::cell(&self.params, view);
+        (out.as_ref().to_vec(), sums.as_ref().to_vec())
+    }
+    fn leaving_f64(&self, view: &View<'_, f64>, side: Side) -> Option<Vec<f64>> {
+        let p = U::Params::map(&self.params, |_, v| f64::from(v));
+        U::leaving(&p, view, side).map(|s| s.as_ref().to_vec())
+    }
+}
+
+/// A cell seen through closures; slow, for references and tests.
+pub(crate) struct View<'a, T> {
+    pub(crate) at: &'a dyn Fn(Slot, isize, isize) -> T,
+    pub(crate) uniform: &'a dyn Fn(u32) -> T,
+    pub(crate) x: T,
+    pub(crate) y: T,
+}
+
+impl<T: Real> Cell<T> for View<'_, T> {
+    fn at(&self, slot: Slot, dx: isize, dy: isize) -> T {
+        (self.at)(slot, dx, dy)
+    }
+    fn x(&self) -> T {
+        self.x
+    }
+    fn y(&self) -> T {
+        self.y
+    }
+    fn uniform(&self, stream: u32) -> T {
+        (self.uniform)(stream)
+    }
+}

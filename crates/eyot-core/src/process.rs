@@ -19,6 +19,8 @@ pub struct Moment {
     pub grid: Grid,
     /// Steps that the world has done; keys the random numbers.
     pub step: u64,
+    /// How often this process has run before in this simulation.
+    pub turn: u64,
     /// Level of the sea, m.
     pub sea_level_m: f64,
 }
@@ -99,12 +101,18 @@ pub fn defaults_of<P: Parameters>() -> Value {
 
 /// JSON Schema of `P`.
 pub fn schema_of<P: Parameters>() -> Schema {
-    schemars::generate::SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true).into_generator().into_root_schema_for::<P>()
+    schemars::generate::SchemaSettings::draft2020_12()
+        .with(|s| s.inline_subschemas = true)
+        .into_generator()
+        .into_root_schema_for::<P>()
 }
 
 impl Entry<dyn Process> {
     /// The entry of a parameter struct that is a process.
-    pub const fn process<P: Parameters + Process + 'static>(name: &'static str, cites: &'static [&'static str]) -> Self {
+    pub const fn process<P: Parameters + Process + 'static>(
+        name: &'static str,
+        cites: &'static [&'static str],
+    ) -> Self {
         Self {
             name,
             schema: schema_of::<P>,
@@ -117,7 +125,10 @@ impl Entry<dyn Process> {
 
 impl Entry<dyn Generator> {
     /// The entry of a parameter struct that is a generator.
-    pub const fn generator<P: Parameters + Generator + 'static>(name: &'static str, cites: &'static [&'static str]) -> Self {
+    pub const fn generator<P: Parameters + Generator + 'static>(
+        name: &'static str,
+        cites: &'static [&'static str],
+    ) -> Self {
         Self {
             name,
             schema: schema_of::<P>,

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::field::Field;
 use crate::grid::Grid;
-use crate::layer::{Layer, LayerSpec};
+use crate::layer::{Layer, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 
@@ -42,12 +42,24 @@ pub struct World {
 impl World {
     /// A world without layers.
     pub fn new(grid: Grid, seed: u64) -> Self {
-        Self { grid, seed, sea_level_m: 0.0, step: 0, georeference: None, ledger: Ledger::default(), layers: Vec::new() }
+        Self {
+            grid,
+            seed,
+            sea_level_m: 0.0,
+            step: 0,
+            georeference: None,
+            ledger: Ledger::default(),
+            layers: Vec::new(),
+        }
     }
 
     /// All layers, in the order in which they were made.
     pub fn layers(&self) -> &[Layer] {
         &self.layers
+    }
+
+    pub(crate) fn layers_mut(&mut self) -> &mut [Layer] {
+        &mut self.layers
     }
 
     /// The layer `name`, if it exists.
@@ -136,6 +148,9 @@ impl World {
         for l in &self.layers {
             l.spec.name.bytes().for_each(|b| h.add(u64::from(b)));
             l.field.rows().for_each(|r| r.iter().for_each(|v| h.add(u64::from(v.to_bits()))));
+            if l.spec.stagger != Stagger::Cell {
+                l.field.outer_faces().iter().for_each(|v| h.add(u64::from(v.to_bits())));
+            }
         }
         h.0
     }

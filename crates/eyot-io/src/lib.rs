@@ -1,1 +1,53 @@
-//! Placeholder.
+//! File formats of Eyot, in and out.
+//!
+//! Everything that touches a file is here, and nothing else is. Three promises hold for all of it:
+//! - a file that is written exists whole or not at all ([`write_atomically`]);
+//! - a file that is read meets [`eyot_core::Limits`] before anything large is allocated, and a broken or hostile one
+//!   gives an [`Error`] that names the file, what is wrong with it and what to do, never a panic;
+//! - rasters go through `f32` unchanged where the format can hold them (GeoTIFF, R32), and within half a step of the
+//!   value range where it cannot (16-bit PNG).
+//!
+//! ```
+//! use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
+//! use eyot_io::{RasterFormat, ReadOptions, checkpoint, read_raster, write_layer};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let limits = Limits::default();
+//! let mut world = World::new(Grid::new(64, 48, 10.0, Rim::CLOSED, &limits)?, 7);
+//! world.put(&known::HEIGHT, Field::from_fn(64, 48, |x, y| (x * y) as f32))?;
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("height.tif");
+//! write_layer(&path, &world, world.layer("height")?, RasterFormat::GeoTiff)?;
+//! let raster = read_raster(&path, &ReadOptions::default(), &limits)?;
+//! assert_eq!(raster.field, world.layer("height")?.field);
+//! assert_eq!(raster.cell_m, Some((10.0, 10.0)));
+//!
+//! let path = folder.path().join("run.ckpt");
+//! checkpoint::save(&path, &world, "name = \"Hill\"", &serde_json::json!({"entry": 0}))?;
+//! assert_eq!(checkpoint::load(&path, &limits)?.world, world);
+//! # Ok(())
+//! # }
+//! ```
+
+mod atomic;
+pub mod checkpoint;
+mod error;
+mod fill;
+mod format;
+mod georef;
+mod geotiff_read;
+mod geotiff_write;
+mod glb;
+mod png_read;
+mod png_write;
+mod r32;
+mod raster;
+
+pub use atomic::write_atomically;
+pub use checkpoint::Checkpoint;
+pub use error::{Error, Result};
+pub use format::{RasterFormat, write_layer};
+pub use glb::write_terrain_glb;
+pub use png_write::write_rgb_png;
+pub use raster::{Raster, ReadOptions, read_raster};

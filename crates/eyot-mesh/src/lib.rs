@@ -1,1 +1,31 @@
-//! Placeholder.
+//! Terrain meshes of Eyot: triangles from a height field, and coarser levels of the same terrain.
+//!
+//! The mesh is made in metres with x to the east, y up and z to the south, its origin in the middle of the grid at
+//! height 0. That is the convention of glTF, so exporters write the arrays as they are.
+//!
+//! ```
+//! use eyot_core::{Field, Grid, Limits, Rim};
+//! use eyot_mesh::{MeshOptions, levels_of_detail, terrain};
+//!
+//! # fn main() -> Result<(), eyot_mesh::Error> {
+//! let limits = Limits::default();
+//! let grid = Grid::new(65, 65, 10.0, Rim::CLOSED, &limits)?;
+//! let height = Field::from_fn(65, 65, |x, y| 20.0 * (x as f32 * 0.2).sin() + y as f32);
+//! let green = vec![[0.1, 0.5, 0.1]; grid.cells()];
+//! let full = terrain(&height, &grid, &green, &MeshOptions::default(), &limits)?;
+//! assert_eq!((full.stride, full.mesh.triangles()), (1, 2 * 64 * 64));
+//! let levels = levels_of_detail(&full.mesh, &[0.25, 0.125]);
+//! assert!(levels[2].mesh.triangles() < levels[1].mesh.triangles());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! This crate opens no file; `eyot-io` writes meshes.
+
+mod error;
+mod lod;
+mod terrain;
+
+pub use error::{Error, Result};
+pub use lod::{Lod, levels_of_detail};
+pub use terrain::{MeshOptions, Terrain, TerrainMesh, terrain};

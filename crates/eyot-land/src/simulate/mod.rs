@@ -1,5 +1,32 @@
-//! Processes by name.
+//! Processes: what ages a landscape, each in a module of its own.
+//!
+//! A process never calls another one; recipes put them together.
+
+pub mod hydraulic;
+pub mod reef;
+pub mod seabed;
+pub mod thermal;
+pub mod wetness;
+
 use eyot_core::process::{Entry, Process};
+use eyot_core::{LayerSpec, Stagger};
+
+pub use hydraulic::Hydraulic;
+pub use reef::Reef;
+pub use seabed::Seabed;
+pub use thermal::Thermal;
+pub use wetness::Wetness;
 
 /// All processes that recipes can name.
-pub const PROCESSES: &[Entry<dyn Process>] = &[];
+pub const PROCESSES: &[Entry<dyn Process>] = &[
+    Entry::<dyn Process>::process::<Hydraulic>("hydraulic", &["mei2007", "obrien1995"]),
+    Entry::<dyn Process>::process::<Thermal>("thermal", &["musgrave1989", "olsen2004"]),
+    Entry::<dyn Process>::process::<Seabed>("seabed", &[]),
+    Entry::<dyn Process>::process::<Reef>("reef", &["bosscher1992", "darwin1842"]),
+    Entry::<dyn Process>::process::<Wetness>("wetness", &[]),
+];
+
+/// A layer of fluxes through faces, m/s.
+pub(crate) const fn face(name: &'static str, meaning: &'static str, stagger: Stagger) -> LayerSpec {
+    LayerSpec::new(name, "m/s", meaning, (-1e9, 1e9)).on(stagger)
+}

@@ -1,0 +1,134 @@
+//! One suite that every engine must pass for every rule: [`check`] compares it with the reference, bit by bit.
+//!
+//! Crates that define processes call it from their tests with their registries.
+
+use crate::control::Control;
+use crate::engine::CpuEngine;
+use crate::error::Result;
+use crate::grid::{Edge, Grid, Rim};
+use crate::isa::Isa;
+use crate::limits::Limits;
+use crate::process::{Moment, Scheduled, Span};
+use crate::reference::Reference;
+use crate::rng::{self, Key};
+use crate::world::World;
+
+/// Grid shapes that find mistakes at rims, tails of lanes and cuts of bands.
+pub const SHAPES: [(usize, usize); 12] =
+    [(1, 1), (1, 7), (9, 1), (2, 2), (3, 5), (15, 4), (16, 16), (17, 3), (27, 51), (33, 40), (64, 9), (5, 97)];
+
+/// The nine rims.
+pub fn rims() -> Vec<Rim> {
+    let edges = [Edge::Closed, Edge::Open, Edge::Wrap];
+    edges.iter().flat_map(|&x| edges.iter().map(move |&y| Rim { x, y })).collect()
+}
+
+/// A world of random values within every layer's plausible range: `start(layer name, uniform number)` gives the value.
+///
+/// # Errors
+/// If the grid is not sound.
+pub fn random_world(
+    shape: (usize, usize),
+    rim: Rim,
+    seed: u64,
+    processes: &[Scheduled],
+    start: &dyn Fn(&str, f32) -> f32,
+) -> Result<World> {
+    let mut grid = Grid::new(shape.0, shape.1, 2.0, rim, &Limits::default())?;
+    grid.cell_y_m = 2.5;
+    let mut world = World::new(grid, seed);
+    for s in processes {
+        for (spec, value) in s.process.layers() {
+            world.ensure(&spec, value);
+        }
+    }
+    let names: Vec<String> = world.layers().iter().map(|l| l.spec.name.to_string()).collect();
+    for (i, name) in names.iter().enumerate() {
+        let field = &mut world.layer_mut(name)?.field;
+        for y in 0..shape.1 {
+            for x in 0..shape.0 {
+                let u = rng::unit::<f32>(rng::hash(Key::new(seed, i as u32, 0), (y * shape.0 + x) as u32));
+                field.set(x, y, start(name, u));
+            }
+        }
+    }
+    for s in processes {
+        s.process.prepare(&mut world)?;
+    }
+    Ok(world)
+}
+
+/// Runs the processes on random worlds of all shapes and rims with every instruction set, chain length and band height,
+/// and compares layers with the single-precision reference bit by bit and the ledger within rounding.
+///
+/// # Errors
+/// If a simulation fails.
+///
+/// # Panics
+/// With the layer, cell and both values, where engine and reference differ.
+pub fn check(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -> Result<()> {
+    let steps = 5;
+    for shape in SHAPES {
+        for (i, rim) in rims().into_iter().enumerate() {
+            let world = random_world(shape, rim, 7 + i as u64, processes, start)?;
+            let mut reference = Reference::<f32>::new(&world);
+            reference.simulate(processes, steps);
+            for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
+                for (chain, band) in [(1, 0), (2, 1), (5, 1)] {
+                    let mut w = world.clone();
+                    let engine = CpuEngine { isa, chain, band, ..CpuEngine::default() };
+                    engine.simulate(&mut w, processes, Span { from: 0, steps }, &Control::none())?;
+                    let here = format!("{shape:?} {rim:?} {} chain {chain} band {band}", isa.name());
+                    for l in w.layers() {
+                        for y in 0..shape.1 {
+                            for x in 0..shape.0 {
+                                let (got, want) = (l.field.get(x, y), reference.get(&l.spec.name, x, y));
+                                assert!(
+                                    got.to_bits() == want.to_bits(),
+                                    "{} at ({x}, {y}) is {got:?}, the reference has {want:?}; {here}",
+                                    l.spec.name
+                                );
+                            }
+                        }
+                    }
+                    for (account, want) in &reference.ledger {
+                        let got = w.ledger.amount(account);
+                        assert!(
+                            (got - want).abs() <= 1e-5 * want.abs() + 1e-6,
+                            "{account}: {got}, reference {want}; {here}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Evaluates every rule's graph on random inputs and compares it with the rule itself, bit by bit.
+///
+/// # Panics
+/// Where they differ, or where a rule reads farther than it declares.
+pub fn check_graphs(processes: &[Scheduled], grid: Grid) {
+    let mut plan = crate::plan::Plan::default();
+    crate::engine::plan_step(processes, 0, &mut Moment { grid, step: 0, turn: 0, sea_level_m: 0.5 }, &mut plan);
+    for pass in plan.passes() {
+        let graph = pass.graph();
+        for (slot, r) in pass.reads().iter().enumerate() {
+            assert_eq!(graph.reach(slot), r.reach, "reach of `{}` in rule `{}`", r.layer, pass.name());
+        }
+        for trial in 0..200u32 {
+            let at = |slot: usize, dx: isize, dy: isize| {
+                let cell = (dy + 2) as u32 * 5 + (dx + 2) as u32;
+                4.0 * rng::unit::<f32>(rng::hash(Key::new(1, slot as u32, u64::from(trial)), cell)) - 1.0
+            };
+            let bits = |s: u32| rng::hash(Key::new(3, s, 9), trial);
+            let (x, y) = (trial as f32, 3.0);
+            let (out, sums) = graph.evaluate(&pass.params(), x, y, at, bits);
+            let view = crate::plan::View { at: &at, uniform: &|s| rng::unit::<f32>(bits(s)), x, y };
+            let (want, want_sums) = pass.rule.cell_f32(&view);
+            let same = |a: &[f32], b: &[f32]| a.iter().map(|v| v.to_bits()).eq(b.iter().map(|v| v.to_bits()));
+            assert!(same(&out, &want) && same(&sums, &want_sums), "graph of `{}`: {out:?} {want:?}", pass.name());
+        }
+    }
+}

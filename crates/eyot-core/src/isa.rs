@@ -1,0 +1,99 @@
+//! Instruction sets: the same kernels are compiled for each, and the best one is chosen when the program runs.
+
+use crate::lanes::{LaneBlock, Lanes};
+
+/// How a row of cells is computed. Every choice gives the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Isa {
+    /// One cell at a time; the reference.
+    Scalar,
+    /// Lanes with what every processor of this architecture has (SSE2 on x86-64, NEON on AArch64).
+    Baseline,
+    /// Lanes with AVX2.
+    Avx2,
+    /// Lanes with AVX-512 (F, VL, BW, DQ).
+    Avx512,
+}
+
+impl Isa {
+    /// All of them, slowest first.
+    pub const ALL: [Self; 4] = [Self::Scalar, Self::Baseline, Self::Avx2, Self::Avx512];
+
+    /// The best one that this processor has; `EYOT_ISA=scalar|baseline|avx2|avx512` asks for a lesser one.
+    pub fn best() -> Self {
+        let asked = std::env::var("EYOT_ISA").ok().and_then(|name| Self::ALL.into_iter().find(|i| i.name() == name));
+        Self::ALL
+            .into_iter()
+            .rev()
+            .filter(|i| i.is_available())
+            .find(|i| asked.is_none_or(|a| *i as u8 <= a as u8))
+            .unwrap_or(Self::Baseline)
+    }
+
+    /// True if this processor can run it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Scalar | Self::Baseline => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => std::arch::is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                use std::arch::is_x86_feature_detected as has;
+                has!("avx512f") && has!("avx512vl") && has!("avx512bw") && has!("avx512dq")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => false,
+        }
+    }
+
+    /// Lower-case name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Baseline => "baseline",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+}
+
+/// Work that is written once for any type of lanes.
+///
+/// `run` and everything below it must be `#[inline(always)]`, closures avoided (they cannot be marked): what is not
+/// inlined is compiled for the baseline and slow, though right.
+pub trait LaneTask {
+    /// What it gives back.
+    type Out;
+    /// The work.
+    fn run<L: LaneBlock>(self) -> Self::Out;
+}
+
+/// Runs `task` in the lanes of `isa`; [`Isa::Scalar`] counts as the baseline here.
+///
+/// # Panics
+/// If the processor does not have this instruction set.
+#[allow(unsafe_code)]
+pub fn run_lanes<T: LaneTask>(isa: Isa, task: T) -> T::Out {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use crate::lanes::x86::{Avx2, Avx512};
+        #[target_feature(enable = "avx2")]
+        fn avx2<T: LaneTask>(task: T) -> T::Out {
+            task.run::<Avx2>()
+        }
+        #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq")]
+        fn avx512<T: LaneTask>(task: T) -> T::Out {
+            task.run::<Avx512>()
+        }
+        assert!(isa.is_available(), "this processor has no {}", isa.name());
+        match isa {
+            // SAFETY: the processor has what the function was compiled for.
+            Isa::Avx2 => return unsafe { avx2(task) },
+            // SAFETY: as above.
+            Isa::Avx512 => return unsafe { avx512(task) },
+            Isa::Scalar | Isa::Baseline => {}
+        }
+    }
+    let _ = isa;
+    task.run::<Lanes>()
+}

@@ -1,3 +1,0 @@
-//! Lanes (placeholder).
-/// Cells per lane block.
-pub const WIDTH: usize = 16;

@@ -1,0 +1,240 @@
+//! The reference: runs plans cell by cell on plain arrays, in single or double precision.
+//!
+//! Written to be obviously right rather than fast, and independent of the engine: no padding, no pointers, no waves. Tests
+//! compare engines with it bit by bit (`f32`) and use it where single precision would hide an error (`f64`).
+
+use crate::engine::plan_step;
+use crate::grid::{Edge, Grid};
+use crate::kernel::cell_number;
+use crate::layer::{Beyond, LayerSpec, Stagger};
+use crate::plan::{Pass, Plan, View};
+use crate::process::{Moment, Scheduled};
+use crate::real::Real;
+use crate::rng::{self, Key};
+use crate::rule::{Side, TallyUnit};
+use crate::world::World;
+use std::collections::BTreeMap;
+
+/// A number that the reference can run in: `f32` or `f64`.
+pub trait Number: Real + PartialEq + std::fmt::Debug + Into<f64> {
+    #[doc(hidden)]
+    fn cell(
+        pass: &Pass,
+        at: &dyn Fn(usize, isize, isize) -> Self,
+        x: Self,
+        y: Self,
+        u: &dyn Fn(u32) -> f32,
+    ) -> [Vec<Self>; 2];
+}
+
+impl Number for f32 {
+    fn cell(
+        pass: &Pass,
+        at: &dyn Fn(usize, isize, isize) -> f32,
+        x: f32,
+        y: f32,
+        u: &dyn Fn(u32) -> f32,
+    ) -> [Vec<f32>; 2] {
+        pass.rule.cell_f32(&View { at, uniform: u, x, y }).into()
+    }
+}
+
+impl Number for f64 {
+    fn cell(
+        pass: &Pass,
+        at: &dyn Fn(usize, isize, isize) -> f64,
+        x: f64,
+        y: f64,
+        u: &dyn Fn(u32) -> f32,
+    ) -> [Vec<f64>; 2] {
+        pass.rule.cell_f64(&View { at, uniform: &|s| f64::from(u(s)), x, y }).into()
+    }
+}
+
+/// One layer: values from column -1 and row -1 on, so that faces on an open rim have a place.
+#[derive(Clone)]
+struct Array<T> {
+    spec: LayerSpec,
+    values: Vec<T>,
+}
+
+/// A world of plain arrays of `T`.
+pub struct Reference<T> {
+    grid: Grid,
+    seed: u64,
+    /// Steps done.
+    pub step: u64,
+    /// Level of the sea, m.
+    pub sea_level_m: f64,
+    layers: Vec<Array<T>>,
+    /// Sums for the ledger by account, in its units.
+    pub ledger: BTreeMap<&'static str, f64>,
+}
+
+impl<T: Number> Reference<T> {
+    /// Copies a world.
+    pub fn new(world: &World) -> Self {
+        let mut r = Self {
+            grid: world.grid,
+            seed: world.seed,
+            step: world.step,
+            sea_level_m: world.sea_level_m,
+            layers: Vec::new(),
+            ledger: BTreeMap::new(),
+        };
+        for l in world.layers() {
+            r.make(&l.spec, 0.0);
+            for y in 0..r.grid.height {
+                for x in 0..r.grid.width {
+                    let v = if r.is_shut(&l.spec, x as isize, y as isize) { 0.0 } else { l.field.get(x, y) };
+                    r.set(&l.spec.name, x, y, T::of(v));
+                }
+            }
+        }
+        r
+    }
+
+    fn make(&mut self, spec: &LayerSpec, value: f32) {
+        if !self.layers.iter().any(|l| l.spec.name == spec.name) {
+            let n = (self.grid.width + 1) * (self.grid.height + 1);
+            self.layers.push(Array { spec: spec.clone(), values: vec![T::of(value); n] });
+        }
+    }
+
+    fn index(&self, x: isize, y: isize) -> usize {
+        (y + 1) as usize * (self.grid.width + 1) + (x + 1) as usize
+    }
+
+    fn find(&self, name: &str) -> usize {
+        self.layers.iter().position(|l| l.spec.name == name).unwrap_or_else(|| panic!("no layer {name}"))
+    }
+
+    /// Value of a layer.
+    ///
+    /// # Panics
+    /// If there is no such layer or cell.
+    pub fn get(&self, name: &str, x: usize, y: usize) -> T {
+        self.layers[self.find(name)].values[self.index(x as isize, y as isize)]
+    }
+
+    /// Changes a value.
+    ///
+    /// # Panics
+    /// As [`Reference::get`].
+    pub fn set(&mut self, name: &str, x: usize, y: usize, v: T) {
+        let (l, i) = (self.find(name), self.index(x as isize, y as isize));
+        self.layers[l].values[i] = v;
+    }
+
+    /// Sum of a layer in double precision.
+    ///
+    /// # Panics
+    /// If there is no such layer.
+    pub fn sum(&self, name: &str) -> f64 {
+        let cells = (0..self.grid.height).flat_map(|y| (0..self.grid.width).map(move |x| (x, y)));
+        cells.map(|(x, y)| self.get(name, x, y).into()).sum()
+    }
+
+    /// Runs `steps` steps of the processes, whose layers are made if they are missing.
+    pub fn simulate(&mut self, processes: &[Scheduled], steps: u64) {
+        for s in processes {
+            for (spec, value) in s.process.layers() {
+                self.make(&spec, value);
+            }
+        }
+        for i in 0..steps {
+            let mut moment = Moment { grid: self.grid, step: self.step, turn: 0, sea_level_m: self.sea_level_m };
+            let mut plan = Plan::default();
+            plan_step(processes, i, &mut moment, &mut plan);
+            for spec in plan.scratch_layers().to_vec() {
+                self.make(&spec, 0.0);
+            }
+            plan.passes().for_each(|p| self.pass(p));
+            (self.step, self.sea_level_m) = (moment.step, moment.sea_level_m);
+        }
+    }
+
+    fn pass(&mut self, pass: &Pass) {
+        let g = self.grid;
+        let reads: Vec<usize> = pass.reads().iter().map(|r| self.find(r.layer)).collect();
+        let writes: Vec<usize> = pass.writes().iter().map(|w| self.find(w)).collect();
+        let mut new: Vec<Vec<T>> = writes.iter().map(|&w| self.layers[w].values.clone()).collect();
+        let area = g.cell_area_m2();
+        for y in -1..g.height as isize {
+            for x in -1..g.width as isize {
+                let at = |slot: usize, dx: isize, dy: isize| self.look(reads[slot], x + dx, y + dy);
+                let number = cell_number(x, y, g.width);
+                let uniform = |s| rng::unit::<f32>(rng::hash(Key::new(self.seed, s, pass.step), number));
+                let [values, sums] = T::cell(pass, &at, T::of(x as f32), T::of(y as f32), &uniform);
+                for (i, &w) in writes.iter().enumerate() {
+                    let stagger = self.layers[w].spec.stagger;
+                    let west = x < 0 && !(stagger == Stagger::FaceX && g.rim.x == Edge::Open && y >= 0);
+                    let north = y < 0 && !(stagger == Stagger::FaceY && g.rim.y == Edge::Open && x >= 0);
+                    if west || north {
+                        continue;
+                    }
+                    let shut = self.is_shut(&self.layers[w].spec, x, y);
+                    new[i][self.index(x, y)] = if shut { T::of(0.0) } else { values[i] };
+                }
+                if x < 0 || y < 0 {
+                    continue;
+                }
+                let mut sums: Vec<f64> = sums.into_iter().map(Into::into).collect();
+                for side in Side::ALL {
+                    let outside = match side {
+                        Side::West => g.rim.x == Edge::Open && x == 0,
+                        Side::East => g.rim.x == Edge::Open && x + 1 == g.width as isize,
+                        Side::North => g.rim.y == Edge::Open && y == 0,
+                        Side::South => g.rim.y == Edge::Open && y + 1 == g.height as isize,
+                    };
+                    if outside {
+                        let at64 = |s: usize, dx: isize, dy: isize| -> f64 { at(s, dx, dy).into() };
+                        let u64_ = |s| f64::from(uniform(s));
+                        let view = View { at: &at64, uniform: &u64_, x: x as f64, y: y as f64 };
+                        let left = pass.rule.leaving_f64(&view, side).unwrap_or_default();
+                        sums.iter_mut().zip(left).for_each(|(a, b)| *a += b);
+                    }
+                }
+                for (t, s) in pass.rule.tallies().iter().zip(sums) {
+                    let scale = if t.unit == TallyUnit::Thickness { area } else { 1.0 };
+                    *self.ledger.entry(t.account).or_default() += s * scale;
+                }
+            }
+        }
+        for (w, values) in writes.into_iter().zip(new) {
+            self.layers[w].values = values;
+        }
+    }
+
+    /// True for a face on a closed rim.
+    fn is_shut(&self, spec: &LayerSpec, x: isize, y: isize) -> bool {
+        let g = &self.grid;
+        (spec.stagger == Stagger::FaceX && g.rim.x == Edge::Closed && x + 1 == g.width as isize)
+            || (spec.stagger == Stagger::FaceY && g.rim.y == Edge::Closed && y + 1 == g.height as isize)
+    }
+
+    /// What a rule reads at (x, y), which may lie beyond the rim.
+    fn look(&self, layer: usize, x: isize, y: isize) -> T {
+        let (g, l) = (&self.grid, &self.layers[layer]);
+        let column = place(x, g.width, g.rim.x, &l.spec, l.spec.stagger == Stagger::FaceX);
+        let row = place(y, g.height, g.rim.y, &l.spec, l.spec.stagger == Stagger::FaceY);
+        match (column, row) {
+            (Some(x), Some(y)) => l.values[self.index(x, y)],
+            _ => T::of(0.0),
+        }
+    }
+}
+
+/// The column or row that stands for `i`; `None` where there is nothing.
+fn place(i: isize, n: usize, edge: Edge, spec: &LayerSpec, face: bool) -> Option<isize> {
+    let n = n as isize;
+    if (0..n).contains(&i) || (i == -1 && face && edge == Edge::Open) {
+        return Some(i);
+    }
+    let beyond = match edge {
+        Edge::Wrap => return Some(i.rem_euclid(n)),
+        Edge::Closed => spec.beyond_closed,
+        Edge::Open => spec.beyond_open,
+    };
+    (beyond == Beyond::Nearest).then(|| i.clamp(0, n - 1))
+}

@@ -1,0 +1,125 @@
+//! Writes everything that this crate can write into a folder, for `ci/check_outputs.py`.
+//!
+//! Usage: `cargo run -p eyot-io --example write_all -- FOLDER`
+
+use eyot_core::{Field, Georeference, Grid, LayerSpec, Limits, Rim, World, layer::known};
+use eyot_io::{RasterFormat, ReadOptions, checkpoint, read_raster, write_layer, write_rgb_png, write_terrain_glb};
+use eyot_mesh::{MeshOptions, levels_of_detail, terrain};
+use std::path::{Path, PathBuf};
+
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+fn main() -> Result<()> {
+    let folder = PathBuf::from(std::env::args().nth(1).ok_or("usage: write_all FOLDER")?);
+    std::fs::create_dir_all(&folder)?;
+    let limits = Limits::default();
+    for (name, world) in worlds(&limits)? {
+        for layer in world.layers() {
+            for format in RasterFormat::ALL {
+                let file = format!("{name}-{}.{}", layer.spec.name, format.extension());
+                write_layer(&folder.join(file), &world, layer, format)?;
+            }
+        }
+        checkpoint::save(
+            &folder.join(format!("{name}.ckpt")),
+            &world,
+            "",
+            &serde_json::Value::Null,
+        )?;
+        if world.grid.width > 1 && world.grid.height > 1 {
+            mesh(&folder, name, &world, &limits)?;
+        }
+    }
+    Ok(())
+}
+
+fn mesh(folder: &Path, name: &str, world: &World, limits: &Limits) -> Result<()> {
+    let height = &world.layer("height")?.field;
+    let (low, high) = height
+        .iter()
+        .fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(v), b.max(v)));
+    let grey: Vec<[f32; 3]> = height
+        .iter()
+        .map(|v| [0.1 + 0.8 * (v - low) / (high - low).max(1e-6); 3])
+        .collect();
+    let pixels: Vec<[u8; 3]> = grey.iter().map(|c| c.map(|v| (v.sqrt() * 255.0) as u8)).collect();
+    write_rgb_png(
+        &folder.join(format!("{name}-picture.png")),
+        world.grid.width,
+        world.grid.height,
+        &pixels,
+    )?;
+    let t = terrain(
+        height,
+        &world.grid,
+        &grey,
+        &MeshOptions { max_vertices: 300_000 },
+        limits,
+    )?;
+    let levels = levels_of_detail(&t.mesh, &[0.25, 0.0625]);
+    for l in &levels {
+        println!(
+            "{name}: {} triangles, {} vertices, error {} m",
+            l.mesh.triangles(),
+            l.mesh.positions.len(),
+            l.error_m
+        );
+    }
+    write_terrain_glb(&folder.join(format!("{name}.glb")), &levels, name)?;
+    Ok(())
+}
+
+fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {
+    let made = |width: usize, height: usize, georeference: Option<Georeference>| -> Result<World> {
+        let mut world = World::new(Grid::new(width, height, 10.0, Rim::CLOSED, limits)?, 7);
+        world.georeference = georeference;
+        let hill = |x: usize, y: usize| {
+            let (u, v) = (x as f32 / 40.0, y as f32 / 55.0);
+            300.0 * u.sin() * v.cos() + 40.0 * (3.1 * u + v).sin() - 120.0
+        };
+        world.put(&known::HEIGHT, Field::from_fn(width, height, hill))?;
+        world.put(
+            &known::WATER,
+            Field::from_fn(width, height, |x, y| (-hill(x, y)).max(0.0)),
+        )?;
+        // Names and units beyond ASCII, and the value that usually marks missing cells.
+        let odd = LayerSpec {
+            unit: "m²".into(),
+            meaning: "Fläche".into(),
+            ..LayerSpec::new("odd", "", "", (-1e4, 1e4))
+        };
+        world.put(
+            &odd,
+            Field::from_fn(width, height, |x, y| if (x + y) % 7 == 0 { -9999.0 } else { 0.1 }),
+        )?;
+        Ok(world)
+    };
+    let utm = Georeference {
+        transform: [500_010.0, 10.0, 0.0, 4_100_020.0, 0.0, -10.0],
+        epsg: Some(32611),
+        geographic: false,
+        nodata: Some(-32768.0),
+    };
+    let raster = read_raster(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif"),
+        &ReadOptions::default(),
+        limits,
+    )?;
+    let (x, y) = raster.cell_m.ok_or("no cell size")?;
+    println!("jacksboro: cells of {x} x {y} m");
+    let grid = Grid {
+        cell_y_m: y,
+        ..Grid::new(raster.field.width(), raster.field.height(), x, Rim::OPEN, limits)?
+    };
+    let mut jacksboro = World::new(grid, 7);
+    jacksboro.georeference = raster.georeference;
+    jacksboro.put(&known::HEIGHT, raster.field)?;
+    Ok(vec![
+        ("one", made(1, 1, None)?),
+        ("small", made(3, 7, None)?),
+        ("row", made(600, 1, None)?),
+        ("hills", made(1025, 700, None)?),
+        ("utm", made(513, 257, Some(utm))?),
+        ("jacksboro", jacksboro),
+    ])
+}

@@ -1,0 +1,57 @@
+//! Cell sizes in metres from a georeference.
+
+use eyot_core::Georeference;
+
+/// Metres per degree of longitude and latitude on the WGS 84 ellipsoid at `latitude` degrees.
+///
+/// The usual series of the ellipsoid's radii of curvature; below 0.01 m of the exact value per degree.
+pub(crate) fn metres_per_degree(latitude: f64) -> (f64, f64) {
+    let phi = latitude.to_radians();
+    let lon = 111_412.84 * phi.cos() - 93.5 * (3.0 * phi).cos() + 0.118 * (5.0 * phi).cos();
+    let lat = 111_132.92 - 559.82 * (2.0 * phi).cos() + 1.175 * (4.0 * phi).cos() - 0.0023 * (6.0 * phi).cos();
+    (lon, lat)
+}
+
+/// Size of a cell in metres along columns and rows. Geographic coordinates are measured in the middle of the grid;
+/// `metres_per_unit` says how long a unit of projected coordinates is.
+pub(crate) fn cell_size_m(g: &Georeference, width: usize, height: usize, metres_per_unit: f64) -> (f64, f64) {
+    let t = &g.transform;
+    let (per_x, per_y) = if g.geographic {
+        let middle = t[3] + width as f64 / 2.0 * t[4] + height as f64 / 2.0 * t[5];
+        // At a pole a degree of longitude has no length.
+        metres_per_degree(middle.clamp(-89.0, 89.0))
+    } else {
+        (metres_per_unit, metres_per_unit)
+    };
+    // Rotated grids: the length of the step that one column and one row make.
+    ((t[1] * per_x).hypot(t[4] * per_y), (t[2] * per_x).hypot(t[5] * per_y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn degrees_have_their_known_lengths() {
+        // NGA tables for WGS 84.
+        for (latitude, lon, lat) in [
+            (0.0, 111_319.5, 110_574.3),
+            (45.0, 78_846.8, 111_131.8),
+            (60.0, 55_800.0, 111_412.2),
+        ] {
+            let (a, b) = metres_per_degree(latitude);
+            assert!((a - lon).abs() < 1.0 && (b - lat).abs() < 1.0, "{latitude}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn rotated_and_projected_cells_keep_their_size() {
+        let (s, c) = 0.3f64.sin_cos();
+        let g = Georeference {
+            transform: [5e5, 30.0 * c, 30.0 * s, 4e6, 30.0 * s, -30.0 * c],
+            ..Georeference::default()
+        };
+        let (x, y) = cell_size_m(&g, 10, 10, 1.0);
+        assert!((x - 30.0).abs() < 1e-9 && (y - 30.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,300 @@
+//! TIFF and GeoTIFF, in: one band of any number type.
+
+use crate::error::{Error, Result};
+use crate::fill::fill;
+use crate::georef::cell_size_m;
+use crate::raster::{Raster, ReadOptions, check_size};
+use eyot_core::{Field, Georeference, Limits};
+use geotiff_reader::crs::ModelType;
+use geotiff_reader::{Error as GeoError, GeoTiffFile};
+use std::path::Path;
+use tiff_reader::{Ifd, OpenOptions, ParseBudgets, RasterLayout, TagValue, TiffFile};
+
+/// A file this much smaller than its content has lost its data or never had any. Deflate reaches 1032, LZW about 2700.
+const MAX_COMPRESSION: u128 = 4096;
+const GDAL_NODATA: u16 = 42113;
+/// Length units of projected coordinates, GeoKey 3076; metres if absent.
+const PROJECTED_LINEAR_UNITS: u16 = 3076;
+
+pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+    let open = open_options(limits);
+    let geo = match GeoTiffFile::open_with_options(path, open) {
+        Ok(geo) => Some(geo),
+        Err(GeoError::NotGeoTiff) => None,
+        Err(e) => return Err(broken(path, e)),
+    };
+    let plain = match &geo {
+        Some(_) => None,
+        None => Some(TiffFile::open_with_options(path, open).map_err(|e| broken(path, e))?),
+    };
+    let (tiff, ifd) = match (&geo, &plain) {
+        (Some(g), _) => (g.tiff(), g.tiff().ifd(g.base_ifd_index())),
+        (None, Some(t)) => (t, t.ifd(0)),
+        (None, None) => return Err(broken(path, GeoError::NotGeoTiff)),
+    };
+    let ifd = ifd.map_err(|e| broken(path, e))?;
+    let layout = ifd.raster_layout().map_err(|e| broken(path, e))?;
+    check(path, ifd, &layout, file_bytes, limits)?;
+
+    let nodata = options.nodata.or_else(|| nodata_of(ifd));
+    let (mut field, missing) = decode(path, tiff, ifd, &layout, nodata)?;
+    let filled = match &missing {
+        Some(missing) => fill(&mut field, missing)
+            .ok_or_else(|| Error::format(path, "every cell is marked as missing", "check the file's nodata value"))?,
+        None => 0,
+    };
+    let mut georeference = geo.as_ref().and_then(|g| georeference(g, nodata));
+    if let Some(g) = &mut georeference {
+        face_north(&mut field, g);
+    }
+    let unit = geo.as_ref().map_or(1.0, metres_per_unit);
+    // Absurd coordinates can overflow; a grid could not use such a size.
+    let usable = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0;
+    let cell_m = georeference
+        .as_ref()
+        .map(|g| cell_size_m(g, layout.width, layout.height, unit))
+        .filter(usable);
+    Ok(Raster {
+        field,
+        cell_m,
+        georeference,
+        filled,
+    })
+}
+
+fn open_options(limits: &Limits) -> OpenOptions {
+    OpenOptions {
+        // A few rows of tiles; each is needed for one window only.
+        block_cache_bytes: 64 << 20,
+        parse_budgets: ParseBudgets {
+            // A DEM has one image, its overviews and perhaps masks.
+            max_ifds: 64,
+            max_ifd_entries: 4096,
+            // Offsets of a hundred million cells in the smallest tiles take 3 MB.
+            max_tag_value_bytes: 32 << 20,
+            max_metadata_value_bytes: 64 << 20,
+        },
+        // One strip may be the whole image.
+        decode_output_bytes: usize::try_from(limits.max_bytes).unwrap_or(usize::MAX),
+        ..OpenOptions::default()
+    }
+}
+
+/// Refuses images that are too large, have no data for their size, or more than one band.
+fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits: &Limits) -> Result<()> {
+    let (width, height) = (layout.width, layout.height);
+    let field = check_size(path, width, height, limits)?;
+    let cells = width as u128 * height as u128;
+    // Filling takes a copy of the values, a mark for each, and both again in coarser levels.
+    let fill = 7 * cells;
+    let image = cells * layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
+    limits
+        .check_bytes("the decoded image", image + fill + field)
+        .map_err(Error::core(path))?;
+    if layout.samples_per_pixel != 1 {
+        let problem = format!(
+            "the file has {} bands or colours, heights need one",
+            layout.samples_per_pixel
+        );
+        return Err(Error::format(
+            path,
+            problem,
+            "extract one, for example with gdal_translate -b 1",
+        ));
+    }
+    // One block is decoded at a time; a hostile header can ask for a huge one in a tiny image.
+    let block = match (ifd.tile_width(), ifd.tile_height()) {
+        (Some(w), Some(h)) if ifd.is_tiled() => u128::from(w) * u128::from(h),
+        _ => width as u128 * (u128::from(ifd.rows_per_strip()).min(height as u128)),
+    } * layout.bytes_per_sample as u128;
+    let most = image.max(64 << 20);
+    if block > most || image > MAX_COMPRESSION * u128::from(file_bytes) {
+        let problem = format!("the file has {file_bytes} bytes, which cannot hold its {width}x{height} cells");
+        return Err(Error::format(
+            path,
+            problem,
+            "it is truncated or damaged: copy or download it again",
+        ));
+    }
+    Ok(())
+}
+
+/// The values, and which cells are missing (`None` if none is).
+fn decode(
+    path: &Path,
+    tiff: &TiffFile,
+    ifd: &Ifd,
+    layout: &RasterLayout,
+    nodata: Option<f64>,
+) -> Result<(Field, Option<Vec<bool>>)> {
+    let (width, height) = (layout.width, layout.height);
+    let mut field = Field::new(width, height, 0.0);
+    let mut missing: Option<Vec<bool>> = None;
+    // Windows of whole blocks keep the second copy of the data small.
+    let rows_at_once = match ifd.tile_height() {
+        Some(h) if ifd.is_tiled() => h as usize,
+        _ => ifd.rows_per_strip() as usize,
+    }
+    .clamp(1, height);
+    let rows_at_once = rows_at_once * 128usize.div_ceil(rows_at_once);
+    let f32_samples = (layout.sample_format, layout.bits_per_sample) == (3, 32);
+    let mut top = 0;
+    while top < height {
+        let rows = rows_at_once.min(height - top);
+        // One arm a number type: the value as f32, and whether it is the nodata value in the file's own type.
+        macro_rules! window {
+            ($t:ty) => {{
+                let window = tiff
+                    .read_window_from_ifd::<$t>(ifd, top, 0, rows, width)
+                    .map_err(|e| broken(path, e))?;
+                for (i, &v) in window.iter().enumerate() {
+                    let (x, y) = (i % width, top + i / width);
+                    field.row_mut(y)[x] = v as f32;
+                    if nodata.is_some_and(|n| is_missing(v as f64, n, f32_samples)) {
+                        missing.get_or_insert_with(|| vec![false; width * height])[y * width + x] = true;
+                    }
+                }
+            }};
+        }
+        match (layout.sample_format, layout.bits_per_sample) {
+            (3, 32) => window!(f32),
+            (3, 64) => window!(f64),
+            (2, 8) => window!(i8),
+            (2, 16) => window!(i16),
+            (2, 32) => window!(i32),
+            (2, 64) => window!(i64),
+            (1, 1..=8) => window!(u8),
+            (1, 9..=16) => window!(u16),
+            (1, 32) => window!(u32),
+            (1, 64) => window!(u64),
+            (format, bits) => {
+                let kind = ["complex", "unsigned", "signed", "floating-point"]
+                    .get(format as usize)
+                    .unwrap_or(&"unknown");
+                let problem = format!("{bits}-bit {kind} samples are not supported");
+                return Err(Error::format(
+                    path,
+                    problem,
+                    "convert it, for example with gdal_translate -ot Float32",
+                ));
+            }
+        }
+        top += rows;
+    }
+    if nodata.is_some() {
+        mark_unwritten(ifd, width, height, &mut missing);
+    }
+    Ok((field, missing))
+}
+
+/// Marks the blocks that a sparse file leaves out: they stand for nodata, while the decoder gives zeros.
+fn mark_unwritten(ifd: &Ifd, width: usize, height: usize, missing: &mut Option<Vec<bool>>) {
+    let (counts, block) = match (ifd.tile_width(), ifd.tile_height()) {
+        (Some(w), Some(h)) if ifd.is_tiled() => (ifd.tile_byte_counts(), (w as usize, h as usize)),
+        _ => (ifd.strip_byte_counts(), (width, ifd.rows_per_strip() as usize)),
+    };
+    let block = (block.0.max(1), block.1.clamp(1, height));
+    let across = width.div_ceil(block.0);
+    for (i, _) in counts
+        .into_iter()
+        .flatten()
+        .enumerate()
+        .filter(|&(_, bytes)| bytes == 0)
+    {
+        let (left, top) = (i % across * block.0, i / across * block.1);
+        let right = (left + block.0).min(width);
+        for y in top..(top + block.1).min(height) {
+            missing.get_or_insert_with(|| vec![false; width * height])[y * width + left..y * width + right].fill(true);
+        }
+    }
+}
+
+/// True if `value` is the nodata value. For `f32` files that value is often written with the digits of an `f32`, which
+/// name another `f64`.
+fn is_missing(value: f64, nodata: f64, f32_samples: bool) -> bool {
+    value == nodata || (value.is_nan() && nodata.is_nan()) || (f32_samples && value as f32 == nodata as f32)
+}
+
+/// GDAL's nodata tag, which plain TIFF files can have, too: a decimal number or `nan`, perhaps padded.
+fn nodata_of(ifd: &Ifd) -> Option<f64> {
+    let TagValue::Ascii(text) = &ifd.tag(GDAL_NODATA)?.value else {
+        return None;
+    };
+    text.trim_matches(|c: char| c.is_whitespace() || c == '\0').parse().ok()
+}
+
+fn georeference(geo: &GeoTiffFile, nodata: Option<f64>) -> Option<Georeference> {
+    let t = geo.transform()?;
+    let transform = [
+        t.origin_x,
+        t.pixel_width,
+        t.skew_x,
+        t.origin_y,
+        t.skew_y,
+        t.pixel_height,
+    ];
+    let steps = [t.pixel_width.hypot(t.skew_y), t.skew_x.hypot(t.pixel_height)];
+    // A degenerate transform says nothing, nor does the identity, which writers use for images without a place.
+    if transform == [0.0, 1.0, 0.0, 0.0, 0.0, 1.0] && geo.epsg().is_none() {
+        return None;
+    }
+    let sound = transform.iter().all(|v| v.is_finite()) && steps.iter().all(|&s| s > 0.0);
+    sound.then(|| Georeference {
+        transform,
+        epsg: geo.epsg(),
+        geographic: geo.crs().model_type_enum() == ModelType::Geographic,
+        nodata,
+    })
+}
+
+fn metres_per_unit(geo: &GeoTiffFile) -> f64 {
+    match geo.geokeys().get_short(PROJECTED_LINEAR_UNITS) {
+        Some(9002) => 0.3048,
+        Some(9003) => 1200.0 / 3937.0,
+        _ => 1.0,
+    }
+}
+
+/// Turns a raster over that starts in the south or in the east, so that row 0 is north and column 0 west.
+fn face_north(field: &mut Field, g: &mut Georeference) {
+    let t = &mut g.transform;
+    if (t[2], t[4]) != (0.0, 0.0) {
+        return;
+    }
+    let (width, height) = (field.width(), field.height());
+    if t[5] > 0.0 {
+        for north in 0..height / 2 {
+            let south = height - 1 - north;
+            let row = field.row(north).to_vec();
+            let other = field.row(south).to_vec();
+            field.row_mut(north).copy_from_slice(&other);
+            field.row_mut(south).copy_from_slice(&row);
+        }
+        t[3] += height as f64 * t[5];
+        t[5] = -t[5];
+    }
+    if t[1] < 0.0 {
+        field.rows_mut().for_each(<[f32]>::reverse);
+        t[0] += width as f64 * t[1];
+        t[1] = -t[1];
+    }
+}
+
+fn broken(path: &Path, e: impl std::error::Error + 'static) -> Error {
+    let text = e.to_string();
+    // The reader's own words follow; say first what users can act on.
+    let (what, remedy) = if text.contains("exceeds decode output budget") {
+        (
+            "the TIFF is too large",
+            "raise the limit or make it smaller with gdal_translate -outsize",
+        )
+    } else if text.contains("unsupported") || text.contains("not supported") {
+        (
+            "this kind of TIFF is not read",
+            "convert it with gdal_translate -co COMPRESS=DEFLATE -ot Float32",
+        )
+    } else {
+        ("the TIFF is broken or truncated", "copy or download it again")
+    };
+    Error::format(path, format!("{what}: {text}"), remedy)
+}

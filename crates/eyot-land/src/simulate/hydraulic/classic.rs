@@ -1,0 +1,183 @@
+//! Hydraulic erosion as published in 2007, for comparison: four one-way fluxes a cell, sediment traced back along the
+//! velocity.
+//!
+//! It differs from the signed form only where the publication does: equation (1) for each of four fluxes that are never
+//! negative, and equation (7) as `s1(x) = s(x - v t)` with bilinear interpolation, at most one cell far. The trace does
+//! not conserve sediment; the ledger's account `ground.traced` says how much it made or lost.
+
+use super::{ErodeParams, FluxParams};
+use eyot_core::real::Real;
+use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
+
+/// Equations (1) and (2) for the four fluxes that leave a cell.
+pub struct ClassicFlux;
+
+impl Rule for ClassicFlux {
+    const NAME: &'static str = "hydraulic_classic_flux";
+    const READS: &'static [Read] = &[
+        read("height", 1),
+        read("water", 1),
+        read("outflow_west", 0),
+        read("outflow_east", 0),
+        read("outflow_north", 0),
+        read("outflow_south", 0),
+    ];
+    const WRITES: &'static [&'static str] = &["outflow_west", "outflow_east", "outflow_north", "outflow_south"];
+    type Params = FluxParams<()>;
+    type Out<R: Real> = [R; 4];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>) -> ([R; 4], [R; 0]) {
+        let here = head(p, c, 0, 0);
+        let west = (p.keep * c.here(2) + p.push_x * (here - head(p, c, -1, 0))).positive();
+        let east = (p.keep * c.here(3) + p.push_x * (here - head(p, c, 1, 0))).positive();
+        let north = (p.keep * c.here(4) + p.push_y * (here - head(p, c, 0, -1))).positive();
+        let south = (p.keep * c.here(5) + p.push_y * (here - head(p, c, 0, 1))).positive();
+        let wanted = p.dt * ((west + east) + (north + south));
+        let depth = c.here(1);
+        let k = depth.lt(wanted).pick(depth / wanted, R::of(1.0));
+        ([(k * west).flushed(), (k * east).flushed(), (k * north).flushed(), (k * south).flushed()], [])
+    }
+}
+
+/// Level of the surface, fresh or salt, m.
+#[inline(always)]
+fn head<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    c.at(0, dx, dy).max(p.sea) + c.at(1, dx, dy)
+}
+
+const WEST: usize = 3;
+const EAST: usize = 4;
+const NORTH: usize = 5;
+const SOUTH: usize = 6;
+
+/// Equations (3) to (6), and the exchange with the ground of (7).
+pub struct ClassicErode;
+
+impl Rule for ClassicErode {
+    const NAME: &'static str = "hydraulic_classic_erode";
+    const READS: &'static [Read] = &[
+        read("height", 1),
+        read("water", 0),
+        read("sediment", 0),
+        read("outflow_west", 1),
+        read("outflow_east", 1),
+        read("outflow_north", 1),
+        read("outflow_south", 1),
+    ];
+    const WRITES: &'static [&'static str] = &["height", "water", "sediment", "speed_x", "speed_y"];
+    const TALLIES: &'static [Tally] = &[
+        Tally { account: "water.rain", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell" },
+        Tally { account: "water.evaporated", unit: TallyUnit::Thickness, sign: -1, meaning: "Water that evaporated" },
+        Tally {
+            account: "water.drained",
+            unit: TallyUnit::Thickness,
+            sign: -1,
+            meaning: "Water that reached the sea or left over an open rim",
+        },
+        Tally {
+            account: "water.clamped",
+            unit: TallyUnit::Thickness,
+            sign: 1,
+            meaning: "Water added where rounding had made a depth negative",
+        },
+    ];
+    type Params = ErodeParams<()>;
+    type Out<R: Real> = [R; 5];
+    type Sums<R: Real> = [R; 4];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 4]) {
+        let (zero, one) = (R::of(0.0), R::of(1.0));
+        let (out_west, out_east) = (c.here(WEST), c.here(EAST));
+        let (out_north, out_south) = (c.here(NORTH), c.here(SOUTH));
+        let (from_west, from_east) = (c.at(EAST, -1, 0), c.at(WEST, 1, 0));
+        let (from_north, from_south) = (c.at(SOUTH, 0, -1), c.at(NORTH, 0, 1));
+        let gain =
+            ((from_west + from_east) + (from_north + from_south)) - ((out_west + out_east) + (out_north + out_south));
+        let depth = c.here(1);
+        let moved = depth + p.dt * gain;
+        let wet = moved.positive();
+
+        let mean = R::of(0.5) * (depth + wet);
+        let flowing = p.dry.lt(mean);
+        let per_depth = flowing.pick(R::of(0.5) / mean.max(p.dry), zero);
+        let vx = p.dx * ((from_west - out_west) + (out_east - from_east)) * per_depth;
+        let vy = p.dy * ((from_north - out_north) + (out_south - from_south)) * per_depth;
+        let gx = p.slope_x * (c.at(0, 1, 0) - c.at(0, -1, 0));
+        let gy = p.slope_y * (c.at(0, 0, 1) - c.at(0, 0, -1));
+        let g2 = gx * gx + gy * gy;
+        let sine2 = (g2 / (one + g2)).clamp(p.sine2_min, p.sine2_max);
+        let speed2 = (vx * vx + vy * vy).min(p.speed2_max);
+        let capacity = p.capacity * (speed2 * sine2).sqrt() * (mean * p.ramp).min(one);
+
+        let (h, load) = (c.here(0), c.here(2));
+        let lowest = c.at(0, 1, 0).min(c.at(0, -1, 0)).min(c.at(0, 0, 1).min(c.at(0, 0, -1)));
+        let missing = capacity - load;
+        let dug = (p.dig * missing.positive()).min(p.dig_limit * (h - lowest).positive());
+        let settled = p.settle * (-missing).positive();
+        let at_sea = h.lt(p.sea);
+        let dug = at_sea.pick(zero, dug);
+        let settled = at_sea.pick(load, settled);
+
+        let kept = wet * at_sea.pick(zero, p.keep);
+        let fallen = at_sea.pick(zero, p.rain * p.dt);
+        let lost = wet - kept;
+        (
+            [(h - dug) + settled, (kept + fallen).flushed(), ((load + dug) - settled).flushed(), vx, vy],
+            [fallen, at_sea.pick(zero, lost), at_sea.pick(lost, zero), wet - moved],
+        )
+    }
+
+    #[inline(always)]
+    fn leaving<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 4]> {
+        let flow = match side {
+            Side::West => c.here(WEST),
+            Side::East => c.here(EAST),
+            Side::North => c.here(NORTH),
+            Side::South => c.here(SOUTH),
+        };
+        let zero = R::of(0.0);
+        Some([zero, zero, p.dt * flow, zero])
+    }
+}
+
+/// The transport of (7): what is here now was upstream a step ago.
+pub struct ClassicAdvect;
+
+impl Rule for ClassicAdvect {
+    const NAME: &'static str = "hydraulic_classic_advect";
+    const READS: &'static [Read] = &[read("sediment", 1), read("speed_x", 0), read("speed_y", 0)];
+    const WRITES: &'static [&'static str] = &["sediment"];
+    const TALLIES: &'static [Tally] = &[Tally {
+        account: "ground.traced",
+        unit: TallyUnit::Thickness,
+        sign: 1,
+        meaning: "Sediment that tracing back made (or lost, if negative)",
+    }];
+    type Params = ErodeParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 1];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
+        let one = R::of(1.0);
+        // Cells upstream, at most one; 2 slope = 1 / cell size.
+        let u = (p.dt * R::of(2.0) * p.slope_x * c.here(1)).clamp(-one, one);
+        let v = (p.dt * R::of(2.0) * p.slope_y * c.here(2)).clamp(-one, one);
+        let (west, east) = (u.positive(), (-u).positive());
+        let (north, south) = (v.positive(), (-v).positive());
+        let (middle_x, middle_y) = (one - u.abs(), one - v.abs());
+        // Four of the nine weights are not zero: bilinear interpolation without a branch.
+        let traced = (row(c, -1, west, middle_x, east) * north + row(c, 1, west, middle_x, east) * south)
+            + row(c, 0, west, middle_x, east) * middle_y;
+        let s = traced.flushed();
+        ([s], [s - c.here(0)])
+    }
+}
+
+#[inline(always)]
+fn row<R: Real>(c: &impl Cell<R>, dy: isize, west: R, middle: R, east: R) -> R {
+    (c.at(0, -1, dy) * west + c.at(0, 1, dy) * east) + c.at(0, 0, dy) * middle
+}

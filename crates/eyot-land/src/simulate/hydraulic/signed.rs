@@ -1,0 +1,300 @@
+//! The rules of hydraulic erosion with one signed flux an edge; equation numbers as in the parent module.
+
+use eyot_core::real::Real;
+use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
+use eyot_core::rule_params;
+
+rule_params! {
+    /// Parameters of [`Flux`].
+    pub struct FluxParams {
+        /// `dt c^2 / dx^2`, 1/s.
+        push_x,
+        /// `dt c^2 / dy^2`, 1/s.
+        push_y,
+        /// Share of the flux that friction leaves, 1.
+        keep,
+        /// Time step, s.
+        dt,
+        /// Level of the sea, m; far below the ground where there is none.
+        sea,
+    }
+}
+
+/// Equations (1) and (2): new fluxes, and how much of them each cell can afford.
+pub struct Flux;
+
+impl Rule for Flux {
+    const NAME: &'static str = "hydraulic_flux";
+    const READS: &'static [Read] =
+        &[read("height", 1), read("water", 1), read("sediment", 0), read("flux_x", 1), read("flux_y", 1)];
+    const WRITES: &'static [&'static str] = &["raw_x", "raw_y", "afford", "afford_sediment"];
+    type Params = FluxParams<()>;
+    type Out<R: Real> = [R; 4];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>) -> ([R; 4], [R; 0]) {
+        let [water, sediment, flux_x, flux_y] = [1, 2, 3, 4];
+        let here = head(p, c, 0, 0);
+        // (1) An edge's flux is pushed by the difference of the heads on its two sides.
+        let east = p.keep * c.here(flux_x) + p.push_x * (here - head(p, c, 1, 0));
+        let west = p.keep * c.at(flux_x, -1, 0) + p.push_x * (head(p, c, -1, 0) - here);
+        let south = p.keep * c.here(flux_y) + p.push_y * (here - head(p, c, 0, 1));
+        let north = p.keep * c.at(flux_y, 0, -1) + p.push_y * (head(p, c, 0, -1) - here);
+        // (2) What flows out during dt must be there.
+        let zero = R::of(0.0);
+        let out = (east.positive() - west.min(zero)) + (south.positive() - north.min(zero));
+        let depth = c.here(water);
+        let afford = depth.lt(p.dt * out).pick(depth / (p.dt * out), R::of(1.0));
+        // The sediment that a unit of raw outflow carries: concentration times what the cell can afford.
+        let concentration = c.here(sediment) / depth.max(R::of(1e-6));
+        ([east.flushed(), south.flushed(), afford, afford * concentration], [])
+    }
+}
+
+/// Level of the surface, fresh or salt, m.
+#[inline(always)]
+fn head<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    let [height, water] = [0, 1];
+    c.at(height, dx, dy).max(p.sea) + c.at(water, dx, dy)
+}
+
+rule_params! {
+    /// Parameters of [`Erode`].
+    pub struct ErodeParams {
+        /// Time step, s.
+        dt,
+        /// East-west cell size, m.
+        dx,
+        /// North-south cell size, m.
+        dy,
+        /// `1 / (2 dx)`, 1/m.
+        slope_x,
+        /// `1 / (2 dy)`, 1/m.
+        slope_y,
+        /// Rain, m/s.
+        rain,
+        /// Share of the water that is left after evaporation during dt, 1.
+        keep,
+        /// Depth below which water does not move sediment, m.
+        dry,
+        /// Square of the speed limit, m2/s2.
+        speed2_max,
+        /// Square of the least sine of the slope, 1.
+        sine2_min,
+        /// Square of the largest sine of the slope, 1.
+        sine2_max,
+        /// Capacity, m per (m/s).
+        capacity,
+        /// `1 / ramp depth`, 1/m.
+        ramp,
+        /// Share of the missing load that is dug during dt, 1.
+        dig,
+        /// Share of the surplus load that settles during dt, 1.
+        settle,
+        /// Largest share of the drop to the lowest neighbour that is dug at once, 1.
+        dig_limit,
+        /// Level of the sea, m.
+        sea,
+    }
+}
+
+/// Equations (3) to (8): water and sediment move, the ground is dug and built up, water rains and evaporates.
+pub struct Erode;
+
+impl Rule for Erode {
+    const NAME: &'static str = "hydraulic_erode";
+    const READS: &'static [Read] = &[
+        read("height", 1),
+        read("water", 0),
+        read("sediment", 0),
+        read("raw_x", 1),
+        read("raw_y", 1),
+        read("afford", 1),
+        read("afford_sediment", 1),
+    ];
+    const WRITES: &'static [&'static str] = &["height", "water", "sediment", "flux_x", "flux_y"];
+    const TALLIES: &'static [Tally] = &TALLIES;
+    type Params = ErodeParams<()>;
+    type Out<R: Real> = [R; 5];
+    type Sums<R: Real> = [R; 7];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 7]) {
+        let [height, water, sediment] = [0, 1, 2];
+        let (zero, one) = (R::of(0.0), R::of(1.0));
+        let (east, east_load) = edge_x(c, 0);
+        let (west, west_load) = edge_x(c, -1);
+        let (south, south_load) = edge_y(c, 0);
+        let (north, north_load) = edge_y(c, -1);
+
+        // (3) Water moves.
+        let depth = c.here(water);
+        let moved = depth + p.dt * ((west - east) + (north - south));
+        let wet = moved.positive();
+
+        // (4) Velocity from the mean flux through the cell and the mean depth; (5) slope. Speed and sine are only
+        // needed as the root of the product of their squares, which costs one division and one root.
+        let mean = R::of(0.5) * (depth + wet);
+        let (qx, qy) = (R::of(0.5) * p.dx * (west + east), R::of(0.5) * p.dy * (north + south));
+        let q2 = qx * qx + qy * qy;
+        let gx = p.slope_x * (c.at(height, 1, 0) - c.at(height, -1, 0));
+        let gy = p.slope_y * (c.at(height, 0, 1) - c.at(height, 0, -1));
+        let g2 = gx * gx + gy * gy;
+        let mean2 = mean.max(p.dry) * mean.max(p.dry);
+        let inverse = one / (mean2 * (one + g2));
+        let speed2 = q2 * (one + g2) * inverse;
+        let sine2 = (g2 * mean2 * inverse).clamp(p.sine2_min, p.sine2_max);
+        let flowing = p.dry.lt(mean);
+        let capped2 = flowing.pick(speed2.min(p.speed2_max), zero);
+
+        // (6) Capacity grows with depth, so that channels win over films.
+        let capacity = p.capacity * (capped2 * sine2).sqrt() * (mean * p.ramp).min(one);
+
+        // (7) Sediment moves with the water, then ground and water exchange it.
+        let load = (c.here(sediment) + p.dt * ((west_load - east_load) + (north_load - south_load))).positive();
+        let h = c.here(height);
+        let lowest = c.at(height, 1, 0).min(c.at(height, -1, 0)).min(c.at(height, 0, 1).min(c.at(height, 0, -1)));
+        let missing = capacity - load;
+        let wish = p.dig * missing.positive();
+        let dug = wish.min(p.dig_limit * (h - lowest).positive());
+        let settled = p.settle * (-missing).positive();
+        // In the sea the river ends: its water joins the sea and all its load settles.
+        let at_sea = h.lt(p.sea);
+        let dug = at_sea.pick(zero, dug);
+        let settled = at_sea.pick(load, settled);
+        let new_height = (h - dug) + settled;
+        let new_load = ((load + dug) - settled).flushed();
+
+        // (8) Evaporation and rain.
+        let kept = wet * at_sea.pick(zero, p.keep);
+        let fallen = at_sea.pick(zero, p.rain * p.dt);
+        let new_water = (kept + fallen).flushed();
+
+        let lost = wet - kept;
+        let sums = [
+            fallen,
+            at_sea.pick(zero, lost),
+            at_sea.pick(lost, zero),
+            wet - moved,
+            wish - dug,
+            flowing.pick(p.speed2_max.lt(speed2).one(), zero),
+            zero,
+        ];
+        ([new_height, new_water, new_load, east, south], sums)
+    }
+
+    #[inline(always)]
+    fn leaving<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 7]> {
+        let (flow, load) = match side {
+            Side::West => negated(edge_x(c, -1)),
+            Side::East => edge_x(c, 0),
+            Side::North => negated(edge_y(c, -1)),
+            Side::South => edge_y(c, 0),
+        };
+        let zero = R::of(0.0);
+        Some([zero, zero, p.dt * flow, zero, zero, zero, p.dt * load])
+    }
+}
+
+const TALLIES: [Tally; 7] = [
+    Tally { account: "water.rain", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell" },
+    Tally { account: "water.evaporated", unit: TallyUnit::Thickness, sign: -1, meaning: "Water that evaporated" },
+    Tally {
+        account: "water.drained",
+        unit: TallyUnit::Thickness,
+        sign: -1,
+        meaning: "Water that reached the sea or left over an open rim",
+    },
+    Tally {
+        account: "water.clamped",
+        unit: TallyUnit::Thickness,
+        sign: 1,
+        meaning: "Water added where rounding had made a depth negative",
+    },
+    Tally {
+        account: "hydraulic.dig_limited",
+        unit: TallyUnit::Thickness,
+        sign: 0,
+        meaning: "Digging that the limiter refused, lest cells undercut their neighbours",
+    },
+    Tally {
+        account: "hydraulic.speed_capped",
+        unit: TallyUnit::Count,
+        sign: 0,
+        meaning: "Cell-steps in which the speed limit was in force",
+    },
+    Tally {
+        account: "ground.left",
+        unit: TallyUnit::Thickness,
+        sign: -1,
+        meaning: "Sediment that left over an open rim",
+    },
+];
+
+const RAW_X: usize = 3;
+const RAW_Y: usize = 4;
+const AFFORD: usize = 5;
+const AFFORD_SEDIMENT: usize = 6;
+
+/// Flux of water and of sediment through the eastern edge of the cell `at` columns east.
+///
+/// The donor decides: raw flux to the east is scaled by what the western cell affords, and the other way round. Both
+/// cells of an edge compute the same numbers from the same operands, so what one loses the other gains to the bit.
+#[inline(always)]
+fn edge_x<R: Real>(c: &impl Cell<R>, at: isize) -> (R, R) {
+    let raw = c.at(RAW_X, at, 0);
+    let (forth, back) = (raw.positive(), raw.min(R::of(0.0)));
+    (
+        forth * c.at(AFFORD, at, 0) + back * c.at(AFFORD, at + 1, 0),
+        forth * c.at(AFFORD_SEDIMENT, at, 0) + back * c.at(AFFORD_SEDIMENT, at + 1, 0),
+    )
+}
+
+/// As [`edge_x`] for the southern edge of the cell `at` rows south.
+#[inline(always)]
+fn edge_y<R: Real>(c: &impl Cell<R>, at: isize) -> (R, R) {
+    let raw = c.at(RAW_Y, 0, at);
+    let (forth, back) = (raw.positive(), raw.min(R::of(0.0)));
+    (
+        forth * c.at(AFFORD, 0, at) + back * c.at(AFFORD, 0, at + 1),
+        forth * c.at(AFFORD_SEDIMENT, 0, at) + back * c.at(AFFORD_SEDIMENT, 0, at + 1),
+    )
+}
+
+#[inline(always)]
+fn negated<R: Real>((a, b): (R, R)) -> (R, R) {
+    (-a, -b)
+}
+
+rule_params! {
+    /// Parameters of [`Spring`].
+    pub struct SpringParams {
+        /// Water that the strongest spring gives during dt, m.
+        gain,
+    }
+}
+
+/// Springs rise where the layer `springs` says so.
+pub struct Spring;
+
+impl Rule for Spring {
+    const NAME: &'static str = "hydraulic_spring";
+    const READS: &'static [Read] = &[read("water", 0), read("springs", 0)];
+    const WRITES: &'static [&'static str] = &["water"];
+    const TALLIES: &'static [Tally] = &[Tally {
+        account: "water.springs",
+        unit: TallyUnit::Thickness,
+        sign: 1,
+        meaning: "Water that rose from springs",
+    }];
+    type Params = SpringParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 1];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &SpringParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
+        let risen = p.gain * c.here(1).clamp(R::of(0.0), R::of(1.0));
+        ([c.here(0) + risen], [risen])
+    }
+}

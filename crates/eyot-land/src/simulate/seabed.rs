@@ -1,0 +1,97 @@
+//! Seabed smoothing: waves and currents level loose ground under the sea.
+//!
+//! # Equations
+//! 1. `h' = h + rate / 4 sum over 4 neighbours of (h_n - h)`, over pairs of cells that both lie under the sea and of which
+//!    neither carries reef limestone. With `rate = 1` and all neighbours under the sea this is the mean of the four.
+//!
+//! # Source
+//! The island thesis, I8.
+//!
+//! # Differences
+//! - The thesis replaces a cell by the mean of its neighbours, land included, which makes ground out of nothing along the
+//!   shore. Exchanging between pairs conserves it.
+//! - A rate of 1 leaves checkerboards undamped (their factor is -1), so the range ends at 0.9.
+//!
+//! # Layers
+//! Reads and writes `height` (m); reads `limestone` (m).
+//!
+//! # Limits
+//! Stable for every rate in the range.
+//!
+//! # Conserves
+//! Ground, to rounding (`tests/reef.rs`).
+
+use eyot_core::layer::known::{HEIGHT, LIMESTONE};
+use eyot_core::plan::Plan;
+use eyot_core::process::{Moment, Process};
+use eyot_core::real::Real;
+use eyot_core::rule::{Cell, Read, Rule, read};
+use eyot_core::{LayerSpec, rule_params};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Waves and currents level loose ground under the sea.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Seabed {
+    /// How much of the difference to the neighbours' mean goes in a step.
+    #[schemars(range(min = 0.0, max = 0.9), extend("unit" = "1"))]
+    pub rate: f32,
+}
+
+impl Default for Seabed {
+    fn default() -> Self {
+        Self { rate: 0.2 }
+    }
+}
+
+impl Process for Seabed {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0)]
+    }
+
+    fn plan(&self, moment: &Moment, plan: &mut Plan) {
+        plan.push::<Level>(LevelParams { share: 0.25 * self.rate, sea: moment.sea_level_m as f32 });
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Level`].
+    pub struct LevelParams {
+        /// Share of the difference that moves between two cells, 1.
+        share,
+        /// Level of the sea, m.
+        sea,
+    }
+}
+
+/// Equation (1).
+pub struct Level;
+
+impl Rule for Level {
+    const NAME: &'static str = "seabed_level";
+    const READS: &'static [Read] = &[read("height", 1), read("limestone", 1)];
+    const WRITES: &'static [&'static str] = &["height"];
+    type Params = LevelParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        let x = pull(p, c, 1, 0) + pull(p, c, -1, 0);
+        let y = pull(p, c, 0, 1) + pull(p, c, 0, -1);
+        ([c.here(0) + p.share * loose(p, c, 0, 0) * (x + y)], [])
+    }
+}
+
+#[inline(always)]
+fn pull<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    (c.at(0, dx, dy) - c.here(0)) * loose(p, c, dx, dy)
+}
+
+/// 1 under the sea where no limestone covers the ground, else 0.
+#[inline(always)]
+fn loose<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    let under = c.at(0, dx, dy).lt(p.sea).one();
+    c.at(1, dx, dy).gt(R::of(0.01)).pick(R::of(0.0), under)
+}

@@ -1,0 +1,173 @@
+//! Thermal erosion: what is steeper than its talus angle slumps.
+//!
+//! # Equations
+//! 1. `h' = h + sum over 8 neighbours of k_n (D - clamp(D, -T_n, T_n))` with `D = h_n - h`, `T_n` the talus angle's tangent
+//!    times the distance, `k = rate / 12` for neighbours that share an edge and half of it for diagonal ones.
+//! 2. Inverted: a cell whose largest drop `m` among its 4 neighbours is not above `T` gives `rate m / 2` to that
+//!    neighbour (in equal parts if several are lowest): flats become flat and cliffs stay.
+//!
+//! # Source
+//! Musgrave, Kolb and Mace 1989; the inverted form after Olsen 2004. The island thesis, I7.
+//!
+//! # Differences
+//! - The thesis moves half the height above the lowest neighbour, shared among all that are too low. Here each pair
+//!   exchanges only what exceeds the talus, so slopes end at the angle and not below it, one pass is enough, and both
+//!   cells of a pair compute the same amount (`tests/thermal.rs`).
+//! - Olsen's form is applied to all cells at once and not in scanning order, which would favour one direction.
+//!
+//! # Layers
+//! Reads and writes `height` (m).
+//!
+//! # Limits
+//! Stable for every rate within 0..=1: the shares of the 8 neighbours sum to `rate / 2`.
+//!
+//! # Conserves
+//! Ground, to rounding (`tests/thermal.rs`).
+
+use eyot_core::layer::known::HEIGHT;
+use eyot_core::plan::Plan;
+use eyot_core::process::{Moment, Process};
+use eyot_core::real::Real;
+use eyot_core::rule::{Cell, Read, Rule, read};
+use eyot_core::{LayerSpec, rule_params};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What is steeper than its talus angle slumps: scree, soft ridges, no spikes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Thermal {
+    /// Steepest slope that stays: about 33 degrees for dry sand, 35 to 40 for scree, more for rock.
+    #[schemars(range(min = 0.0, max = 89.0), extend("unit" = "degree"))]
+    pub talus: f32,
+    /// How much of the excess moves in a step. 1 is the stable limit.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub rate: f32,
+    /// Olsen's inverted form: flattens what is flatter than the talus angle and leaves cliffs alone.
+    pub inverted: bool,
+}
+
+impl Default for Thermal {
+    fn default() -> Self {
+        Self { talus: 36.0, rate: 0.5, inverted: false }
+    }
+}
+
+impl Process for Thermal {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0)]
+    }
+
+    fn plan(&self, moment: &Moment, plan: &mut Plan) {
+        let (dx, dy) = (moment.grid.cell_x_m, moment.grid.cell_y_m);
+        let angle = self.talus.to_radians();
+        let tangent = f64::from(eyot_core::math::sin(angle) / eyot_core::math::cos(angle));
+        let (stay_x, stay_y) = ((tangent * dx) as f32, (tangent * dy) as f32);
+        if self.inverted {
+            plan.push::<Flatten>(FlattenParams { stay_x, stay_y, half_rate: 0.5 * self.rate });
+        } else {
+            let stay_d = (tangent * (dx * dx + dy * dy).sqrt()) as f32;
+            plan.push::<Slump>(SlumpParams {
+                stay_x,
+                stay_y,
+                stay_d,
+                rate: self.rate / 12.0,
+                rate_d: self.rate / 24.0,
+            });
+        }
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Slump`].
+    pub struct SlumpParams {
+        /// Height difference to an eastern or western neighbour that stays, m.
+        stay_x,
+        /// To a northern or southern one, m.
+        stay_y,
+        /// To a diagonal one, m.
+        stay_d,
+        /// Share of the excess that moves between neighbours that share an edge, 1.
+        rate,
+        /// Share of the excess that moves between diagonal neighbours, 1.
+        rate_d,
+    }
+}
+
+/// Equation (1).
+pub struct Slump;
+
+impl Rule for Slump {
+    const NAME: &'static str = "thermal_slump";
+    const READS: &'static [Read] = &[read("height", 1)];
+    const WRITES: &'static [&'static str] = &["height"];
+    type Params = SlumpParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &SlumpParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        // Opposite neighbours are added first, so that mirrored worlds stay mirrored to the bit.
+        let x = excess(c, 1, 0, p.stay_x) + excess(c, -1, 0, p.stay_x);
+        let y = excess(c, 0, 1, p.stay_y) + excess(c, 0, -1, p.stay_y);
+        let d = (excess(c, 1, 1, p.stay_d) + excess(c, -1, -1, p.stay_d))
+            + (excess(c, -1, 1, p.stay_d) + excess(c, 1, -1, p.stay_d));
+        ([c.here(0) + (p.rate * (x + y) + p.rate_d * d)], [])
+    }
+}
+
+/// What the neighbour sends here, negative if it is sent there: the part of the difference beyond what stays.
+#[inline(always)]
+fn excess<R: Real>(c: &impl Cell<R>, dx: isize, dy: isize, stay: R) -> R {
+    let d = c.at(0, dx, dy) - c.here(0);
+    d - d.clamp(-stay, stay)
+}
+
+rule_params! {
+    /// Parameters of [`Flatten`].
+    pub struct FlattenParams {
+        /// Largest drop to an eastern or western neighbour that is flattened, m.
+        stay_x,
+        /// To a northern or southern one, m.
+        stay_y,
+        /// Share of the drop that moves, 1.
+        half_rate,
+    }
+}
+
+/// Equation (2).
+pub struct Flatten;
+
+impl Rule for Flatten {
+    const NAME: &'static str = "thermal_flatten";
+    const READS: &'static [Read] = &[read("height", 2)];
+    const WRITES: &'static [&'static str] = &["height"];
+    type Params = FlattenParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &FlattenParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        let gains = (given(p, c, -1, 0, 1, 0) + given(p, c, 1, 0, -1, 0))
+            + (given(p, c, 0, -1, 0, 1) + given(p, c, 0, 1, 0, -1));
+        let losses =
+            (given(p, c, 0, 0, 1, 0) + given(p, c, 0, 0, -1, 0)) + (given(p, c, 0, 0, 0, 1) + given(p, c, 0, 0, 0, -1));
+        ([c.here(0) + (gains - losses)], [])
+    }
+}
+
+/// What the cell at (x, y) gives to its neighbour in direction (dx, dy).
+#[inline(always)]
+fn given<R: Real>(p: &FlattenParams<R>, c: &impl Cell<R>, x: isize, y: isize, dx: isize, dy: isize) -> R {
+    let (zero, h) = (R::of(0.0), c.at(0, x, y));
+    let (w, e) = (c.at(0, x - 1, y), c.at(0, x + 1, y));
+    let (n, s) = (c.at(0, x, y - 1), c.at(0, x, y + 1));
+    let lowest = w.min(e).min(n.min(s));
+    let lowest_count = (lowest.lt(w).pick(zero, R::of(1.0)) + lowest.lt(e).pick(zero, R::of(1.0)))
+        + (lowest.lt(n).pick(zero, R::of(1.0)) + lowest.lt(s).pick(zero, R::of(1.0)));
+    let target = c.at(0, x + dx, y + dy);
+    let drop = h - target;
+    let stay = if dx != 0 { p.stay_x } else { p.stay_y };
+    let amount = stay.lt(drop).pick(zero, p.half_rate * drop.positive() / lowest_count);
+    lowest.lt(target).pick(zero, amount)
+}

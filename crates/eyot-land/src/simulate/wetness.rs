@@ -1,0 +1,91 @@
+//! Wetness: a bounded memory of where rivers ran, for colours.
+//!
+//! # Equations
+//! 1. `w' = w + (min(1, q / river) - w) / memory` with `q` the discharge through the cell over its width, m2/s.
+//!
+//! # Source
+//! The island thesis, I10: rock shows where rivers recently ran.
+//!
+//! # Layers
+//! Reads `flux_x`, `flux_y` (m/s); reads and writes `wetness` (1).
+//!
+//! # Limits
+//! Always within 0..=1.
+
+use super::hydraulic::{FLUX_X, FLUX_Y};
+use eyot_core::layer::known::WETNESS;
+use eyot_core::plan::Plan;
+use eyot_core::process::{Moment, Process};
+use eyot_core::real::Real;
+use eyot_core::rule::{Cell, Read, Rule, read};
+use eyot_core::{LayerSpec, rule_params};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Remembers where rivers ran, for colours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Wetness {
+    /// Discharge per metre of width that counts as a river.
+    #[schemars(range(min = 0.000001, max = 10000.0), extend("unit" = "m2/s"))]
+    pub river: f32,
+    /// Turns after which two thirds of the past are forgotten.
+    #[schemars(range(min = 1.0, max = 1000000.0), extend("unit" = "turns"))]
+    pub memory: f32,
+}
+
+impl Default for Wetness {
+    fn default() -> Self {
+        Self { river: 1.0, memory: 20.0 }
+    }
+}
+
+impl Process for Wetness {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(FLUX_X, 0.0), (FLUX_Y, 0.0), (WETNESS, 0.0)]
+    }
+
+    fn plan(&self, moment: &Moment, plan: &mut Plan) {
+        plan.push::<Remember>(RememberParams {
+            half_dx: 0.5 * moment.grid.cell_x_m as f32,
+            half_dy: 0.5 * moment.grid.cell_y_m as f32,
+            per_river: 1.0 / self.river,
+            share: 1.0 / self.memory.max(1.0),
+        });
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Remember`].
+    pub struct RememberParams {
+        /// Half the cell's east-west size, m.
+        half_dx,
+        /// Half the cell's north-south size, m.
+        half_dy,
+        /// `1 / river`, s/m2.
+        per_river,
+        /// `1 / memory`, 1.
+        share,
+    }
+}
+
+/// Equation (1).
+pub struct Remember;
+
+impl Rule for Remember {
+    const NAME: &'static str = "wetness_remember";
+    const READS: &'static [Read] = &[read("flux_x", 1), read("flux_y", 1), read("wetness", 0)];
+    const WRITES: &'static [&'static str] = &["wetness"];
+    type Params = RememberParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &RememberParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        let qx = p.half_dx * (c.at(0, -1, 0) + c.here(0));
+        let qy = p.half_dy * (c.at(1, 0, -1) + c.here(1));
+        let now = ((qx * qx + qy * qy).sqrt() * p.per_river).min(R::of(1.0));
+        let w = c.here(2);
+        ([(w + p.share * (now - w)).flushed()], [])
+    }
+}

@@ -1,0 +1,115 @@
+//! The invariants of ARCHITECTURE.md that are marked with a star.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn rust_files(folder: &str) -> Vec<(PathBuf, String)> {
+    let mut files = Vec::new();
+    let mut todo = vec![root().join(folder)];
+    while let Some(dir) = todo.pop() {
+        for entry in fs::read_dir(&dir).unwrap_or_else(|e| panic!("{}: {e}", dir.display())) {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                todo.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = fs::read_to_string(&path).unwrap();
+                files.push((path, text));
+            }
+        }
+    }
+    assert!(!files.is_empty(), "{folder} has no Rust files");
+    files
+}
+
+/// Lines of code: comments and documentation left out.
+fn code(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().filter(|l| !l.trim_start().starts_with("//"))
+}
+
+fn assert_absent(folder: &str, words: &[&str], except: &[&str]) {
+    for (path, text) in rust_files(folder) {
+        let name = path.to_string_lossy().into_owned();
+        if except.iter().any(|e| name.contains(e)) {
+            continue;
+        }
+        for line in code(&text) {
+            for w in words {
+                assert!(!line.contains(w), "{name} names `{w}`: {line}");
+            }
+        }
+    }
+}
+
+#[test]
+fn paths_named_in_the_architecture_exist() {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let mut seen = 0;
+    for path in text.split('`').skip(1).step_by(2).filter(|p| p.contains('/') && !p.contains(' ')) {
+        assert!(root().join(path).exists(), "ARCHITECTURE.md names {path}");
+        seen += 1;
+    }
+    assert!(seen > 15, "only {seen} paths found");
+}
+
+#[test]
+fn the_core_knows_nothing_of_the_rest() {
+    let manifest = fs::read_to_string(root().join("crates/eyot-core/Cargo.toml")).unwrap();
+    assert!(!manifest.lines().any(|l| l.starts_with("eyot")), "eyot-core depends on another crate of the workspace");
+    assert_absent("crates/eyot-core/src", &["std::fs", "std::net", "hydraulic", "thermal"], &[]);
+}
+
+#[test]
+fn land_does_no_io_and_its_rooms_are_apart() {
+    assert_absent("crates/eyot-land/src", &["std::fs", "std::net", "File::"], &[]);
+    assert_absent("crates/eyot-land/src/generate", &["simulate"], &[]);
+    assert_absent("crates/eyot-land/src/simulate", &["generate"], &[]);
+    let processes = ["hydraulic", "thermal", "seabed", "reef", "wetness"];
+    for p in processes {
+        for (path, text) in rust_files("crates/eyot-land/src/simulate") {
+            let name = path.to_string_lossy().into_owned();
+            if !name.contains(p) {
+                continue;
+            }
+            for other in processes.iter().filter(|o| **o != p) {
+                let bad = code(&text).any(|l| {
+                    l.contains("use ") && l.contains(&format!("{other}::")) && !l.contains("{FLUX_X, FLUX_Y}")
+                });
+                assert!(!bad, "{name} imports from {other}");
+            }
+        }
+    }
+}
+
+#[test]
+fn only_io_opens_files() {
+    for folder in ["crates/eyot-mesh/src", "crates/eyot-render/src"] {
+        assert_absent(folder, &["std::fs", "File::"], &[]);
+    }
+}
+
+#[test]
+fn front_ends_use_the_facade() {
+    let manifest = fs::read_to_string(root().join("apps/eyot-cli/Cargo.toml")).unwrap();
+    for below in ["eyot-core", "eyot-land", "eyot-io", "eyot-mesh", "eyot-render"] {
+        assert!(!manifest.lines().any(|l| l.starts_with(below)), "the command line depends on {below}");
+    }
+}
+
+#[test]
+fn unsafe_code_gives_its_reason() {
+    for folder in ["crates", "apps", "xtask"] {
+        for (path, text) in rust_files(folder) {
+            let allows = text.contains("allow(unsafe_code)");
+            let gives_reason = text.contains("Reason for the exception") || text.contains("SAFETY");
+            assert!(
+                !allows || gives_reason || path.ends_with("architecture.rs"),
+                "{} allows unsafe code without a reason",
+                path.display()
+            );
+        }
+    }
+}
