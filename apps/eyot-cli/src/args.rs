@@ -271,6 +271,12 @@ mod tests {
         assert!(size("0").is_err() && size("ax3").is_err() && size("-5").is_err() && size("").is_err());
         assert_eq!(bytes("8G"), Ok(8 << 30));
         assert_eq!(bytes("1.5KiB"), Ok(1536));
-        assert!(bytes("").is_err() && bytes("G").is_err() && bytes("-1G").is_err() && bytes("nanG").is_err() && bytes("é").is_err());
+        assert!(
+            bytes("").is_err()
+                && bytes("G").is_err()
+                && bytes("-1G").is_err()
+                && bytes("nanG").is_err()
+                && bytes("é").is_err()
+        );
     }
 }

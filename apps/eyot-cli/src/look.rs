@@ -15,7 +15,10 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         Some((w, None)) => [w, (w * 5 / 8).max(1)],
     };
     if !size.iter().all(|n| (16..=16384).contains(n)) {
-        return Err(report::usage(&format!("a picture of {}x{} pixels", size[0], size[1]), "choose 16 to 16384 pixels along each side"));
+        return Err(report::usage(
+            &format!("a picture of {}x{} pixels", size[0], size[1]),
+            "choose 16 to 16384 pixels along each side",
+        ));
     }
     let view = View {
         enabled: true,
@@ -50,12 +53,19 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
 /// Prints statistics of a run or a height map.
 pub(crate) fn stats(args: &Stats) -> Result<(), Failure> {
     let opened = open(&args.from)?;
-    let stats = store::stats(&opened).map_err(|e| report::run(&e))?;
+    let stats = store::stats(&opened, &Limits::default()).map_err(|e| report::run(&e))?;
     if args.json {
         return print::line(&format!("{stats:#}"));
     }
     let g = &opened.world.grid;
-    print::line(&format!("{}: {} x {} cells of {} x {} m", opened.file.display(), g.width, g.height, g.cell_x_m, g.cell_y_m))?;
+    print::line(&format!(
+        "{}: {} x {} cells of {} x {} m",
+        opened.file.display(),
+        g.width,
+        g.height,
+        g.cell_x_m,
+        g.cell_y_m
+    ))?;
     table(&stats, 1)
 }
 
@@ -69,7 +79,9 @@ fn table(value: &Value, depth: usize) -> Result<(), Failure> {
                 table(v, depth + 1)?;
             }
             Value::Null => print::line(&format!("{pad}{key:<28} unknown"))?,
-            Value::Number(n) if n.is_f64() => print::line(&format!("{pad}{key:<28} {}", short(n.as_f64().unwrap_or(f64::NAN))))?,
+            Value::Number(n) if n.is_f64() => {
+                print::line(&format!("{pad}{key:<28} {}", short(n.as_f64().unwrap_or(f64::NAN))))?
+            }
             other => print::line(&format!("{pad}{key:<28} {other}"))?,
         }
     }
@@ -94,10 +106,13 @@ pub(crate) fn bench(args: &Bench) -> Result<(), Failure> {
 
 fn open(path: &std::path::Path) -> Result<store::Opened, Failure> {
     let opened = store::open(path, &Limits::default()).map_err(|e| match &e {
-        eyot::RunError::Folder { path, source } => {
-            report::usage(&format!("cannot open `{}`: {source}", path.display()), "give the --out folder of a run, or a height map (.tif, .png, .r32)")
+        eyot::RunError::Folder { path, source } => report::usage(
+            &format!("cannot open `{}`: {source}", path.display()),
+            "give the --out folder of a run, or a height map (.tif, .png, .r32)",
+        ),
+        eyot::RunError::File(text) => {
+            report::usage(text, "give the --out folder of a run, or a height map (.tif, .png, .r32)")
         }
-        eyot::RunError::File(text) => report::usage(text, "give the --out folder of a run, or a height map (.tif, .png, .r32)"),
         _ => report::run(&e),
     })?;
     opened.notes.iter().for_each(|n| print::note(&format!("note: {n}")));

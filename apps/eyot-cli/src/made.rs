@@ -37,7 +37,16 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
     let recipe = read(&args.recipe, &args.change)?;
     let g = recipe.grid;
     let (w_m, h_m) = g.extent_m();
-    let mut text = format!("{}: {} x {} cells of {} x {} m ({:.2} x {:.2} km)\n", recipe.name, g.width, g.height, g.cell_x_m, g.cell_y_m, w_m / 1e3, h_m / 1e3);
+    let mut text = format!(
+        "{}: {} x {} cells of {} x {} m ({:.2} x {:.2} km)\n",
+        recipe.name,
+        g.width,
+        g.height,
+        g.cell_x_m,
+        g.cell_y_m,
+        w_m / 1e3,
+        h_m / 1e3
+    );
     for step in &recipe.steps {
         let what = match &step.work {
             Work::Generate(g) => format!("generate {} -> {}", g.entry.name, g.layer),

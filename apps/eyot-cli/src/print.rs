@@ -9,7 +9,9 @@ pub(crate) fn line(text: &str) -> Result<(), Failure> {
     match writeln!(out, "{}", text.trim_end_matches('\n')).and_then(|()| out.flush()) {
         Ok(()) => Ok(()),
         Err(e) if e.kind() == ErrorKind::BrokenPipe => Err(Failure::Closed),
-        Err(e) => Err(Failure::Failed(crate::report::plain(&format!("cannot write to the standard output: {e}"), None))),
+        Err(e) => {
+            Err(Failure::Failed(crate::report::plain(&format!("cannot write to the standard output: {e}"), None)))
+        }
     }
 }
 

@@ -48,8 +48,15 @@ impl Bars {
             Event::Started { name, size, cell_m, seed, steps, threads, resumed, .. } => {
                 self.steps = *steps;
                 let again = if *resumed { ", resumed" } else { "" };
-                let cell = if cell_m[0] == cell_m[1] { format!("{}", cell_m[0]) } else { format!("{} x {}", cell_m[0], cell_m[1]) };
-                self.say(&format!("{name}: {} x {} cells of {cell} m, seed {seed}, {threads} threads{again}", size[0], size[1]));
+                let cell = if cell_m[0] == cell_m[1] {
+                    format!("{}", cell_m[0])
+                } else {
+                    format!("{} x {}", cell_m[0], cell_m[1])
+                };
+                self.say(&format!(
+                    "{name}: {} x {} cells of {cell} m, seed {seed}, {threads} threads{again}",
+                    size[0], size[1]
+                ));
             }
             Event::StepBegun { number, name, .. } => {
                 self.first += 1;
@@ -65,7 +72,12 @@ impl Bars {
                 if !self.terminal {
                     if self.last_line.elapsed() >= LINE_TIME {
                         self.last_line = Instant::now();
-                        self.say(&format!("  {title}: {} of {} {speed} ({:.0} % of all)", p.step, p.total, p.overall * 100.0));
+                        self.say(&format!(
+                            "  {title}: {} of {} {speed} ({:.0} % of all)",
+                            p.step,
+                            p.total,
+                            p.overall * 100.0
+                        ));
                     }
                     return;
                 }
@@ -74,13 +86,21 @@ impl Bars {
                 }
                 let (at, before) = *self.overall_before.get_or_insert((Instant::now(), p.overall));
                 let gained = p.overall - before;
-                let left = if gained > 1e-4 { time(at.elapsed().as_secs_f64() * (1.0 - p.overall) / gained) + " left" } else { String::new() };
-                let step = self.step.get_or_insert_with(|| self.all.insert(0, bar("{prefix:<28!} {bar:28.cyan/black} {pos}/{len} {msg}", p.total)));
+                let left = if gained > 1e-4 {
+                    time(at.elapsed().as_secs_f64() * (1.0 - p.overall) / gained) + " left"
+                } else {
+                    String::new()
+                };
+                let step = self.step.get_or_insert_with(|| {
+                    self.all.insert(0, bar("{prefix:<28!} {bar:28.cyan/black} {pos}/{len} {msg}", p.total))
+                });
                 step.set_prefix(title);
                 step.set_length(p.total);
                 step.set_position(p.step);
                 step.set_message(speed);
-                let whole = self.whole.get_or_insert_with(|| self.all.add(bar("{prefix:<28!} {bar:28.green/black} {percent:>3} % {msg}", 1000)));
+                let whole = self.whole.get_or_insert_with(|| {
+                    self.all.add(bar("{prefix:<28!} {bar:28.green/black} {percent:>3} % {msg}", 1000))
+                });
                 whole.set_prefix("whole run");
                 whole.set_position((p.overall * 1000.0) as u64);
                 whole.set_message(left);
@@ -89,7 +109,9 @@ impl Bars {
                 self.end_step();
                 self.say(&format!("  {number}. {name}: {}", time(*seconds)));
             }
-            Event::Paused { recipe_step, step } => self.say(&format!("  paused in step {recipe_step} after {step} steps")),
+            Event::Paused { recipe_step, step } => {
+                self.say(&format!("  paused in step {recipe_step} after {step} steps"))
+            }
             Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set, e.step)),
             Event::Warning { message } => self.say(&format!("warning: {message}")),
             Event::Done { outputs, fingerprint, seconds } => {

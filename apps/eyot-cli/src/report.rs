@@ -45,7 +45,8 @@ pub(crate) fn recipe(problems: &Problems) -> Failure {
                     let end = s.end.min(source.text.len());
                     LabeledSpan::new(Some(d.label.clone()), s.start.min(end), end - s.start.min(end))
                 }),
-                source: place.map(|(_, source)| NamedSource::new(&source.name, source.text.clone()).with_language("TOML")),
+                source: place
+                    .map(|(_, source)| NamedSource::new(&source.name, source.text.clone()).with_language("TOML")),
             }
         })
         .collect();

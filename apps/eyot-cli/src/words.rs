@@ -16,7 +16,9 @@ pub(crate) fn list(args: &List) -> Result<(), Failure> {
     if args.json {
         let object: serde_json::Map<String, serde_json::Value> = groups
             .iter()
-            .map(|(group, all)| ((*group).to_owned(), all.iter().map(|(name, about)| json!({ "name": name, "about": about })).collect()))
+            .map(|(group, all)| {
+                ((*group).to_owned(), all.iter().map(|(name, about)| json!({ "name": name, "about": about })).collect())
+            })
             .collect();
         return print::line(&serde_json::Value::Object(object).to_string());
     }
@@ -37,9 +39,11 @@ pub(crate) fn list(args: &List) -> Result<(), Failure> {
 
 /// What a generator, process or table takes.
 pub(crate) fn describe(args: &Describe) -> Result<(), Failure> {
-    let found = eyot::describe(&args.name, &Registry::standard()).map_err(|m| report::usage(&m, "`eyot list` shows everything"))?;
+    let found = eyot::describe(&args.name, &Registry::standard())
+        .map_err(|m| report::usage(&m, "`eyot list` shows everything"))?;
     if args.json {
-        let text = serde_json::to_string_pretty(&found).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
+        let text =
+            serde_json::to_string_pretty(&found).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
         return print::line(&text);
     }
     print::line(&found.to_string())

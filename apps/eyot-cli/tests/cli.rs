@@ -134,7 +134,12 @@ fn words_are_printed_and_parse() {
 
 #[test]
 fn a_reader_who_leaves_is_no_error() {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_eyot")).arg("schema").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_eyot"))
+        .arg("schema")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     drop(child.stdout.take());
     let o = child.wait_with_output().unwrap();
     assert!(!String::from_utf8_lossy(&o.stderr).contains("panicked"));
@@ -151,7 +156,13 @@ fn an_interrupted_run_can_be_resumed() {
     let long = format!("{SMALL}[[step]]\nsimulate = [\"{process}\"]\nsteps = 1000000000\n");
     std::fs::write(folder.path().join("long.toml"), long).unwrap();
     for (args, signal) in [(["run", "long.toml"], "-INT"), (["resume", "long"], "-TERM")] {
-        let child = Command::new(env!("CARGO_BIN_EXE_eyot")).args(args).current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let child = Command::new(env!("CARGO_BIN_EXE_eyot"))
+            .args(args)
+            .current_dir(folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
         std::thread::sleep(std::time::Duration::from_secs(2));
         Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
         let o = child.wait_with_output().unwrap();

@@ -16,9 +16,8 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "real", text: include_str!("../../../recipes/real.toml") },
 ];
 
-/// All built-in height maps, named `builtin:NAME` in recipes. To add one:
-/// `("jacksboro.tif", include_bytes!("../../../data/jacksboro.tif"))`.
-pub(crate) const DATA: &[(&str, &[u8])] = &[];
+/// All built-in height maps, named `builtin:NAME` in recipes.
+pub(crate) const DATA: &[(&str, &[u8])] = &[("jacksboro.tif", include_bytes!("../../../data/jacksboro.tif"))];
 
 /// The bytes of a built-in height map.
 pub(crate) fn data(name: &str) -> Option<&'static [u8]> {

@@ -11,7 +11,9 @@ use serde_json::Value;
 pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str], out: &mut Vec<Diagnostic>) {
     if !matches!(node.kind, Kind::Table(_)) {
         let message = format!("`{owner}` must be a table of parameters, not {}", node.describe());
-        out.push(Diagnostic::at(node.span.clone(), message, "a table is needed here").help(keys_help(schema, elsewhere)));
+        out.push(
+            Diagnostic::at(node.span.clone(), message, "a table is needed here").help(keys_help(schema, elsewhere)),
+        );
         return;
     }
     let properties = schema["properties"].as_object();
@@ -22,7 +24,8 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
         match properties.and_then(|p| p.get(&key.name)) {
             Some(property) => check(property, value, &format!("{owner}.{}", key.name), property, out),
             None => {
-                let known = properties.into_iter().flat_map(|p| p.keys().map(String::as_str)).chain(elsewhere.iter().copied());
+                let known =
+                    properties.into_iter().flat_map(|p| p.keys().map(String::as_str)).chain(elsewhere.iter().copied());
                 let help = match nearest(&key.name, known) {
                     Some(n) => match properties.and_then(|p| p.get(n)) {
                         Some(property) => format!("did you mean `{n}`? {}", meaning_line(property)),
@@ -46,7 +49,8 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
 
 /// Checks one value. `whole` is the property's schema, for the help.
 fn check(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<Diagnostic>) {
-    let alternatives: Vec<&Value> = ["anyOf", "oneOf"].iter().filter_map(|k| schema[*k].as_array()).flatten().filter(|s| !is_null(s)).collect();
+    let alternatives: Vec<&Value> =
+        ["anyOf", "oneOf"].iter().filter_map(|k| schema[*k].as_array()).flatten().filter(|s| !is_null(s)).collect();
     if !alternatives.is_empty() {
         if choices(schema).is_none() {
             // The branch that complains least is the one that was meant.
@@ -72,7 +76,10 @@ fn check(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<D
                     Some(n) => format!("did you mean \"{n}\"? It may be {list}"),
                     None => format!("it may be {list}"),
                 };
-                out.push(Diagnostic::at(node.span.clone(), format!("`{path}` cannot be \"{t}\""), "not one of the choices").help(help));
+                out.push(
+                    Diagnostic::at(node.span.clone(), format!("`{path}` cannot be \"{t}\""), "not one of the choices")
+                        .help(help),
+                );
             }
             None => wrong_type(node, path, whole, out),
         }
@@ -89,7 +96,9 @@ fn check(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<D
             let most = schema["maxItems"].as_u64().unwrap_or(u64::MAX);
             if !(least..=most).contains(&(items.len() as u64)) {
                 let message = format!("`{path}` needs {}, not {}", count(least, most), items.len());
-                out.push(Diagnostic::at(node.span.clone(), message, "wrong number of values").help(meaning_line(whole)));
+                out.push(
+                    Diagnostic::at(node.span.clone(), message, "wrong number of values").help(meaning_line(whole)),
+                );
             }
             if schema["items"].is_object() {
                 items.iter().for_each(|n| check(&schema["items"], n, path, whole, out));
@@ -195,7 +204,8 @@ pub(crate) fn expects(schema: &Value) -> String {
     if let Some(c) = choices(schema) {
         return alternatives(c);
     }
-    let branches: Vec<&Value> = ["anyOf", "oneOf"].iter().filter_map(|k| schema[*k].as_array()).flatten().filter(|s| !is_null(s)).collect();
+    let branches: Vec<&Value> =
+        ["anyOf", "oneOf"].iter().filter_map(|k| schema[*k].as_array()).flatten().filter(|s| !is_null(s)).collect();
     if !branches.is_empty() {
         let mut words: Vec<String> = branches.into_iter().map(expects).collect();
         words.dedup();
@@ -287,7 +297,8 @@ fn count(least: u64, most: u64) -> String {
 }
 
 fn keys_help(schema: &Value, elsewhere: &[&str]) -> String {
-    let mut keys: Vec<&str> = schema["properties"].as_object().map(|p| p.keys().map(String::as_str).collect()).unwrap_or_default();
+    let mut keys: Vec<&str> =
+        schema["properties"].as_object().map(|p| p.keys().map(String::as_str).collect()).unwrap_or_default();
     keys.extend(elsewhere.iter().filter(|k| !keys.contains(*k)).copied().collect::<Vec<_>>());
     if keys.is_empty() { "it takes no keys".to_owned() } else { format!("it takes {}", alternatives(keys)) }
 }

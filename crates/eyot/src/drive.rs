@@ -110,7 +110,20 @@ impl Driver {
         let now = Instant::now();
         let allowance = options.paused.then_some(0);
         let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0);
-        Self { recipe, options, world, state, inbox, outbox, cancel, allowance, begun: now, seconds_before, last_checkpoint: now, resumed }
+        Self {
+            recipe,
+            options,
+            world,
+            state,
+            inbox,
+            outbox,
+            cancel,
+            allowance,
+            begun: now,
+            seconds_before,
+            last_checkpoint: now,
+            resumed,
+        }
     }
 
     /// Runs to the end, to a stop or to an error.
@@ -167,7 +180,11 @@ impl Driver {
 
     fn generate(&mut self, step: &Step, work: &GenerateStep, all: &[Step]) -> Result<Flow, RunError> {
         let fail = |source| RunError::Step { step: label(step), source };
-        let bad = |e: serde_json::Error| Error::BadParameter { owner: work.entry.name.into(), field: "parameters".into(), reason: e.to_string() };
+        let bad = |e: serde_json::Error| Error::BadParameter {
+            owner: work.entry.name.into(),
+            field: "parameters".into(),
+            reason: e.to_string(),
+        };
         let generator = (work.entry.make)(work.parameters.clone()).map_err(|e| fail(bad(e)))?;
         self.world.ensure(&layers::spec(&work.layer, &step.name), 0.0);
         let (before, share) = overall(all, step.number);
@@ -194,7 +211,11 @@ impl Driver {
         let grid = self.world.grid;
         if (new.width(), new.height()) != (grid.width, grid.height) {
             let found = new.width() * new.height();
-            return Err(fail(Error::Shape { what: format!("the result of {}", work.entry.name), expected: grid.cells(), found }));
+            return Err(fail(Error::Shape {
+                what: format!("the result of {}", work.entry.name),
+                expected: grid.cells(),
+                found,
+            }));
         }
         let mask = match &work.mask {
             Some(name) => Some(self.world.layer(name).map_err(fail)?.field.clone()),
@@ -230,12 +251,24 @@ impl Driver {
             if let Some(n) = self.allowance {
                 steps = steps.min(n.max(1));
             }
-            if let Some(next) = self.state.replay.iter().filter(|e| e.recipe_step == step.number).map(|e| e.step).find(|s| *s > self.state.done) {
+            if let Some(next) = self
+                .state
+                .replay
+                .iter()
+                .filter(|e| e.recipe_step == step.number)
+                .map(|e| e.step)
+                .find(|s| *s > self.state.done)
+            {
                 steps = steps.min(next - self.state.done);
             }
             let (begun, first) = (Instant::now(), self.world.step);
             let control = Control::new(self.cancel.clone(), &|_, _| {});
-            let result = CpuEngine::default().simulate(&mut self.world, &scheduled, Span { from: self.state.done, steps }, &control);
+            let result = CpuEngine::default().simulate(
+                &mut self.world,
+                &scheduled,
+                Span { from: self.state.done, steps },
+                &control,
+            );
             let did = self.world.step - first;
             self.state.done += did;
             self.allowance = self.allowance.map(|n| n.saturating_sub(did));
@@ -266,26 +299,26 @@ impl Driver {
         Ok(Flow::Continue)
     }
 
-    /// Makes the processes of a step, and the layers that they need.
-    fn schedule(&mut self, step: &Step, uses: &[ProcessUse]) -> Result<Vec<Scheduled>, RunError> {
+    /// Makes the processes of a step; the engine sees to the layers that they need.
+    fn schedule(&self, step: &Step, uses: &[ProcessUse]) -> Result<Vec<Scheduled>, RunError> {
         let fail = |source| RunError::Step { step: label(step), source };
         let mut scheduled = Vec::new();
         for u in uses.iter().filter(|u| u.enabled) {
-            let bad = |e: serde_json::Error| Error::BadParameter { owner: u.entry.name.into(), field: "parameters".into(), reason: e.to_string() };
+            let bad = |e: serde_json::Error| Error::BadParameter {
+                owner: u.entry.name.into(),
+                field: "parameters".into(),
+                reason: e.to_string(),
+            };
             let process = (u.entry.make)(u.parameters.clone()).map_err(|e| fail(bad(e)))?;
-            for (spec, value) in process.layers() {
-                self.world.ensure(&spec, value);
-            }
             scheduled.push(Scheduled { name: u.entry.name, process, every: u.every.max(1) });
-        }
-        for s in &scheduled {
-            s.process.prepare(&mut self.world).map_err(fail)?;
         }
         Ok(scheduled)
     }
 
     fn replay_due(&mut self, step: &Step, uses: &mut [ProcessUse]) -> Result<(), RunError> {
-        while let Some(i) = self.state.replay.iter().position(|e| e.recipe_step == step.number && e.step <= self.state.done) {
+        while let Some(i) =
+            self.state.replay.iter().position(|e| e.recipe_step == step.number && e.step <= self.state.done)
+        {
             let entry = self.state.replay.remove(i);
             process_set::apply(uses, &entry.set).map_err(RunError::Recipe)?;
             self.state.journal.push(JournalEntry { step: self.state.done, ..entry });
@@ -373,7 +406,8 @@ impl Driver {
         let path = out.join(CHECKPOINT_FILE);
         self.state.seconds = self.seconds();
         let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;
-        checkpoint::save(&path, &self.world, &self.recipe.source.text, &state).map_err(|e| RunError::File(e.to_string()))?;
+        checkpoint::save(&path, &self.world, &self.recipe.source.text, &state)
+            .map_err(|e| RunError::File(e.to_string()))?;
         self.last_checkpoint = Instant::now();
         self.tell(Event::Checkpoint { path: path.clone() });
         Ok(Some(path))
@@ -387,7 +421,9 @@ impl Driver {
             let outbox = &self.outbox;
             let tell = |event| drop(outbox.send(event));
             match &self.options.out {
-                Some(out) => outputs::write_all(&self.recipe, &self.world, &self.state, out, &self.options.limits, &tell)?,
+                Some(out) => {
+                    outputs::write_all(&self.recipe, &self.world, &self.state, out, &self.options.limits, &tell)?
+                }
                 None => Vec::new(),
             }
         } else {
@@ -410,7 +446,8 @@ fn label(step: &Step) -> String {
 /// Share of the run before a step of the recipe, and that step's own share. A generator counts as a hundredth of all
 /// simulation steps.
 fn overall(all: &[Step], number: usize) -> (f64, f64) {
-    let simulated: u64 = all.iter().filter(|s| s.enabled).map(|s| if let Work::Simulate(w) = &s.work { w.steps } else { 0 }).sum();
+    let simulated: u64 =
+        all.iter().filter(|s| s.enabled).map(|s| if let Work::Simulate(w) = &s.work { w.steps } else { 0 }).sum();
     let weight = |s: &Step| match &s.work {
         _ if !s.enabled => 0.0,
         Work::Simulate(w) => w.steps as f64,

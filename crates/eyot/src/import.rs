@@ -19,10 +19,10 @@ pub struct Import {
     pub file: String,
     /// Height of black in a picture of whole numbers. Default: what the file says of itself, else its numbers as metres.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
-    pub low_m: Option<f32>,
+    pub low_m: Option<f64>,
     /// Height of white in a picture of whole numbers; see `low_m`.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
-    pub high_m: Option<f32>,
+    pub high_m: Option<f64>,
 }
 
 /// The registry line of [`Import`].
@@ -31,7 +31,7 @@ pub(crate) const IMPORT: Entry<dyn Generator> = Entry::<dyn Generator>::generato
 impl Generator for Import {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
         let fault = |reason: String| Error::BadParameter { owner: "import".into(), field: "file".into(), reason };
-        let options = ReadOptions { low_m: self.low_m, high_m: self.high_m };
+        let options = ReadOptions { low_m: self.low_m, high_m: self.high_m, ..ReadOptions::default() };
         let raster = read(&self.file, &options, &Limits::default()).map_err(fault)?;
         site.control.check()?;
         Ok(resample(&raster.field, &site.grid))
@@ -50,7 +50,8 @@ pub(crate) fn read(file: &str, options: &ReadOptions, limits: &Limits) -> std::r
         std::fs::write(&path, data)?;
         Ok((folder, path))
     };
-    let (_folder, path) = unpack().map_err(|e| format!("cannot unpack `{file}` into the temporary folder: {e}; make room there"))?;
+    let (_folder, path) =
+        unpack().map_err(|e| format!("cannot unpack `{file}` into the temporary folder: {e}; make room there"))?;
     io::read_raster(&path, options, limits).map_err(|e| e.to_string())
 }
 
@@ -65,10 +66,20 @@ pub(crate) fn resolve(file: &str, folder: &Path) -> std::result::Result<String, 
     let path = folder.join(file);
     match std::fs::metadata(&path) {
         Ok(m) if m.is_file() => Ok(path.display().to_string()),
-        Ok(_) => Err((format!("`{}` is not a file", path.display()), "give the name of a height map: .tif, .png or .r32".into())),
+        Ok(_) => Err((
+            format!("`{}` is not a file", path.display()),
+            "give the name of a height map: .tif, .png or .r32".into(),
+        )),
         Err(e) => {
-            let reason = if e.kind() == std::io::ErrorKind::NotFound { "there is no such file".to_owned() } else { e.to_string() };
-            Err((format!("cannot read `{}`: {reason}", path.display()), "file names are relative to the recipe's folder".into()))
+            let reason = if e.kind() == std::io::ErrorKind::NotFound {
+                "there is no such file".to_owned()
+            } else {
+                e.to_string()
+            };
+            Err((
+                format!("cannot read `{}`: {reason}", path.display()),
+                "file names are relative to the recipe's folder".into(),
+            ))
         }
     }
 }

@@ -194,7 +194,13 @@ pub struct Export {
 
 impl Default for Export {
     fn default() -> Self {
-        Self { format: ExportFormat::GeoTiff, layers: vec!["height".to_owned()], prefix: String::new(), levels: 4, enabled: true }
+        Self {
+            format: ExportFormat::GeoTiff,
+            layers: vec!["height".to_owned()],
+            prefix: String::new(),
+            levels: 4,
+            enabled: true,
+        }
     }
 }
 

@@ -21,7 +21,8 @@ impl FolderLock {
         let fail = |source| RunError::Folder { path: path.clone(), source };
         // The former owner may remove its file between our opening and our locking it: then try again.
         for _ in 0..16 {
-            let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
+            let mut file =
+                OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {

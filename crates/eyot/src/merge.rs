@@ -1,6 +1,7 @@
 //! How the result of a generator joins the layer that is there.
 
 use eyot_core::Field;
+use eyot_core::math::pow;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -35,7 +36,7 @@ impl Merge {
             Self::Max => h.max(amount * b),
             Self::Min => h.min(amount * b),
             // Below an exponent of 0 the flanks would rise above the top.
-            Self::Power if h > 0.0 => top * power(h / top, (1.0 + amount * b).max(0.0)),
+            Self::Power if h > 0.0 => top * pow(h / top, (1.0 + amount * b).max(0.0)),
             Self::Power => h,
             Self::Lerp => h + amount * (b - h),
             Self::Set => amount * b,
@@ -59,11 +60,6 @@ impl Merge {
             }
         });
     }
-}
-
-/// `x^e` for `x` in 0..=1, taken in f64 so that the last bits of a platform's library are rounded away.
-fn power(x: f32, e: f32) -> f32 {
-    f64::from(x).powf(f64::from(e)) as f32
 }
 
 #[cfg(test)]
@@ -101,6 +97,9 @@ mod tests {
 
     #[test]
     fn a_mask_limits_every_merge() {
-        assert_eq!(merged(Merge::Set, &[1.0, 1.0, 1.0], &[9.0, 9.0, 9.0], 1.0, Some(&[0.0, 0.5, 7.0])), [1.0, 5.0, 9.0]);
+        assert_eq!(
+            merged(Merge::Set, &[1.0, 1.0, 1.0], &[9.0, 9.0, 9.0], 1.0, Some(&[0.0, 0.5, 7.0])),
+            [1.0, 5.0, 9.0]
+        );
     }
 }

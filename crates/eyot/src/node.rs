@@ -164,9 +164,9 @@ fn kind_of(value: &DeValue<'_>, source: usize) -> Kind {
         DeValue::Float(x) => Kind::Float(x.as_str().replace('_', "").parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(b) => Kind::Bool(*b),
         DeValue::Datetime(d) => Kind::Date(d.to_string()),
-        DeValue::Array(a) => {
-            Kind::Array(a.iter().map(|v| Node { span: span_of(v.span(), source), kind: kind_of(v.get_ref(), source) }).collect())
-        }
+        DeValue::Array(a) => Kind::Array(
+            a.iter().map(|v| Node { span: span_of(v.span(), source), kind: kind_of(v.get_ref(), source) }).collect(),
+        ),
         DeValue::Table(t) => table_of(t, source),
     }
 }
@@ -190,7 +190,15 @@ mod tests {
 
     #[test]
     fn broken_text_is_an_error_with_a_place() {
-        for text in ["a = ", "[grid", "a = 1\na = 2", "= 3", "a = 'x", "\u{0}", "a = 99999999999999999999999999999999999999999999999"] {
+        for text in [
+            "a = ",
+            "[grid",
+            "a = 1\na = 2",
+            "= 3",
+            "a = 'x",
+            "\u{0}",
+            "a = 99999999999999999999999999999999999999999999999",
+        ] {
             match Node::parse(text, 0) {
                 Ok(_) => assert!(text.starts_with("a = 999"), "{text}"),
                 Err(e) => assert!(!e.is_empty()),

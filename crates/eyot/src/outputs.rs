@@ -40,7 +40,8 @@ pub(crate) fn write_all(
         io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
     }
     let path = begin(out.join(REPORT_FILE));
-    let names: Vec<String> = written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
+    let names: Vec<String> =
+        written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
     let g = &world.grid;
     let report = json!({
         "name": recipe.name,
@@ -89,7 +90,8 @@ fn write_export(
             let path = begin(out.join(&export.files()[0]));
             let height = &world.layer("height").map_err(file)?.field;
             let colours = render::terrain_colours(world).map_err(file)?;
-            let terrain = mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), limits).map_err(file)?;
+            let terrain =
+                mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), limits).map_err(file)?;
             // Each level has a quarter of the triangles of the one before: half the detail along each axis.
             let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
             let levels = mesh::levels_of_detail(&terrain.mesh, &ratios);

@@ -127,7 +127,12 @@ impl Recipe {
     ///
     /// # Errors
     /// Everything that is wrong with it, in one go.
-    pub fn parse(source: RecipeSource, overrides: Overrides, registry: &Registry, limits: &Limits) -> Result<Self, Problems> {
+    pub fn parse(
+        source: RecipeSource,
+        overrides: Overrides,
+        registry: &Registry,
+        limits: &Limits,
+    ) -> Result<Self, Problems> {
         validate::recipe(source, overrides, registry, limits)
     }
 
@@ -159,7 +164,8 @@ impl RecipeSource {
         };
         let known = builtin::RECIPES.iter().map(|r| r.name);
         let meta = std::fs::metadata(path).map_err(|e| {
-            let guess = path.file_stem().and_then(|s| s.to_str()).and_then(|s| crate::diagnostic::nearest(s, known.clone()));
+            let guess =
+                path.file_stem().and_then(|s| s.to_str()).and_then(|s| crate::diagnostic::nearest(s, known.clone()));
             let help = match guess {
                 Some(n) => format!("did you mean the built-in recipe `{n}`? `eyot list` shows all of them"),
                 None => "give the name of a recipe file, or of a built-in recipe from `eyot list`".to_owned(),
@@ -167,13 +173,17 @@ impl RecipeSource {
             fail(format!("cannot read the recipe `{name}`: {e}"), &help)
         })?;
         if !meta.is_file() {
-            return Err(fail(format!("`{name}` is not a file"), "give the name of a recipe file; `eyot resume` takes a folder"));
+            return Err(fail(
+                format!("`{name}` is not a file"),
+                "give the name of a recipe file; `eyot resume` takes a folder",
+            ));
         }
         if meta.len() > MOST_BYTES {
             let message = format!("`{name}` has {} bytes, which no recipe needs", meta.len());
             return Err(fail(message, "recipes are short TOML documents; is this the right file?"));
         }
-        let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot read the recipe `{name}`: {e}"), "check its permissions"))?;
+        let bytes = std::fs::read(path)
+            .map_err(|e| fail(format!("cannot read the recipe `{name}`: {e}"), "check its permissions"))?;
         let text = String::from_utf8(bytes).map_err(|e| {
             let message = format!("`{name}` is not text: byte {} is not UTF-8", e.utf8_error().valid_up_to());
             fail(message, "recipes are TOML documents in UTF-8; is this the right file?")

@@ -5,7 +5,8 @@ use eyot_core::process::{Entry, Generator, Process};
 use eyot_land::{generate::GENERATORS, simulate::PROCESSES};
 
 /// Keys of a generating step that are not the generator's own.
-pub(crate) const GENERATE_KEYS: [&str; 9] = ["name", "about", "enabled", "generate", "layer", "merge", "mask", "amount", "seed"];
+pub(crate) const GENERATE_KEYS: [&str; 9] =
+    ["name", "about", "enabled", "generate", "layer", "merge", "mask", "amount", "seed"];
 /// Keys of a simulating step that are not a process's name.
 pub(crate) const SIMULATE_KEYS: [&str; 5] = ["name", "about", "enabled", "simulate", "steps"];
 /// Keys of a process's table that are not the process's own.
@@ -114,7 +115,10 @@ mod tests {
                 assert!(property["description"].is_string(), "{name}.{key} has no doc comment");
                 let Some(value) = defaults[key].as_f64() else { continue };
                 assert!(property["minimum"].as_f64().is_none_or(|low| value >= low - 1e-6 * low.abs()), "{name}.{key}");
-                assert!(property["maximum"].as_f64().is_none_or(|high| value <= high + 1e-6 * high.abs()), "{name}.{key}");
+                assert!(
+                    property["maximum"].as_f64().is_none_or(|high| value <= high + 1e-6 * high.abs()),
+                    "{name}.{key}"
+                );
             }
         }
     }

@@ -118,7 +118,10 @@ impl Handle {
         let Self { remote, events, thread } = self;
         drop((remote, events));
         thread.join().unwrap_or_else(|panic| {
-            let text = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+            let text = panic
+                .downcast_ref::<String>()
+                .cloned()
+                .or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
             Err(RunError::Fault(text.unwrap_or_else(|| "for an unknown reason".to_owned())))
         })
     }
@@ -163,9 +166,13 @@ impl Run {
         let saved = checkpoint::load(&path, &options.limits).map_err(|e| RunError::File(e.to_string()))?;
         let state: State = serde_json::from_value(saved.state)
             .map_err(|e| RunError::File(format!("`{}` holds no state of a run: {e}", path.display())))?;
-        let recipe = Recipe::parse(state.source(saved.recipe_toml), state.overrides.clone(), registry, &options.limits)?;
+        let recipe =
+            Recipe::parse(state.source(saved.recipe_toml), state.overrides.clone(), registry, &options.limits)?;
         if state.done_steps > recipe.steps.len() || saved.world.grid != recipe.grid {
-            return Err(RunError::File(format!("`{}` does not fit its recipe; start over with --restart", path.display())));
+            return Err(RunError::File(format!(
+                "`{}` does not fit its recipe; start over with --restart",
+                path.display()
+            )));
         }
         let mut warnings = Vec::new();
         if saved.engine_version != crate::VERSION {

@@ -8,7 +8,8 @@ use serde_json::{Map, Value, json};
 /// A JSON Schema (draft 2020-12) that completes and checks recipes in editors that know TOML.
 pub fn recipe_schema(registry: &Registry) -> Value {
     let mut document = schema_of::<keys::Document>().to_value();
-    let mut steps: Vec<Value> = registry.generators().iter().map(|e| generate(e.name, &(e.schema)().to_value())).collect();
+    let mut steps: Vec<Value> =
+        registry.generators().iter().map(|e| generate(e.name, &(e.schema)().to_value())).collect();
     if !registry.processes().is_empty() {
         steps.push(simulate(registry));
     }
@@ -108,6 +109,8 @@ mod tests {
         }
         assert!(!text.contains("null"), "{text}");
         assert!(schema["properties"]["seed"].is_object());
-        assert!(schema["properties"]["step"]["items"]["anyOf"].as_array().unwrap().len() >= registry.generators().len());
+        assert!(
+            schema["properties"]["step"]["items"]["anyOf"].as_array().unwrap().len() >= registry.generators().len()
+        );
     }
 }

@@ -6,7 +6,13 @@ use crate::registry::{DOCUMENT_KEYS, Registry};
 
 /// Applies one `key=value` text to the document. The text becomes a source of its own, so that what is wrong with it is
 /// shown in it.
-pub(crate) fn apply(doc: &mut Node, flag: &str, registry: &Registry, sources: &mut Vec<Source>, out: &mut Vec<Diagnostic>) {
+pub(crate) fn apply(
+    doc: &mut Node,
+    flag: &str,
+    registry: &Registry,
+    sources: &mut Vec<Source>,
+    out: &mut Vec<Diagnostic>,
+) {
     let index = sources.len();
     let (text, parsed) = parse(flag, index);
     sources.push(Source { name: "--set".to_owned(), text });
@@ -37,7 +43,8 @@ pub(crate) fn parse(flag: &str, source: usize) -> (String, Result<Node, Vec<Diag
         }
         Err(first) => {
             let value = value.trim();
-            let bare = value.chars().next().is_some_and(|c| c.is_alphabetic() || "_./~".contains(c)) && !value.contains(['"', '\'', '\n', '\\']);
+            let bare = value.chars().next().is_some_and(|c| c.is_alphabetic() || "_./~".contains(c))
+                && !value.contains(['"', '\'', '\n', '\\']);
             if bare {
                 let quoted = format!("{}=\"{value}\"", key.trim());
                 if let Ok(node) = Node::parse(&quoted, source) {
@@ -96,18 +103,25 @@ fn place(doc: &mut Node, key: &Key, value: &Node, registry: &Registry) -> Result
             targets.join(", ")
         ),
     };
-    Err(Diagnostic::at(key.span.clone(), format!("nothing in this recipe is called `{name}`"), "unknown name").help(help))
+    Err(Diagnostic::at(key.span.clone(), format!("nothing in this recipe is called `{name}`"), "unknown name")
+        .help(help))
 }
 
 /// `step.2.height=400`, `step.volcano.height=400`, `export.1.format="r32"`; counted from 1.
 fn into_element(doc: &mut Node, key: &Key, value: &Node) -> Result<(), Diagnostic> {
     let Some(Node { kind: Kind::Array(items), .. }) = entry_mut(doc, &key.name) else {
-        return Err(Diagnostic::at(key.span.clone(), format!("this recipe has no [[{}]]", key.name), "nothing to change"));
+        return Err(Diagnostic::at(
+            key.span.clone(),
+            format!("this recipe has no [[{}]]", key.name),
+            "nothing to change",
+        ));
     };
     let count = items.len();
     if !matches!(value.kind, Kind::Table(_)) {
         let help = format!("write {0}.NUMBER.key=value with a NUMBER from 1 to {count}", key.name);
-        return Err(Diagnostic::at(key.span.clone(), format!("`{}` alone cannot be set", key.name), "which one?").help(help));
+        return Err(
+            Diagnostic::at(key.span.clone(), format!("`{}` alone cannot be set", key.name), "which one?").help(help)
+        );
     }
     for (which, change) in value.entries() {
         let by_number = which.name.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|n| *n < count);
@@ -125,7 +139,12 @@ fn into_element(doc: &mut Node, key: &Key, value: &Node) -> Result<(), Diagnosti
 fn into_table(target: &mut Node, key: &Key, value: &Node) -> Result<(), Diagnostic> {
     if !matches!(value.kind, Kind::Table(_)) {
         let help = format!("write {}.parameter=value", key.name);
-        return Err(Diagnostic::at(key.span.clone(), format!("`{}` alone cannot be set", key.name), "which parameter?").help(help));
+        return Err(Diagnostic::at(
+            key.span.clone(),
+            format!("`{}` alone cannot be set", key.name),
+            "which parameter?",
+        )
+        .help(help));
     }
     value.entries().iter().for_each(|(k, v)| target.put(k, v.clone()));
     Ok(())
@@ -161,7 +180,9 @@ fn targets(doc: &mut Node) -> Vec<String> {
     for step in steps_mut(doc) {
         let single = [step.get("name"), step.get("generate"), step.get("simulate")];
         names.extend(single.into_iter().flatten().filter_map(Node::text).map(str::to_owned));
-        names.extend(step.get("simulate").into_iter().flat_map(Node::elements).filter_map(Node::text).map(str::to_owned));
+        names.extend(
+            step.get("simulate").into_iter().flat_map(Node::elements).filter_map(Node::text).map(str::to_owned),
+        );
     }
     names.sort();
     names.dedup();

@@ -54,7 +54,13 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
     }
     let raster = import::read(&path.display().to_string(), &ReadOptions::default(), limits).map_err(RunError::File)?;
     let (dx, dy) = raster.cell_m.unwrap_or((1.0, 1.0));
-    let grid = Grid { width: raster.field.width(), height: raster.field.height(), cell_x_m: dx, cell_y_m: dy, rim: Rim::CLOSED };
+    let grid = Grid {
+        width: raster.field.width(),
+        height: raster.field.height(),
+        cell_x_m: dx,
+        cell_y_m: dy,
+        rim: Rim::CLOSED,
+    };
     let grid = grid.checked(limits).map_err(|e| RunError::File(e.to_string()))?;
     let mut notes = Vec::new();
     if raster.cell_m.is_none() {
@@ -92,10 +98,11 @@ pub fn draw(world: &World, options: &View, layer: Option<&str>, path: &Path) -> 
 /// Statistics of a world's terrain.
 ///
 /// # Errors
-/// If the world has no height.
-pub fn stats(opened: &Opened) -> Result<Value, RunError> {
+/// If the world has no height, or one that cannot be measured within the limits.
+pub fn stats(opened: &Opened, limits: &Limits) -> Result<Value, RunError> {
     let world = &opened.world;
     let height = &world.layer("height").map_err(|e| RunError::File(e.to_string()))?.field;
     let sea = opened.has_sea.then_some(world.sea_level_m);
-    serde_json::to_value(analyse::terrain_stats(height, &world.grid, sea)).map_err(|e| RunError::Fault(e.to_string()))
+    let stats = analyse::terrain_stats(height, &world.grid, sea, &analyse::TerrainOptions::default(), limits);
+    serde_json::to_value(stats.map_err(|e| RunError::File(e.to_string()))?).map_err(|e| RunError::Fault(e.to_string()))
 }

@@ -17,7 +17,12 @@ use std::collections::HashSet;
 use std::path::Path;
 
 /// Checks a document.
-pub(crate) fn recipe(source: RecipeSource, overrides: Overrides, registry: &Registry, limits: &Limits) -> Result<Recipe, Problems> {
+pub(crate) fn recipe(
+    source: RecipeSource,
+    overrides: Overrides,
+    registry: &Registry,
+    limits: &Limits,
+) -> Result<Recipe, Problems> {
     let mut sources = vec![Source { name: source.name.clone(), text: source.text.clone() }];
     let mut doc = match Node::parse(&source.text, 0) {
         Ok(doc) => doc,
@@ -38,7 +43,10 @@ pub(crate) fn recipe(source: RecipeSource, overrides: Overrides, registry: &Regi
         return Err(Problems::new(sources, v.out));
     }
     let Some(grid) = grid else {
-        return Err(Problems::new(sources, vec![Diagnostic::whole("this recipe has no grid").help("add [grid] with size = [512, 512]")]));
+        return Err(Problems::new(
+            sources,
+            vec![Diagnostic::whole("this recipe has no grid").help("add [grid] with size = [512, 512]")],
+        ));
     };
     let keys::Document { mut name, about, seed, sea_level: sea_level_m } = document;
     if name.is_empty() {
@@ -74,7 +82,10 @@ impl Validator<'_> {
 
     fn grid(&mut self, node: Option<&Node>, size: Option<(u32, Option<u32>)>) -> (Option<Grid>, Option<Georeference>) {
         let Some(node) = node else {
-            self.out.push(Diagnostic::whole("the recipe has no grid").help("add a table [grid] with size = [512, 512] and cell = 10.0"));
+            self.out.push(
+                Diagnostic::whole("the recipe has no grid")
+                    .help("add a table [grid] with size = [512, 512] and cell = 10.0"),
+            );
             return (None, None);
         };
         let before = self.out.len();
@@ -102,7 +113,9 @@ impl Validator<'_> {
         };
         if keys.cell.is_some() && keys.extent_m.is_some() {
             let help = "keep one of them: the extent is the size times the cell";
-            self.out.push(Diagnostic::at(place("extent_m"), "both `cell` and `extent_m` are given", "one too many").help(help));
+            self.out.push(
+                Diagnostic::at(place("extent_m"), "both `cell` and `extent_m` are given", "one too many").help(help),
+            );
             return (None, None);
         }
         let two = |l: Lengths| match l {
@@ -137,11 +150,13 @@ impl Validator<'_> {
         };
         match (Grid { width: w, height: h, cell_x_m: dx, cell_y_m: dy, rim }).checked(self.limits) {
             Ok(grid) => {
-                let georeference = raster.and_then(|r| r.georeference).zip(base).map(|(g, b)| import::rescaled(&g, b, (w, h)));
+                let georeference =
+                    raster.and_then(|r| r.georeference).zip(base).map(|(g, b)| import::rescaled(&g, b, (w, h)));
                 (Some(grid), georeference)
             }
             Err(e) => {
-                let help = "choose a size such as [512, 512] and a cell size in metres, or raise the limit with --max-memory";
+                let help =
+                    "choose a size such as [512, 512] and a cell size in metres, or raise the limit with --max-memory";
                 self.out.push(Diagnostic::at(place("size"), e.to_string(), "this grid").help(help));
                 (None, None)
             }
@@ -153,7 +168,10 @@ impl Validator<'_> {
         match import::read(&path, &ReadOptions::default(), self.limits) {
             Ok(r) => Some(r),
             Err(reason) => {
-                self.out.push(Diagnostic::at(span, reason, "this file").help("it must be a height map: GeoTIFF, TIFF, PNG or R32"));
+                self.out.push(
+                    Diagnostic::at(span, reason, "this file")
+                        .help("it must be a height map: GeoTIFF, TIFF, PNG or R32"),
+                );
                 None
             }
         }
@@ -178,7 +196,10 @@ impl Validator<'_> {
         };
         let Kind::Array(items) = &node.kind else {
             let message = format!("`step` must be a list of tables, not {}", node.describe());
-            self.out.push(Diagnostic::at(node.span.clone(), message, "here").help("write [[step]] with two brackets on each side"));
+            self.out.push(
+                Diagnostic::at(node.span.clone(), message, "here")
+                    .help("write [[step]] with two brackets on each side"),
+            );
             return Vec::new();
         };
         let mut names = HashSet::new();
@@ -204,7 +225,9 @@ impl Validator<'_> {
                         Some(g) => format!("did you mean `{g}`?"),
                         None => "give it generate = \"NAME\" or simulate = [\"NAME\"]".to_owned(),
                     };
-                    self.out.push(Diagnostic::at(item.span.clone(), message, "`generate` or `simulate` is missing").help(help));
+                    self.out.push(
+                        Diagnostic::at(item.span.clone(), message, "`generate` or `simulate` is missing").help(help),
+                    );
                     None
                 }
             };
@@ -219,11 +242,13 @@ impl Validator<'_> {
         let span = node.span.clone();
         if name.is_empty() || name.bytes().all(|b| b.is_ascii_digit()) || taken {
             let message = format!("a step cannot be named \"{name}\"");
-            let help = "`--set NAME.parameter=value` must be able to tell it from numbers, processes and keys of the recipe";
+            let help =
+                "`--set NAME.parameter=value` must be able to tell it from numbers, processes and keys of the recipe";
             self.out.push(Diagnostic::at(span, message, "choose another name").help(help));
         } else if !names.insert(name.to_owned()) {
             let message = format!("two steps are named \"{name}\"");
-            self.out.push(Diagnostic::at(span, message, "used before").help("give each step a name of its own, or none"));
+            self.out
+                .push(Diagnostic::at(span, message, "used before").help("give each step a name of its own, or none"));
         }
     }
 
@@ -233,7 +258,12 @@ impl Validator<'_> {
         // The step's own keys and the generator's stand in one table; each schema checks its share.
         let own = schema_of::<keys::Generate>().to_value();
         let theirs = entry.map(|e| (e.schema)().to_value());
-        let mine = Node { span: node.span.clone(), kind: Kind::Table(node.entries().iter().filter(|(k, _)| GENERATE_KEYS.contains(&k.name.as_str())).cloned().collect()) };
+        let mine = Node {
+            span: node.span.clone(),
+            kind: Kind::Table(
+                node.entries().iter().filter(|(k, _)| GENERATE_KEYS.contains(&k.name.as_str())).cloned().collect(),
+            ),
+        };
         check::table(&own, &mine, "step", &[], &mut self.out);
         if let (Some(entry), Some(schema)) = (entry, &theirs) {
             check::table(schema, node, entry.name, &GENERATE_KEYS, &mut self.out);
@@ -268,7 +298,10 @@ impl Validator<'_> {
         if !layer_name_ok(&keys.layer) {
             let span = node.get("layer").map_or_else(|| node.span.clone(), |n| n.span.clone());
             let message = format!("a layer cannot be named \"{}\"", keys.layer);
-            self.out.push(Diagnostic::at(span, message, "this name").help("use lower-case letters, digits and underscores, a letter first"));
+            self.out.push(
+                Diagnostic::at(span, message, "this name")
+                    .help("use lower-case letters, digits and underscores, a letter first"),
+            );
             return None;
         }
         if let Some(mask) = &keys.mask
@@ -300,10 +333,14 @@ impl Validator<'_> {
         Some(Step { number, name, enabled: keys.enabled, work: Work::Generate(work) })
     }
 
-    fn known_generator(&mut self, node: &Node) -> Option<&'static eyot_core::process::Entry<dyn eyot_core::process::Generator>> {
+    fn known_generator(
+        &mut self,
+        node: &Node,
+    ) -> Option<&'static eyot_core::process::Entry<dyn eyot_core::process::Generator>> {
         let Some(name) = node.text() else {
             let message = format!("`generate` must be the name of a generator, not {}", node.describe());
-            self.out.push(Diagnostic::at(node.span.clone(), message, "wrong type").help("for example generate = \"cone\""));
+            self.out
+                .push(Diagnostic::at(node.span.clone(), message, "wrong type").help("for example generate = \"cone\""));
             return None;
         };
         let entry = self.registry.generator(name);
@@ -313,7 +350,10 @@ impl Validator<'_> {
             } else {
                 suggestion(name, self.registry.generator_names().collect(), "eyot list")
             };
-            self.out.push(Diagnostic::at(node.span.clone(), format!("there is no generator `{name}`"), "unknown generator").help(help));
+            self.out.push(
+                Diagnostic::at(node.span.clone(), format!("there is no generator `{name}`"), "unknown generator")
+                    .help(help),
+            );
         }
         entry
     }
@@ -339,17 +379,26 @@ impl Validator<'_> {
                     } else {
                         suggestion(name, self.registry.process_names().collect(), "eyot list")
                     };
-                    self.out.push(Diagnostic::at(n.span.clone(), format!("there is no process `{name}`"), "unknown process").help(help));
+                    self.out.push(
+                        Diagnostic::at(n.span.clone(), format!("there is no process `{name}`"), "unknown process")
+                            .help(help),
+                    );
                 }
             }
         }
         let complete = self.out.len() == before;
-        let tables: Vec<&str> = node.entries().iter().map(|(k, _)| k.name.as_str()).filter(|k| !SIMULATE_KEYS.contains(k)).collect();
+        let tables: Vec<&str> =
+            node.entries().iter().map(|(k, _)| k.name.as_str()).filter(|k| !SIMULATE_KEYS.contains(k)).collect();
         let own: Vec<&str> = uses.iter().map(|(_, e)| e.name).collect();
-        for (key, _) in node.entries().iter().filter(|(k, _)| tables.contains(&k.name.as_str()) && !own.contains(&k.name.as_str())) {
+        for (key, _) in
+            node.entries().iter().filter(|(k, _)| tables.contains(&k.name.as_str()) && !own.contains(&k.name.as_str()))
+        {
             let name = key.name.as_str();
             let (message, help) = if self.registry.process(name).is_some() {
-                (format!("`{name}` is not simulated in this step"), format!("add \"{name}\" to `simulate`, or remove its parameters"))
+                (
+                    format!("`{name}` is not simulated in this step"),
+                    format!("add \"{name}\" to `simulate`, or remove its parameters"),
+                )
             } else if !complete {
                 continue; // Most likely the table of the process whose name is wrong.
             } else {
@@ -365,14 +414,16 @@ impl Validator<'_> {
             self.out.push(Diagnostic::at(key.span.clone(), message, "unknown key").help(help));
         }
         let keys: keys::Simulate = self.keys_of(node, "step", &tables);
-        let processes = uses.iter().filter_map(|(place, entry)| self.process(node.get(entry.name), place, entry)).collect();
+        let processes =
+            uses.iter().filter_map(|(place, entry)| self.process(node.get(entry.name), place, entry)).collect();
         if matches!(&keys.simulate, Names::Many(names) if names.is_empty()) && self.out.len() == before {
             self.out.push(Diagnostic::at(list.span.clone(), "no process is listed", "empty").help("see `eyot list`"));
         }
         if keys.steps > self.limits.max_steps {
             let span = node.get("steps").map_or_else(|| node.span.clone(), |n| n.span.clone());
             let message = format!("{} steps exceed the limit of {}", keys.steps, self.limits.max_steps);
-            self.out.push(Diagnostic::at(span, message, "too many").help("choose fewer steps, or several [[step]] tables"));
+            self.out
+                .push(Diagnostic::at(span, message, "too many").help("choose fewer steps, or several [[step]] tables"));
         }
         if self.out.len() > before {
             return None;
@@ -382,13 +433,23 @@ impl Validator<'_> {
         Some(Step { number, name, enabled: keys.enabled, work })
     }
 
-    fn process(&mut self, table: Option<&Node>, place: &Node, entry: &'static eyot_core::process::Entry<dyn eyot_core::process::Process>) -> Option<ProcessUse> {
+    fn process(
+        &mut self,
+        table: Option<&Node>,
+        place: &Node,
+        entry: &'static eyot_core::process::Entry<dyn eyot_core::process::Process>,
+    ) -> Option<ProcessUse> {
         let empty = Node { span: place.span.clone(), kind: Kind::Table(Vec::new()) };
         let node = table.unwrap_or(&empty);
         let before = self.out.len();
         let own = (entry.schema)().to_value();
         let schedule = schema_of::<Schedule>().to_value();
-        let theirs = Node { span: node.span.clone(), kind: Kind::Table(node.entries().iter().filter(|(k, _)| SCHEDULE_KEYS.contains(&k.name.as_str())).cloned().collect()) };
+        let theirs = Node {
+            span: node.span.clone(),
+            kind: Kind::Table(
+                node.entries().iter().filter(|(k, _)| SCHEDULE_KEYS.contains(&k.name.as_str())).cloned().collect(),
+            ),
+        };
         check::table(&own, node, entry.name, &SCHEDULE_KEYS, &mut self.out);
         check::table(&schedule, &theirs, entry.name, &[], &mut self.out);
         if self.out.len() > before {
@@ -418,7 +479,10 @@ impl Validator<'_> {
         let Some(node) = node else { return Vec::new() };
         let Kind::Array(items) = &node.kind else {
             let message = format!("`export` must be a list of tables, not {}", node.describe());
-            self.out.push(Diagnostic::at(node.span.clone(), message, "here").help("write [[export]] with two brackets on each side"));
+            self.out.push(
+                Diagnostic::at(node.span.clone(), message, "here")
+                    .help("write [[export]] with two brackets on each side"),
+            );
             return Vec::new();
         };
         let mut files = HashSet::new();
@@ -428,14 +492,19 @@ impl Validator<'_> {
         for item in items {
             let export: Export = self.keys_of(item, "export", &[]);
             let place = |key: &str| item.get(key).map_or_else(|| item.span.clone(), |n| n.span.clone());
-            if !export.prefix.chars().all(|c| c.is_alphanumeric() || "_-. ".contains(c)) || export.prefix.starts_with('.') {
+            if !export.prefix.chars().all(|c| c.is_alphanumeric() || "_-. ".contains(c))
+                || export.prefix.starts_with('.')
+            {
                 let message = format!("\"{}\" cannot start a file name", export.prefix);
                 let help = "use letters, digits, dots, dashes and underscores; all files go into the output folder";
                 self.out.push(Diagnostic::at(place("prefix"), message, "this prefix").help(help));
             }
             for (i, layer) in export.layers.iter().enumerate().filter(|_| export.uses_layers()) {
                 if sure && export.enabled && !self.layers.contains(layer) {
-                    let span = item.get("layers").and_then(|l| l.elements().get(i)).map_or_else(|| place("layers"), |n| n.span.clone());
+                    let span = item
+                        .get("layers")
+                        .and_then(|l| l.elements().get(i))
+                        .map_or_else(|| place("layers"), |n| n.span.clone());
                     let problem = self.no_layer(layer, span);
                     self.out.push(problem);
                 }
@@ -443,7 +512,10 @@ impl Validator<'_> {
             for file in export.files().into_iter().filter(|_| export.enabled) {
                 if !files.insert(file.clone()) {
                     let message = format!("two exports would write `{file}`");
-                    self.out.push(Diagnostic::at(item.span.clone(), message, "the second one").help("give one of them a `prefix`"));
+                    self.out.push(
+                        Diagnostic::at(item.span.clone(), message, "the second one")
+                            .help("give one of them a `prefix`"),
+                    );
                 }
             }
             exports.push(export);
@@ -463,12 +535,16 @@ impl Validator<'_> {
     /// Two buffers a layer while the engine runs, and two more fields for a generator at work.
     fn memory(&mut self, node: Option<&Node>, grid: Option<Grid>, steps: &[Step]) {
         let (Some(node), Some(grid)) = (node, grid) else { return };
-        let most = self.layers.len().max(1) as u128 * 2 + if steps.iter().any(|s| matches!(s.work, Work::Generate(_))) { 2 } else { 0 };
+        let most = self.layers.len().max(1) as u128 * 2
+            + if steps.iter().any(|s| matches!(s.work, Work::Generate(_))) { 2 } else { 0 };
         let bytes = grid.cells() as u128 * 4 * most;
         let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
         if let Err(e) = self.limits.check_bytes(&what, bytes) {
             let span = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
-            self.out.push(Diagnostic::at(span, e.to_string(), "this grid").help("choose fewer cells, or raise the limit with --max-memory"));
+            self.out.push(
+                Diagnostic::at(span, e.to_string(), "this grid")
+                    .help("choose fewer cells, or raise the limit with --max-memory"),
+            );
         }
         if self.layers.len() > self.limits.max_layers {
             let message = format!("{} layers exceed the limit of {}", self.layers.len(), self.limits.max_layers);

@@ -39,18 +39,23 @@ fn a_run_tells_its_story_and_leaves_its_files() {
     assert!(matches!(events.first(), Some(Event::Started { size: [16, 12], steps: 3, threads: 2, .. })));
     assert!(matches!(events.last(), Some(Event::Done { .. })));
     assert_eq!(events.iter().filter(|e| matches!(e, Event::StepBegun { .. })).count(), 3);
-    let mut files: Vec<String> = std::fs::read_dir(&out).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
+    let mut files: Vec<String> =
+        std::fs::read_dir(&out).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
     files.sort();
     files.retain(|f| !f.ends_with(".json") || f == "run.json");
     assert_eq!(files, ["height.r32", "rough.r32", "run.json", "view.png", "world.eyot"]);
-    let report: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(out.join("run.json")).unwrap()).unwrap();
+    let report: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("run.json")).unwrap()).unwrap();
     assert_eq!(report["seed"], 5);
     assert_eq!(report["fingerprint"], format!("{:016x}", outcome.world.fingerprint()));
     let opened = store::open(&out, &Limits::default()).unwrap();
     assert_eq!(opened.world, outcome.world);
     // A finished run may be run over, but not resumed.
     Run::start(recipe(50), options(Some(&out))).unwrap().join().unwrap();
-    assert!(matches!(Run::resume(&out, &registry(), options(None)), Err(RunError::NothingToResume { finished: true, .. })));
+    assert!(matches!(
+        Run::resume(&out, &registry(), options(None)),
+        Err(RunError::NothingToResume { finished: true, .. })
+    ));
 }
 
 #[test]
@@ -126,7 +131,10 @@ fn changes_by_hand_are_kept_in_the_journal_and_replay() {
     assert!(matches!(changed, Event::Changed(e) if e == entry));
     assert_eq!(touched.journal, [entry]);
     assert_eq!(touched.world.get("water").unwrap().get(0, 0), 0.5);
-    let again = Run::start(recipe(40), RunOptions { replay: touched.journal.clone(), ..options(None) }).unwrap().join().unwrap();
+    let again = Run::start(recipe(40), RunOptions { replay: touched.journal.clone(), ..options(None) })
+        .unwrap()
+        .join()
+        .unwrap();
     assert_eq!((again.world, again.journal), (touched.world, touched.journal));
 }
 
@@ -177,7 +185,10 @@ enabled = false
 "#;
     let world = Run::start(parse(text, &[]).unwrap(), options(None)).unwrap().join().unwrap().world;
     assert_eq!(world.layers().len(), 2);
-    assert!(world.layer("height").unwrap().field.iter().any(|h| h < 0.0) || world.layer("height").unwrap().field.sum() > 0.0);
+    assert!(
+        world.layer("height").unwrap().field.iter().any(|h| h < 0.0)
+            || world.layer("height").unwrap().field.sum() > 0.0
+    );
 }
 
 #[test]
@@ -207,8 +218,11 @@ file = "first/height.r32"
 fn every_process_resumes_exactly() {
     let registry = Registry::standard();
     for name in registry.process_names() {
-        let text = format!("[grid]\nsize = 32\n[[step]]\ngenerate = \"cone\"\nheight = 200.0\n[[step]]\nsimulate = [\"{name}\"]\nsteps = 23\n");
-        let read = || Recipe::parse(stubs::source(&text), eyot::Overrides::default(), &registry, &Limits::default()).unwrap();
+        let text = format!(
+            "[grid]\nsize = 32\n[[step]]\ngenerate = \"cone\"\nheight = 200.0\n[[step]]\nsimulate = [\"{name}\"]\nsteps = 23\n"
+        );
+        let read =
+            || Recipe::parse(stubs::source(&text), eyot::Overrides::default(), &registry, &Limits::default()).unwrap();
         let whole = Run::start(read(), RunOptions { chunk: Some(23), ..options(None) }).unwrap().join().unwrap().world;
         let folder = tempfile::tempdir().unwrap();
         stopped_after(read(), folder.path(), 9);

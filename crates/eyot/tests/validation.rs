@@ -57,10 +57,26 @@ fn every_kind_of_slip_has_its_answer() {
         ("seed = 5", "sed = 5", "did you mean `seed`?"),
         ("[grid]", "[gird]", "did you mean `grid`?"),
         ("[[step]]", "[[steps]]", "did you mean `step`?"),
-        ("generate = \"noise\"", "generate = \"nois\"", "there is no generator `nois` (unknown generator)\n  help: did you mean `noise`?"),
-        ("generate = \"noise\"", "generate = \"hydraulic\"", "`hydraulic` is a process: write simulate = [\"hydraulic\"]"),
-        ("generate = \"noise\"", "generat = \"noise\"", "step 1 does nothing (`generate` or `simulate` is missing)\n  help: did you mean `generate`?"),
-        ("simulate = [\"hydraulic\"]", "simulate = [\"hydralic\"]", "there is no process `hydralic` (unknown process)\n  help: did you mean `hydraulic`?"),
+        (
+            "generate = \"noise\"",
+            "generate = \"nois\"",
+            "there is no generator `nois` (unknown generator)\n  help: did you mean `noise`?",
+        ),
+        (
+            "generate = \"noise\"",
+            "generate = \"hydraulic\"",
+            "`hydraulic` is a process: write simulate = [\"hydraulic\"]",
+        ),
+        (
+            "generate = \"noise\"",
+            "generat = \"noise\"",
+            "step 1 does nothing (`generate` or `simulate` is missing)\n  help: did you mean `generate`?",
+        ),
+        (
+            "simulate = [\"hydraulic\"]",
+            "simulate = [\"hydralic\"]",
+            "there is no process `hydralic` (unknown process)\n  help: did you mean `hydraulic`?",
+        ),
         ("simulate = [\"hydraulic\"]", "simulate = [\"noise\"]", "`noise` is a generator"),
         ("simulate = [\"hydraulic\"]", "simulate = [\"hydraulic\", \"hydraulic\"]", "`hydraulic` is listed twice"),
         ("simulate = [\"hydraulic\"]", "simulate = []", "`simulate`"),
@@ -68,7 +84,11 @@ fn every_kind_of_slip_has_its_answer() {
         ("hydraulic.rain = 0.1", "rain = 0.1", "write hydraulic.rain"),
         ("hydraulic.rain = 0.1", "hydraulic = 3", "`hydraulic` must be a table of parameters, not the number 3"),
         ("hydraulic.rain = 0.1", "hydraulic.every = 0", "`hydraulic.every` is 0: it must be at least 1"),
-        ("hydraulic.rain = 0.1", "hydraulic.scheme = \"clasic\"", "did you mean \"classic\"? It may be `signed` or `classic`"),
+        (
+            "hydraulic.rain = 0.1",
+            "hydraulic.scheme = \"clasic\"",
+            "did you mean \"classic\"? It may be `signed` or `classic`",
+        ),
         ("hydraulic.rain = 0.1", "generate = \"noise\"", "a step either generates or simulates"),
         ("steps = 400", "steps = 0", "`step.steps` is 0: it must be at least 1"),
         ("steps = 400", "steps = 1.5", "must be a whole number"),
@@ -77,9 +97,17 @@ fn every_kind_of_slip_has_its_answer() {
         ("name = \"base\"", "name = \"12\"", "a step cannot be named \"12\""),
         ("layer = \"rough\"", "layer = \"Rough Layer\"", "a layer cannot be named \"Rough Layer\""),
         ("merge = \"max\"", "merge = \"mix\"", "did you mean \"max\"?"),
-        ("merge = \"max\"", "mask = \"watr\"", "no step makes a layer `watr` (unknown layer)\n  help: did you mean `water`?"),
+        (
+            "merge = \"max\"",
+            "mask = \"watr\"",
+            "no step makes a layer `watr` (unknown layer)\n  help: did you mean `water`?",
+        ),
         ("layers = [\"height\", \"rough\"]", "layers = [\"heigth\"]", "did you mean `height`?"),
-        ("layers = [\"height\", \"rough\"]", "layers = [\"height\", \"height\"]", "two exports would write `height.r32`"),
+        (
+            "layers = [\"height\", \"rough\"]",
+            "layers = [\"height\", \"height\"]",
+            "two exports would write `height.r32`",
+        ),
         ("layers = [\"height\", \"rough\"]", "prefix = \"../up\"", "cannot start a file name"),
         ("format = \"r32\"", "format = \"tif\"", "`export.format` cannot be \"tif\""),
         ("cell = 5.0", "cell = 5.0\nextent_m = 100", "both `cell` and `extent_m` are given"),
@@ -90,10 +118,22 @@ fn every_kind_of_slip_has_its_answer() {
         ("cell = 5.0", "cell = 5.0\ncell = 6.0", "not valid TOML: duplicate key"),
         ("cell = 5.0", "cell = ", "not valid TOML"),
         ("cell = 5.0", "rim = \"opne\"", "did you mean \"open\"?"),
-        ("generate = \"noise\"\nheight = 300.0", "generate = \"flip\"", "changes a layer, but there is no layer `height` yet"),
+        (
+            "generate = \"noise\"\nheight = 300.0",
+            "generate = \"flip\"",
+            "changes a layer, but there is no layer `height` yet",
+        ),
         ("generate = \"noise\"\nheight = 300.0", "generate = \"import\"", "`import` needs the key `file`"),
-        ("generate = \"noise\"\nheight = 300.0", "generate = \"import\"\nfile = \"x/none.tif\"", "file names are relative to the recipe's folder"),
-        ("generate = \"noise\"\nheight = 300.0", "generate = \"import\"\nfile = \"builtin:none\"", "Eyot brings no height map `none`"),
+        (
+            "generate = \"noise\"\nheight = 300.0",
+            "generate = \"import\"\nfile = \"x/none.tif\"",
+            "file names are relative to the recipe's folder",
+        ),
+        (
+            "generate = \"noise\"\nheight = 300.0",
+            "generate = \"import\"\nfile = \"builtin:none\"",
+            "Eyot brings no height map `none`",
+        ),
     ];
     for (from, to, answer) in cases {
         let said = complaints(from, to);
@@ -104,16 +144,34 @@ fn every_kind_of_slip_has_its_answer() {
 
 #[test]
 fn several_problems_come_in_one_go_in_the_order_of_the_text() {
-    let text = GOOD.replace("seed = 5", "sed = 5").replace("height = 300.0", "height = -1").replace("steps = 400", "step = 400");
+    let text = GOOD
+        .replace("seed = 5", "sed = 5")
+        .replace("height = 300.0", "height = -1")
+        .replace("steps = 400", "step = 400");
     let problems = parse(&text, &["grid.cel=3"]).err().unwrap();
-    let lines: Vec<String> =
-        problems.diagnostics.iter().map(|d| d.span.as_ref().map_or("-".into(), |s| format!("{}:{}", s.source, problems.line_column(s).0))).collect();
+    let lines: Vec<String> = problems
+        .diagnostics
+        .iter()
+        .map(|d| d.span.as_ref().map_or("-".into(), |s| format!("{}:{}", s.source, problems.line_column(s).0)))
+        .collect();
     assert_eq!(lines, ["0:3", "0:11", "0:14", "1:1"]);
 }
 
 #[test]
 fn flags_change_the_document_before_it_is_checked() {
-    let r = parse(GOOD, &["seed=9", "grid.cell=2.5", "step.1.height=400", "hydraulic.rain=0.004", "hydraulic.every=3", "grid.rim=open", "view.size=[64, 32]"]).unwrap();
+    let r = parse(
+        GOOD,
+        &[
+            "seed=9",
+            "grid.cell=2.5",
+            "step.1.height=400",
+            "hydraulic.rain=0.004",
+            "hydraulic.every=3",
+            "grid.rim=open",
+            "view.size=[64, 32]",
+        ],
+    )
+    .unwrap();
     assert_eq!((r.seed, r.grid.cell_x_m, r.view.size), (9, 2.5, [64, 32]));
     assert_eq!(r.grid.rim, eyot::Rim::OPEN);
     match (&r.steps[0].work, &r.steps[1].work) {
@@ -157,7 +215,9 @@ fn wrong_flags_are_named_with_what_was_meant() {
 
 #[test]
 fn another_size_keeps_the_extent() {
-    for (size, expected) in [((32, None), (32, 24)), ((8, None), (8, 6)), ((10, Some(20)), (10, 20)), ((1, None), (1, 1))] {
+    for (size, expected) in
+        [((32, None), (32, 24)), ((8, None), (8, 6)), ((10, Some(20)), (10, 20)), ((1, None), (1, 1))]
+    {
         let overrides = Overrides { size: Some(size), ..Overrides::default() };
         let r = Recipe::parse(source(GOOD), overrides, &registry(), &Limits::default()).unwrap();
         assert_eq!((r.grid.width, r.grid.height), expected);
@@ -169,7 +229,12 @@ fn another_size_keeps_the_extent() {
 #[test]
 fn steps_have_seeds_of_their_own_and_a_fixed_seed_stays() {
     let seeds = |text: &str| -> Vec<u64> {
-        parse(text, &[]).unwrap().steps.iter().filter_map(|s| if let Work::Generate(g) = &s.work { Some(g.seed) } else { None }).collect()
+        parse(text, &[])
+            .unwrap()
+            .steps
+            .iter()
+            .filter_map(|s| if let Work::Generate(g) = &s.work { Some(g.seed) } else { None })
+            .collect()
     };
     let a = seeds(GOOD);
     assert_ne!(a[0], a[1]);

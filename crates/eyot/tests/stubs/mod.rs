@@ -93,8 +93,10 @@ impl Process for Hydraulic {
     fn plan(&self, _moment: &Moment, _plan: &mut Plan) {}
 }
 
-pub static GENERATORS: &[Entry<dyn Generator>] =
-    &[Entry::<dyn Generator>::generator::<Noise>("noise", &["perlin1985"]), Entry::<dyn Generator>::generator::<Flip>("flip", &[])];
+pub static GENERATORS: &[Entry<dyn Generator>] = &[
+    Entry::<dyn Generator>::generator::<Noise>("noise", &["perlin1985"]),
+    Entry::<dyn Generator>::generator::<Flip>("flip", &[]),
+];
 pub static PROCESSES: &[Entry<dyn Process>] = &[Entry::<dyn Process>::process::<Hydraulic>("hydraulic", &["mei2007"])];
 
 pub fn registry() -> Registry {
