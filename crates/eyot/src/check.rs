@@ -49,40 +49,22 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
 
 /// Checks one value. `whole` is the property's schema, for the help.
 fn check(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<Diagnostic>) {
-    let alternatives: Vec<&Value> =
-        ["anyOf", "oneOf"].iter().filter_map(|k| schema[*k].as_array()).flatten().filter(|s| !is_null(s)).collect();
-    if !alternatives.is_empty() {
-        if choices(schema).is_none() {
-            // The branch that complains least is the one that was meant.
-            let best = alternatives.iter().map(|s| {
-                let mut found = Vec::new();
-                check(s, node, path, whole, &mut found);
-                (!fits_type(s, node), found)
-            });
-            match best.min_by_key(|(misfit, found)| (*misfit, found.len())) {
-                Some((false, found)) => out.extend(found),
-                _ => wrong_type(node, path, whole, out),
-            }
-            range(schema, node, path, whole, out);
-            return;
-        }
-    }
     if let Some(choices) = choices(schema) {
-        match node.text() {
-            Some(t) if choices.contains(&t) => {}
-            Some(t) => {
-                let list = crate::diagnostic::alternatives(choices.iter().copied());
-                let help = match nearest(t, choices.iter().copied()) {
-                    Some(n) => format!("did you mean \"{n}\"? It may be {list}"),
-                    None => format!("it may be {list}"),
-                };
-                out.push(
-                    Diagnostic::at(node.span.clone(), format!("`{path}` cannot be \"{t}\""), "not one of the choices")
-                        .help(help),
-                );
-            }
+        return choice(&choices, node, path, whole, out);
+    }
+    let branches = branches(schema);
+    if !branches.is_empty() {
+        // The branch that complains least is the one that was meant.
+        let best = branches.iter().filter(|s| fits_type(s, node)).map(|s| {
+            let mut found = Vec::new();
+            check(s, node, path, whole, &mut found);
+            found
+        });
+        match best.min_by_key(Vec::len) {
+            Some(found) => out.extend(found),
             None => wrong_type(node, path, whole, out),
         }
+        range(schema, node, path, whole, out);
         return;
     }
     if !fits_type(schema, node) {
@@ -110,6 +92,26 @@ fn check(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<D
         Kind::Table(_) if schema["properties"].is_object() => table(schema, node, path, &[], out),
         _ => {}
     }
+}
+
+fn choice(choices: &[&str], node: &Node, path: &str, whole: &Value, out: &mut Vec<Diagnostic>) {
+    let Some(text) = node.text() else { return wrong_type(node, path, whole, out) };
+    if choices.contains(&text) {
+        return;
+    }
+    let list = alternatives(choices.iter().copied());
+    let help = match nearest(text, choices.iter().copied()) {
+        Some(n) => format!("did you mean \"{n}\"? It may be {list}"),
+        None => format!("it may be {list}"),
+    };
+    let message = format!("`{path}` cannot be \"{text}\"");
+    out.push(Diagnostic::at(node.span.clone(), message, "not one of the choices").help(help));
+}
+
+/// The alternatives of a schema without null, which TOML does not have.
+fn branches(schema: &Value) -> Vec<&Value> {
+    let lists = ["anyOf", "oneOf"].iter().filter_map(|k| schema[*k].as_array());
+    lists.flatten().filter(|s| !is_null(s)).collect()
 }
 
 fn range(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<Diagnostic>) {
@@ -173,8 +175,8 @@ fn fits_type(schema: &Value, node: &Node) -> bool {
         Value::String(t) => fits(t),
         Value::Array(types) => types.iter().filter_map(Value::as_str).any(fits),
         _ => {
-            let mut branches = ["anyOf", "oneOf"].iter().filter_map(|k| schema[*k].as_array()).flatten().peekable();
-            branches.peek().is_none() || branches.any(|s| fits_type(s, node))
+            let branches = branches(schema);
+            branches.is_empty() || branches.into_iter().any(|s| fits_type(s, node))
         }
     }
 }
@@ -204,8 +206,7 @@ pub(crate) fn expects(schema: &Value) -> String {
     if let Some(c) = choices(schema) {
         return alternatives(c);
     }
-    let branches: Vec<&Value> =
-        ["anyOf", "oneOf"].iter().filter_map(|k| schema[*k].as_array()).flatten().filter(|s| !is_null(s)).collect();
+    let branches = branches(schema);
     if !branches.is_empty() {
         let mut words: Vec<String> = branches.into_iter().map(expects).collect();
         words.dedup();

@@ -227,25 +227,25 @@ pub struct View {
     #[schemars(inner(range(min = 16, max = 16384)), extend("unit" = "1"))]
     pub size: [u32; 2],
     /// Where the camera stands, seen from the middle of the land, clockwise from north.
-    #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "deg"))]
+    #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "degree"))]
     pub azimuth: Option<f32>,
     /// How high the camera stands over the horizon, seen from the middle of the land.
-    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "deg"))]
+    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
     pub elevation: Option<f32>,
     /// Distance of the camera from the middle of the land, in lengths of the grid's longer side.
     #[schemars(range(min = 0.05, max = 50.0), extend("unit" = "1"))]
     pub distance: Option<f32>,
     /// Angle of view from the bottom of the picture to its top. Small is a telephoto lens.
-    #[schemars(range(min = 5.0, max = 120.0), extend("unit" = "deg"))]
+    #[schemars(range(min = 5.0, max = 120.0), extend("unit" = "degree"))]
     pub field_of_view: Option<f32>,
     /// Factor on heights in the picture only. If not given, flat land is drawn higher and mountains as they are.
     #[schemars(range(min = 0.01, max = 100.0), extend("unit" = "1"))]
     pub vertical_exaggeration: Option<f32>,
     /// Where the sun stands, clockwise from north.
-    #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "deg"))]
+    #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "degree"))]
     pub sun_azimuth: Option<f32>,
     /// How high the sun stands over the horizon.
-    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "deg"))]
+    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
     pub sun_elevation: Option<f32>,
 }
 

@@ -33,12 +33,14 @@ pub(crate) mod render {
         pub vertical_exaggeration: Option<f32>,
         pub sun_azimuth_deg: f32,
         pub sun_elevation_deg: f32,
+        pub samples: usize,
     }
     #[derive(Default)]
     pub struct ReliefOptions {
         pub vertical_exaggeration: f32,
         pub sun_azimuth_deg: f32,
         pub sun_elevation_deg: f32,
+        pub samples: usize,
     }
     #[derive(Default)]
     pub struct MapOptions {}
