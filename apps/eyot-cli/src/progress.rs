@@ -92,14 +92,14 @@ impl Bars {
                     String::new()
                 };
                 let step = self.step.get_or_insert_with(|| {
-                    self.all.insert(0, bar("{prefix:<28!} {bar:28.cyan/black} {pos}/{len} {msg}", p.total))
+                    self.all.insert(0, bar("{prefix:<20!} {bar:20.cyan/black} {pos}/{len} {msg}", p.total))
                 });
                 step.set_prefix(title);
                 step.set_length(p.total);
                 step.set_position(p.step);
                 step.set_message(speed);
                 let whole = self.whole.get_or_insert_with(|| {
-                    self.all.add(bar("{prefix:<28!} {bar:28.green/black} {percent:>3} % {msg}", 1000))
+                    self.all.add(bar("{prefix:<20!} {bar:20.green/black} {percent:>3} % {msg}", 1000))
                 });
                 whole.set_prefix("whole run");
                 whole.set_position((p.overall * 1000.0) as u64);

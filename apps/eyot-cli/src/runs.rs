@@ -7,7 +7,10 @@ use eyot::{Command, Event, Handle, JournalEntry, Registry, Remote, RunOptions};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// Interrupts that come closer together than this are one.
+const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
 /// Runs a recipe.
 pub(crate) fn run(args: &Run) -> Result<(), Failure> {
@@ -69,10 +72,19 @@ impl Interrupts {
     fn install() -> Self {
         let this = Self { count: Arc::default(), remote: Arc::default() };
         let (count, remote) = (this.count.clone(), this.remote.clone());
+        let first: Mutex<Option<Instant>> = Mutex::default();
         let handler = move || {
             if count.fetch_add(1, Ordering::SeqCst) > 0 {
+                // A terminal and a wrapper may both pass the same Ctrl-C on: that is still the first.
+                if first.lock().is_ok_and(|f| f.is_none_or(|at| at.elapsed() < SAME_INTERRUPT)) {
+                    return;
+                }
                 std::process::exit(130);
             }
+            if let Ok(mut first) = first.lock() {
+                *first = Some(Instant::now());
+            }
+            print::note("stopping with a checkpoint; Ctrl-C again ends at once");
             if let Ok(remote) = remote.lock()
                 && let Some(remote) = remote.as_ref()
             {

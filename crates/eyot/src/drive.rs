@@ -5,14 +5,14 @@ use crate::event::{Command, Event, JournalEntry, Progress};
 use crate::layers;
 use crate::outputs;
 use crate::process_set;
-use crate::recipe::{GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, SimulateStep, Step, Work};
+use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work};
 use crate::run::{Outcome, RunOptions};
 use crate::shim::io::checkpoint;
+use crate::state::State;
 use crate::store::CHECKPOINT_FILE;
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Scheduled, Site, Span};
 use eyot_core::{Cancel, Control, Error, World};
-use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex};
@@ -22,51 +22,6 @@ use std::time::{Duration, Instant};
 const CHUNK_TIME: Duration = Duration::from_millis(300);
 /// Progress of a generator is passed on at most this often.
 const PROGRESS_TIME: Duration = Duration::from_millis(100);
-
-/// What a checkpoint says about the run, beside the world.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct State {
-    /// Steps of the recipe that are done, switched-off ones included.
-    pub(crate) done_steps: usize,
-    /// Steps of the simulation under way that are done.
-    pub(crate) done: u64,
-    /// Commands that changed the bytes.
-    pub(crate) journal: Vec<JournalEntry>,
-    /// Commands that are still to be given.
-    pub(crate) replay: Vec<JournalEntry>,
-    pub(crate) source_name: String,
-    pub(crate) folder: PathBuf,
-    pub(crate) overrides: Overrides,
-    /// Time at work before the checkpoint, s.
-    pub(crate) seconds: f64,
-    /// Name and time of each step of the recipe that is done, s.
-    pub(crate) timings: Vec<(String, f64)>,
-    /// True in the file of a finished run.
-    #[serde(default)]
-    pub(crate) finished: bool,
-}
-
-impl State {
-    pub(crate) fn new(recipe: &Recipe, mut replay: Vec<JournalEntry>) -> Self {
-        replay.sort_by_key(|e| (e.recipe_step, e.step));
-        Self {
-            done_steps: 0,
-            done: 0,
-            journal: Vec::new(),
-            replay,
-            source_name: recipe.source.name.clone(),
-            folder: recipe.source.folder.clone(),
-            overrides: recipe.overrides.clone(),
-            seconds: 0.0,
-            timings: Vec::new(),
-            finished: false,
-        }
-    }
-
-    pub(crate) fn source(&self, text: String) -> RecipeSource {
-        RecipeSource { name: self.source_name.clone(), text, folder: self.folder.clone() }
-    }
-}
 
 /// The end of a run and the time it took, s.
 pub(crate) struct End {

@@ -53,6 +53,7 @@ mod run;
 mod schema;
 mod set;
 mod shim;
+mod state;
 pub mod store;
 mod validate;
 

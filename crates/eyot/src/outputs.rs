@@ -1,12 +1,12 @@
 //! The files of a finished run.
 
-use crate::drive::State;
 use crate::error::RunError;
 use crate::event::Event;
 use crate::keys::{Export, ExportFormat, View, ViewKind};
 use crate::recipe::Recipe;
 use crate::shim::io::{self, RasterFormat, checkpoint};
 use crate::shim::{self, mesh, render};
+use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, REPORT_FILE, VIEW_FILE, WORLD_FILE};
 use eyot_core::{Limits, World};
 use serde_json::json;
