@@ -20,12 +20,7 @@ fn main() -> Result<()> {
                 write_layer(&folder.join(file), &world, layer, format)?;
             }
         }
-        checkpoint::save(
-            &folder.join(format!("{name}.ckpt")),
-            &world,
-            "",
-            &serde_json::Value::Null,
-        )?;
+        checkpoint::save(&folder.join(format!("{name}.ckpt")), &world, "", &serde_json::Value::Null)?;
         if world.grid.width > 1 && world.grid.height > 1 {
             mesh(&folder, name, &world, &limits)?;
         }
@@ -35,27 +30,11 @@ fn main() -> Result<()> {
 
 fn mesh(folder: &Path, name: &str, world: &World, limits: &Limits) -> Result<()> {
     let height = &world.layer("height")?.field;
-    let (low, high) = height
-        .iter()
-        .fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(v), b.max(v)));
-    let grey: Vec<[f32; 3]> = height
-        .iter()
-        .map(|v| [0.1 + 0.8 * (v - low) / (high - low).max(1e-6); 3])
-        .collect();
+    let (low, high) = height.iter().fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(v), b.max(v)));
+    let grey: Vec<[f32; 3]> = height.iter().map(|v| [0.1 + 0.8 * (v - low) / (high - low).max(1e-6); 3]).collect();
     let pixels: Vec<[u8; 3]> = grey.iter().map(|c| c.map(|v| (v.sqrt() * 255.0) as u8)).collect();
-    write_rgb_png(
-        &folder.join(format!("{name}-picture.png")),
-        world.grid.width,
-        world.grid.height,
-        &pixels,
-    )?;
-    let t = terrain(
-        height,
-        &world.grid,
-        &grey,
-        &MeshOptions { max_vertices: 300_000 },
-        limits,
-    )?;
+    write_rgb_png(&folder.join(format!("{name}-picture.png")), world.grid.width, world.grid.height, &pixels)?;
+    let t = terrain(height, &world.grid, &grey, &MeshOptions { max_vertices: 300_000 }, limits)?;
     let levels = levels_of_detail(&t.mesh, &[0.25, 0.0625]);
     for l in &levels {
         println!(
@@ -78,20 +57,11 @@ fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {
             300.0 * u.sin() * v.cos() + 40.0 * (3.1 * u + v).sin() - 120.0
         };
         world.put(&known::HEIGHT, Field::from_fn(width, height, hill))?;
-        world.put(
-            &known::WATER,
-            Field::from_fn(width, height, |x, y| (-hill(x, y)).max(0.0)),
-        )?;
+        world.put(&known::WATER, Field::from_fn(width, height, |x, y| (-hill(x, y)).max(0.0)))?;
         // Names and units beyond ASCII, and the value that usually marks missing cells.
-        let odd = LayerSpec {
-            unit: "m²".into(),
-            meaning: "Fläche".into(),
-            ..LayerSpec::new("odd", "", "", (-1e4, 1e4))
-        };
-        world.put(
-            &odd,
-            Field::from_fn(width, height, |x, y| if (x + y) % 7 == 0 { -9999.0 } else { 0.1 }),
-        )?;
+        let odd =
+            LayerSpec { unit: "m²".into(), meaning: "Fläche".into(), ..LayerSpec::new("odd", "", "", (-1e4, 1e4)) };
+        world.put(&odd, Field::from_fn(width, height, |x, y| if (x + y) % 7 == 0 { -9999.0 } else { 0.1 }))?;
         Ok(world)
     };
     let utm = Georeference {
@@ -107,10 +77,7 @@ fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {
     )?;
     let (x, y) = raster.cell_m.ok_or("no cell size")?;
     println!("jacksboro: cells of {x} x {y} m");
-    let grid = Grid {
-        cell_y_m: y,
-        ..Grid::new(raster.field.width(), raster.field.height(), x, Rim::OPEN, limits)?
-    };
+    let grid = Grid { cell_y_m: y, ..Grid::new(raster.field.width(), raster.field.height(), x, Rim::OPEN, limits)? };
     let mut jacksboro = World::new(grid, 7);
     jacksboro.georeference = raster.georeference;
     jacksboro.put(&known::HEIGHT, raster.field)?;

@@ -31,15 +31,9 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
         && !there.is_file()
     {
         let kind = if there.is_dir() { "a folder" } else { "no ordinary file" };
-        return Err(Error::format(
-            path,
-            format!("this is {kind} already"),
-            "choose another file name",
-        ));
+        return Err(Error::format(path, format!("this is {kind} already"), "choose another file name"));
     }
-    let temporary = builder()
-        .tempfile_in(folder)
-        .map_err(Error::io(folder, "write to the folder"))?;
+    let temporary = builder().tempfile_in(folder).map_err(Error::io(folder, "write to the folder"))?;
     // From here on, dropping `name` removes the temporary file.
     let (file, name) = temporary.into_parts();
     let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
@@ -47,8 +41,7 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
     let file = out.into_inner().map_err(|e| Error::io(path, "write")(e.into_error()))?;
     file.sync_all().map_err(Error::io(path, "write"))?;
     drop(file);
-    name.persist(path)
-        .map_err(|e| Error::io(path, "rename the finished file to")(e.error))?;
+    name.persist(path).map_err(|e| Error::io(path, "rename the finished file to")(e.error))?;
     sync_folder(folder).map_err(Error::io(folder, "flush the folder"))
 }
 
@@ -114,9 +107,8 @@ impl Watched<'_> {
         if let Err(e) = &result
             && e.kind() != io::ErrorKind::Interrupted
         {
-            let copy = e
-                .raw_os_error()
-                .map_or_else(|| io::Error::new(e.kind(), e.to_string()), io::Error::from_raw_os_error);
+            let copy =
+                e.raw_os_error().map_or_else(|| io::Error::new(e.kind(), e.to_string()), io::Error::from_raw_os_error);
             self.refusal.set(Some(copy));
         }
         result
@@ -154,10 +146,7 @@ mod tests {
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
-        fs::read_dir(folder)
-            .unwrap()
-            .map(|e| e.unwrap().file_name().into_string().unwrap())
-            .collect()
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
     }
 
     #[test]
@@ -198,17 +187,13 @@ mod tests {
     #[test]
     fn missing_folders_folders_and_devices_are_named() {
         let folder = tempfile::tempdir().unwrap();
-        let e = write_atomically(&folder.path().join("none/a.bin"), |_| Ok(()))
-            .unwrap_err()
-            .to_string();
+        let e = write_atomically(&folder.path().join("none/a.bin"), |_| Ok(())).unwrap_err().to_string();
         assert!(e.contains("none") && e.contains("make its folder"), "{e}");
         let e = write_atomically(folder.path(), |_| Ok(())).unwrap_err().to_string();
         assert!(e.contains("a folder already"), "{e}");
         #[cfg(unix)]
         {
-            let e = write_atomically(Path::new("/dev/null"), |_| Ok(()))
-                .unwrap_err()
-                .to_string();
+            let e = write_atomically(Path::new("/dev/null"), |_| Ok(())).unwrap_err().to_string();
             assert!(e.contains("no ordinary file"), "{e}");
             assert!(write_atomically(Path::new("/"), |_| Ok(())).is_err());
         }
@@ -224,9 +209,7 @@ mod tests {
         assert!(e.contains("height.tif") && e.contains("make room"), "{e}");
         let mut full = BufWriter::new(full);
         let hidden = watched(&mut full, path, |mut w| {
-            let wrapped = w
-                .write_all(&[0; 1 << 16])
-                .map_err(|_| Error::format(path, "bad image", ""));
+            let wrapped = w.write_all(&[0; 1 << 16]).map_err(|_| Error::format(path, "bad image", ""));
             wrapped.and_then(|()| w.flush().map_err(|_| Error::format(path, "bad image", "")))
         });
         let e = hidden.unwrap_err().to_string();
@@ -239,9 +222,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn a_read_only_folder_is_called_one() {
-        let e = write_atomically(Path::new("/proc/eyot.bin"), |_| Ok(()))
-            .unwrap_err()
-            .to_string();
+        let e = write_atomically(Path::new("/proc/eyot.bin"), |_| Ok(())).unwrap_err().to_string();
         assert!(e.contains("/proc"), "{e}");
     }
 }

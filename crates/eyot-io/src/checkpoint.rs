@@ -10,6 +10,7 @@
 //! CRC-32                u32, of everything before it
 //! for each layer, in the header's order:
 //!   values              f32, row by row from the north, without padding
+//!   outer faces         f32, only for layers on faces: column -1 from the north, then row -1 from the west
 //!   CRC-32              u32, of these values
 //! ```
 //! The header fixes the file's length, which is checked before anything is allocated: a file that was cut short, or has
@@ -18,7 +19,7 @@
 use crate::atomic::{put, row_bytes, write_atomically};
 use crate::error::{Error, Result};
 use crate::raster::check_size;
-use eyot_core::{Beyond, Field, Georeference, Grid, LayerSpec, Ledger, Limits, Stagger, World};
+use eyot_core::{Beyond, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Stagger, World};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fs::{self, File};
@@ -117,22 +118,17 @@ pub fn save(path: &Path, world: &World, recipe_toml: &str, state: &Value) -> Res
         step: world.step,
         sea_level_m: world.sea_level_m,
         // NaN is a usual nodata value and JSON's null would bring back `None`; nothing depends on the difference.
-        georeference: world.georeference.clone().map(|g| Georeference {
-            nodata: g.nodata.filter(|v| v.is_finite()),
-            ..g
-        }),
+        georeference: world
+            .georeference
+            .clone()
+            .map(|g| Georeference { nodata: g.nodata.filter(|v| v.is_finite()), ..g }),
         ledger: world.ledger.clone(),
         layers: world.layers().iter().map(|l| LayerHeader::from(&l.spec)).collect(),
         recipe_toml: recipe_toml.to_owned(),
         state: state.clone(),
     };
-    let fault = |problem: String| {
-        Error::format(
-            path,
-            problem,
-            "the checkpoint was not written, the former one is unharmed",
-        )
-    };
+    let fault =
+        |problem: String| Error::format(path, problem, "the checkpoint was not written, the former one is unharmed");
     let text = serde_json::to_vec(&header).map_err(|e| fault(e.to_string()))?;
     // A checkpoint that cannot be read back is worse than none, so try.
     match serde_json::from_slice::<Header>(&text) {
@@ -162,6 +158,11 @@ pub fn save(path: &Path, world: &World, recipe_toml: &str, state: &Value) -> Res
                 crc.update(bytes);
                 put(file, path, bytes)?;
             }
+            if layer.spec.stagger != Stagger::Cell {
+                let bytes = row_bytes(&layer.field.outer_faces(), &mut buffer);
+                crc.update(bytes);
+                put(file, path, bytes)?;
+            }
             put(file, path, &crc.finalize().to_le_bytes())?;
         }
         Ok(())
@@ -177,11 +178,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Checkpoint> {
     let io = || Error::io(path, "read");
     let metadata = fs::metadata(path).map_err(io())?;
     if !metadata.is_file() {
-        return Err(Error::format(
-            path,
-            "this is no ordinary file",
-            "give the name of a checkpoint",
-        ));
+        return Err(Error::format(path, "this is no ordinary file", "give the name of a checkpoint"));
     }
     let file_bytes = metadata.len();
     let mut input = BufReader::with_capacity(1 << 18, File::open(path).map_err(io())?);
@@ -189,11 +186,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Checkpoint> {
     let expected = expected_bytes(path, &header, header_bytes, limits)?;
     if expected != u128::from(file_bytes) {
         let problem = format!("a checkpoint of this world has {expected} bytes, the file {file_bytes}");
-        return Err(Error::format(
-            path,
-            problem,
-            format!("it is truncated or damaged: {AGAIN}"),
-        ));
+        return Err(Error::format(path, problem, format!("it is truncated or damaged: {AGAIN}")));
     }
 
     let mut world = World::new(header.grid, header.seed);
@@ -204,16 +197,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Checkpoint> {
     let mut buffer = vec![0; 4 * header.grid.width];
     for layer in header.layers {
         let spec = LayerSpec::from(layer);
-        if world.get(&spec.name).is_some() {
-            return Err(damaged(path, &format!("two layers are called `{}`", spec.name)));
-        }
-        read_values(
-            path,
-            &mut input,
-            &mut buffer,
-            &mut world.ensure(&spec, 0.0).field,
-            &spec.name,
-        )?;
+        read_values(path, &mut input, &mut buffer, world.ensure(&spec, 0.0))?;
     }
     Ok(Checkpoint {
         world,
@@ -232,28 +216,17 @@ fn read_header(path: &Path, input: &mut impl Read, file_bytes: u64) -> Result<(H
     }
     input.read_exact(&mut prefix).map_err(io())?;
     if &prefix[..8] != MAGIC {
-        return Err(Error::format(
-            path,
-            "this is no Eyot checkpoint",
-            "give the name of a checkpoint",
-        ));
+        return Err(Error::format(path, "this is no Eyot checkpoint", "give the name of a checkpoint"));
     }
     let version = u32::from_le_bytes([prefix[8], prefix[9], prefix[10], prefix[11]]);
     if version != FORMAT_VERSION {
         let problem = format!("the checkpoint has format version {version}, this program reads {FORMAT_VERSION}");
-        return Err(Error::format(
-            path,
-            problem,
-            "continue it with the version of Eyot that wrote it",
-        ));
+        return Err(Error::format(path, problem, "continue it with the version of Eyot that wrote it"));
     }
     let length = u64::from_le_bytes(std::array::from_fn(|i| prefix[12 + i]));
     let header_bytes = length.saturating_add(PREFIX_BYTES as u64 + 4);
     if length > MAX_HEADER_BYTES || header_bytes > file_bytes {
-        return Err(damaged(
-            path,
-            &format!("a header of {length} bytes does not fit in {file_bytes}"),
-        ));
+        return Err(damaged(path, &format!("a header of {length} bytes does not fit in {file_bytes}")));
     }
     // At most as long as the file, and read in steps: no allocation beyond what is there.
     let mut text = Vec::new();
@@ -271,31 +244,38 @@ fn expected_bytes(path: &Path, header: &Header, header_bytes: u64, limits: &Limi
     let grid = header.grid.checked(limits).map_err(Error::core(path))?;
     let field = check_size(path, grid.width, grid.height, limits)?;
     if header.layers.len() > limits.max_layers {
-        let problem = format!(
-            "it has {} layers, the limit is {}",
-            header.layers.len(),
-            limits.max_layers
-        );
+        let problem = format!("it has {} layers, the limit is {}", header.layers.len(), limits.max_layers);
         return Err(Error::format(path, problem, "raise the limit"));
     }
-    let layers = header.layers.len() as u128;
-    limits
-        .check_bytes("the world of this checkpoint", layers * field)
-        .map_err(Error::core(path))?;
-    let values = grid.width as u128 * grid.height as u128 * 4;
-    Ok(u128::from(header_bytes) + layers * (values + 4))
-}
-
-fn read_values(path: &Path, input: &mut impl Read, buffer: &mut [u8], field: &mut Field, name: &str) -> Result<()> {
-    let mut crc = crc32fast::Hasher::new();
-    for row in field.rows_mut() {
-        input.read_exact(buffer).map_err(Error::io(path, "read"))?;
-        crc.update(buffer);
-        for (v, b) in row.iter_mut().zip(buffer.chunks_exact(4)) {
-            *v = f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+    for (i, l) in header.layers.iter().enumerate() {
+        if header.layers[..i].iter().any(|k| k.name == l.name) {
+            return Err(damaged(path, &format!("two layers are called `{}`", l.name)));
         }
     }
-    check_crc(path, input, crc, &format!("layer `{name}`"))
+    let layers = header.layers.len() as u128;
+    limits.check_bytes("the world of this checkpoint", layers * field).map_err(Error::core(path))?;
+    let values = grid.width as u128 * grid.height as u128 * 4;
+    let on_faces = header.layers.iter().filter(|l| l.stagger != Stagger::Cell).count() as u128;
+    let outer_faces = (grid.width as u128 + grid.height as u128) * 4;
+    Ok(u128::from(header_bytes) + layers * (values + 4) + on_faces * outer_faces)
+}
+
+fn read_values(path: &Path, input: &mut impl Read, buffer: &mut [u8], layer: &mut Layer) -> Result<()> {
+    let mut crc = crc32fast::Hasher::new();
+    let number = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+    for row in layer.field.rows_mut() {
+        input.read_exact(buffer).map_err(Error::io(path, "read"))?;
+        crc.update(buffer);
+        row.iter_mut().zip(buffer.chunks_exact(4)).for_each(|(v, b)| *v = number(b));
+    }
+    if layer.spec.stagger != Stagger::Cell {
+        let mut bytes = vec![0; 4 * (layer.field.width() + layer.field.height())];
+        input.read_exact(&mut bytes).map_err(Error::io(path, "read"))?;
+        crc.update(&bytes);
+        let faces: Vec<f32> = bytes.chunks_exact(4).map(number).collect();
+        layer.field.set_outer_faces(&faces).map_err(Error::core(path))?;
+    }
+    check_crc(path, input, crc, &format!("layer `{}`", layer.spec.name))
 }
 
 fn check_crc(path: &Path, input: &mut impl Read, crc: crc32fast::Hasher, what: &str) -> Result<()> {
@@ -308,9 +288,5 @@ fn check_crc(path: &Path, input: &mut impl Read, crc: crc32fast::Hasher, what: &
 }
 
 fn damaged(path: &Path, problem: &str) -> Error {
-    Error::format(
-        path,
-        format!("the checkpoint is truncated or damaged: {problem}"),
-        AGAIN,
-    )
+    Error::format(path, format!("the checkpoint is truncated or damaged: {problem}"), AGAIN)
 }

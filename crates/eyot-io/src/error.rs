@@ -66,28 +66,17 @@ impl Error {
     }
 
     pub(crate) fn format(path: &Path, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self::Format {
-            path: path.to_owned(),
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
+        Self::Format { path: path.to_owned(), problem: problem.into(), remedy: remedy.into() }
     }
 
     /// For `map_err` on operations of the system.
     pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
-        move |source| Self::Io {
-            path: path.to_owned(),
-            action,
-            source,
-        }
+        move |source| Self::Io { path: path.to_owned(), action, source }
     }
 
     /// For `map_err` on checks of the core.
     pub(crate) fn core(path: &Path) -> impl FnOnce(eyot_core::Error) -> Self {
-        move |source| Self::Core {
-            path: path.to_owned(),
-            source,
-        }
+        move |source| Self::Core { path: path.to_owned(), source }
     }
 }
 

@@ -16,12 +16,8 @@ pub(crate) fn fill(field: &mut Field, missing: &[bool]) -> Option<usize> {
         return None;
     }
     if count > 0 {
-        let mut level = Level {
-            width: field.width(),
-            height: field.height(),
-            values: field.to_vec(),
-            missing: missing.to_vec(),
-        };
+        let mut level =
+            Level { width: field.width(), height: field.height(), values: field.to_vec(), missing: missing.to_vec() };
         level.fill();
         for (y, row) in level.values.chunks_exact(level.width).enumerate() {
             field.row_mut(y).copy_from_slice(row);
@@ -58,12 +54,7 @@ impl Level {
     /// Half the size; a cell is the mean of the valid ones of its four, and missing if there is none.
     fn coarser(&self) -> Self {
         let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
-        let mut out = Self {
-            width,
-            height,
-            values: vec![0.0; width * height],
-            missing: vec![true; width * height],
-        };
+        let mut out = Self { width, height, values: vec![0.0; width * height], missing: vec![true; width * height] };
         for y in 0..height {
             for x in 0..width {
                 let (mut sum, mut n) = (0.0f64, 0u32);
@@ -88,11 +79,7 @@ impl Level {
     fn interpolated(&self, x: usize, y: usize) -> f32 {
         // Fine cell x lies a quarter of a coarse cell left or right of the middle of coarse cell x / 2.
         let near = |i: usize, n: usize| {
-            let other = if i.is_multiple_of(2) {
-                (i / 2).saturating_sub(1)
-            } else {
-                (i / 2 + 1).min(n - 1)
-            };
+            let other = if i.is_multiple_of(2) { (i / 2).saturating_sub(1) } else { (i / 2 + 1).min(n - 1) };
             (i / 2, other)
         };
         let ((x0, x1), (y0, y1)) = (near(x, self.width), near(y, self.height));
@@ -126,17 +113,12 @@ mod tests {
     fn a_hole_in_a_plane_becomes_plane_again() {
         let (w, h) = (61, 47);
         let plane = Field::from_fn(w, h, |x, y| 3.0 * x as f32 - 2.0 * y as f32);
-        let missing: Vec<bool> = (0..w * h)
-            .map(|i| (15..40).contains(&(i % w)) && (10..30).contains(&(i / w)))
-            .collect();
+        let missing: Vec<bool> =
+            (0..w * h).map(|i| (15..40).contains(&(i % w)) && (10..30).contains(&(i / w))).collect();
         let mut holed = Field::from_fn(w, h, |x, y| if missing[y * w + x] { -9999.0 } else { plane.get(x, y) });
         assert_eq!(fill(&mut holed, &missing), Some(500));
         // The plane's relief over the hole is about 120.
-        let worst = holed
-            .iter()
-            .zip(plane.iter())
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f32::max);
+        let worst = holed.iter().zip(plane.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(worst < 3.0, "{worst}");
     }
 

@@ -65,13 +65,7 @@ pub fn write_layer(path: &Path, world: &World, layer: &Layer, format: RasterForm
     }
     if let Some((x, y, value)) = field.find_not_finite() {
         let remedy = "no format can carry it on; this is a fault of the process that made the layer";
-        return Err(Error::NotFinite {
-            path: path.to_owned(),
-            value,
-            x,
-            y,
-            remedy,
-        });
+        return Err(Error::NotFinite { path: path.to_owned(), value, x, y, remedy });
     }
     match format {
         RasterFormat::Png16 => png_write::write_png16(path, world, layer),
@@ -85,11 +79,7 @@ pub(crate) fn size_u32(path: &Path, width: usize, height: usize) -> Result<(u32,
     // PNG allows 2^31 - 1 and TIFF readers commonly the same.
     let fit = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX as u32);
     fit(width).zip(fit(height)).ok_or_else(|| {
-        Error::format(
-            path,
-            format!("{width}x{height} cells are too many for this format"),
-            "write R32 or fewer cells",
-        )
+        Error::format(path, format!("{width}x{height} cells are too many for this format"), "write R32 or fewer cells")
     })
 }
 

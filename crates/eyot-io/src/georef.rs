@@ -34,11 +34,9 @@ mod tests {
     #[test]
     fn degrees_have_their_known_lengths() {
         // NGA tables for WGS 84.
-        for (latitude, lon, lat) in [
-            (0.0, 111_319.5, 110_574.3),
-            (45.0, 78_846.8, 111_131.8),
-            (60.0, 55_800.0, 111_412.2),
-        ] {
+        for (latitude, lon, lat) in
+            [(0.0, 111_319.5, 110_574.3), (45.0, 78_846.8, 111_131.8), (60.0, 55_800.0, 111_412.2)]
+        {
             let (a, b) = metres_per_degree(latitude);
             assert!((a - lon).abs() < 1.0 && (b - lat).abs() < 1.0, "{latitude}: {a} {b}");
         }
@@ -47,10 +45,8 @@ mod tests {
     #[test]
     fn rotated_and_projected_cells_keep_their_size() {
         let (s, c) = 0.3f64.sin_cos();
-        let g = Georeference {
-            transform: [5e5, 30.0 * c, 30.0 * s, 4e6, 30.0 * s, -30.0 * c],
-            ..Georeference::default()
-        };
+        let g =
+            Georeference { transform: [5e5, 30.0 * c, 30.0 * s, 4e6, 30.0 * s, -30.0 * c], ..Georeference::default() };
         let (x, y) = cell_size_m(&g, 10, 10, 1.0);
         assert!((x - 30.0).abs() < 1e-9 && (y - 30.0).abs() < 1e-9);
     }

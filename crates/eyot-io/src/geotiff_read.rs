@@ -50,16 +50,8 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     let unit = geo.as_ref().map_or(1.0, metres_per_unit);
     // Absurd coordinates can overflow; a grid could not use such a size.
     let usable = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0;
-    let cell_m = georeference
-        .as_ref()
-        .map(|g| cell_size_m(g, layout.width, layout.height, unit))
-        .filter(usable);
-    Ok(Raster {
-        field,
-        cell_m,
-        georeference,
-        filled,
-    })
+    let cell_m = georeference.as_ref().map(|g| cell_size_m(g, layout.width, layout.height, unit)).filter(usable);
+    Ok(Raster { field, cell_m, georeference, filled })
 }
 
 fn open_options(limits: &Limits) -> OpenOptions {
@@ -88,19 +80,10 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
     // Filling takes a copy of the values, a mark for each, and both again in coarser levels.
     let fill = 7 * cells;
     let image = cells * layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
-    limits
-        .check_bytes("the decoded image", image + fill + field)
-        .map_err(Error::core(path))?;
+    limits.check_bytes("the decoded image", image + fill + field).map_err(Error::core(path))?;
     if layout.samples_per_pixel != 1 {
-        let problem = format!(
-            "the file has {} bands or colours, heights need one",
-            layout.samples_per_pixel
-        );
-        return Err(Error::format(
-            path,
-            problem,
-            "extract one, for example with gdal_translate -b 1",
-        ));
+        let problem = format!("the file has {} bands or colours, heights need one", layout.samples_per_pixel);
+        return Err(Error::format(path, problem, "extract one, for example with gdal_translate -b 1"));
     }
     // One block is decoded at a time; a hostile header can ask for a huge one in a tiny image.
     let block = match (ifd.tile_width(), ifd.tile_height()) {
@@ -110,11 +93,7 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
     let most = image.max(64 << 20);
     if block > most || image > MAX_COMPRESSION * u128::from(file_bytes) {
         let problem = format!("the file has {file_bytes} bytes, which cannot hold its {width}x{height} cells");
-        return Err(Error::format(
-            path,
-            problem,
-            "it is truncated or damaged: copy or download it again",
-        ));
+        return Err(Error::format(path, problem, "it is truncated or damaged: copy or download it again"));
     }
     Ok(())
 }
@@ -144,9 +123,7 @@ fn decode(
         // One arm a number type: the value as f32, and whether it is the nodata value in the file's own type.
         macro_rules! window {
             ($t:ty) => {{
-                let window = tiff
-                    .read_window_from_ifd::<$t>(ifd, top, 0, rows, width)
-                    .map_err(|e| broken(path, e))?;
+                let window = tiff.read_window_from_ifd::<$t>(ifd, top, 0, rows, width).map_err(|e| broken(path, e))?;
                 for (i, &v) in window.iter().enumerate() {
                     let (x, y) = (i % width, top + i / width);
                     field.row_mut(y)[x] = v as f32;
@@ -168,15 +145,10 @@ fn decode(
             (1, 32) => window!(u32),
             (1, 64) => window!(u64),
             (format, bits) => {
-                let kind = ["complex", "unsigned", "signed", "floating-point"]
-                    .get(format as usize)
-                    .unwrap_or(&"unknown");
+                let kind =
+                    ["complex", "unsigned", "signed", "floating-point"].get(format as usize).unwrap_or(&"unknown");
                 let problem = format!("{bits}-bit {kind} samples are not supported");
-                return Err(Error::format(
-                    path,
-                    problem,
-                    "convert it, for example with gdal_translate -ot Float32",
-                ));
+                return Err(Error::format(path, problem, "convert it, for example with gdal_translate -ot Float32"));
             }
         }
         top += rows;
@@ -195,12 +167,7 @@ fn mark_unwritten(ifd: &Ifd, width: usize, height: usize, missing: &mut Option<V
     };
     let block = (block.0.max(1), block.1.clamp(1, height));
     let across = width.div_ceil(block.0);
-    for (i, _) in counts
-        .into_iter()
-        .flatten()
-        .enumerate()
-        .filter(|&(_, bytes)| bytes == 0)
-    {
+    for (i, _) in counts.into_iter().flatten().enumerate().filter(|&(_, bytes)| bytes == 0) {
         let (left, top) = (i % across * block.0, i / across * block.1);
         let right = (left + block.0).min(width);
         for y in top..(top + block.1).min(height) {
@@ -225,14 +192,7 @@ fn nodata_of(ifd: &Ifd) -> Option<f64> {
 
 fn georeference(geo: &GeoTiffFile, nodata: Option<f64>) -> Option<Georeference> {
     let t = geo.transform()?;
-    let transform = [
-        t.origin_x,
-        t.pixel_width,
-        t.skew_x,
-        t.origin_y,
-        t.skew_y,
-        t.pixel_height,
-    ];
+    let transform = [t.origin_x, t.pixel_width, t.skew_x, t.origin_y, t.skew_y, t.pixel_height];
     let steps = [t.pixel_width.hypot(t.skew_y), t.skew_x.hypot(t.pixel_height)];
     // A degenerate transform says nothing, nor does the identity, which writers use for images without a place.
     if transform == [0.0, 1.0, 0.0, 0.0, 0.0, 1.0] && geo.epsg().is_none() {
@@ -284,15 +244,9 @@ fn broken(path: &Path, e: impl std::error::Error + 'static) -> Error {
     let text = e.to_string();
     // The reader's own words follow; say first what users can act on.
     let (what, remedy) = if text.contains("exceeds decode output budget") {
-        (
-            "the TIFF is too large",
-            "raise the limit or make it smaller with gdal_translate -outsize",
-        )
+        ("the TIFF is too large", "raise the limit or make it smaller with gdal_translate -outsize")
     } else if text.contains("unsupported") || text.contains("not supported") {
-        (
-            "this kind of TIFF is not read",
-            "convert it with gdal_translate -co COMPRESS=DEFLATE -ot Float32",
-        )
+        ("this kind of TIFF is not read", "convert it with gdal_translate -co COMPRESS=DEFLATE -ot Float32")
     } else {
         ("the TIFF is broken or truncated", "copy or download it again")
     };

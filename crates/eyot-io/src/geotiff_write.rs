@@ -35,32 +35,19 @@ pub(crate) fn write(path: &Path, world: &World, layer: &Layer) -> Result<()> {
         // GeoTIFF keys have 16 bits; larger codes are not EPSG's own and cannot be said.
         if let Ok(code) = u16::try_from(code) {
             builder = builder.raster_type(RasterType::PixelIsArea);
-            builder = if g.geographic {
-                builder.geographic_epsg(code)
-            } else {
-                builder.projected_epsg(code)
-            };
+            builder = if g.geographic { builder.geographic_epsg(code) } else { builder.projected_epsg(code) };
         }
     }
-    let cog = CogBuilder::new(builder)
-        .overview_levels(overview_levels(w.max(h)))
-        .resampling(Resampling::Average);
+    let cog = CogBuilder::new(builder).overview_levels(overview_levels(w.max(h))).resampling(Resampling::Average);
     let values = layer.field.to_vec();
     let view = ArrayView2::from_shape((height, width), &values)
         .map_err(|e| Error::format(path, e.to_string(), "this is a fault in eyot-io"))?;
-    write_atomically(path, |file| {
-        watched(file, path, |out| {
-            cog.write_2d_to(out, view).map_err(|e| as_error(path, e))
-        })
-    })
+    write_atomically(path, |file| watched(file, path, |out| cog.write_2d_to(out, view).map_err(|e| as_error(path, e))))
 }
 
 /// Halved until the smallest fits in one tile, which is what validators of the format ask for.
 fn overview_levels(longer_side: u32) -> Vec<u32> {
-    (1..31)
-        .map(|n| 1 << n)
-        .take_while(|level| longer_side.div_ceil(level / 2) > TILE)
-        .collect()
+    (1..31).map(|n| 1 << n).take_while(|level| longer_side.div_ceil(level / 2) > TILE).collect()
 }
 
 /// The world's georeference, or metres with the south-west corner at (0, 0).
@@ -72,23 +59,11 @@ fn transform(world: &World) -> GeoTransform {
             [0.0, g.cell_x_m, 0.0, g.height as f64 * g.cell_y_m, 0.0, -g.cell_y_m]
         }
     };
-    GeoTransform {
-        origin_x: t[0],
-        pixel_width: t[1],
-        skew_x: t[2],
-        origin_y: t[3],
-        skew_y: t[4],
-        pixel_height: t[5],
-    }
+    GeoTransform { origin_x: t[0], pixel_width: t[1], skew_x: t[2], origin_y: t[3], skew_y: t[4], pixel_height: t[5] }
 }
 
 fn free_nodata(world: &World, field: &Field) -> Option<f32> {
-    let source = world
-        .georeference
-        .as_ref()
-        .and_then(|g| g.nodata)
-        .map(|v| v as f32)
-        .filter(|v| v.is_finite());
+    let source = world.georeference.as_ref().and_then(|g| g.nodata).map(|v| v as f32).filter(|v| v.is_finite());
     let occurs = |value: f32| field.rows().any(|r| r.contains(&value));
     source.into_iter().chain([USUAL_NODATA, f32::MIN]).find(|&v| !occurs(v))
 }

@@ -29,17 +29,10 @@ const FIRST_SCREEN_COVERAGE: f64 = 0.5;
 pub fn write_terrain_glb(path: &Path, levels: &[Lod], name: &str) -> Result<()> {
     if levels.is_empty() || levels.iter().any(|l| l.mesh.indices.is_empty() || !consistent(&l.mesh)) {
         let remedy = "make the levels with eyot_mesh::levels_of_detail";
-        return Err(Error::format(
-            path,
-            "a terrain needs at least one level, each with triangles",
-            remedy,
-        ));
+        return Err(Error::format(path, "a terrain needs at least one level, each with triangles", remedy));
     }
     let mut document = Document::default();
-    levels
-        .iter()
-        .enumerate()
-        .for_each(|(i, level)| document.add(level, i, name));
+    levels.iter().enumerate().for_each(|(i, level)| document.add(level, i, name));
     let binary_bytes = document.offset;
     let mut text = document.finish(levels.len()).to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
@@ -52,11 +45,7 @@ pub fn write_terrain_glb(path: &Path, levels: &[Lod], name: &str) -> Result<()> 
 
     write_atomically(path, |file| {
         let word = |v: u32| v.to_le_bytes();
-        put(
-            file,
-            path,
-            &[*b"glTF", word(2), word(total), word(text.len() as u32), *b"JSON"].concat(),
-        )?;
+        put(file, path, &[*b"glTF", word(2), word(total), word(text.len() as u32), *b"JSON"].concat())?;
         put(file, path, &text)?;
         put(file, path, &[word(binary_bytes as u32), *b"BIN\0"].concat())?;
         let mut buffer = Vec::new();
@@ -110,11 +99,7 @@ impl Document {
             12 * n,
             json!({"componentType": FLOAT, "count": n, "type": "VEC3", "min": min, "max": max}),
         );
-        let normal = self.accessor(
-            ARRAY_BUFFER,
-            12 * n,
-            json!({"componentType": FLOAT, "count": n, "type": "VEC3"}),
-        );
+        let normal = self.accessor(ARRAY_BUFFER, 12 * n, json!({"componentType": FLOAT, "count": n, "type": "VEC3"}));
         let colour = self.accessor(
             ARRAY_BUFFER,
             4 * n,
@@ -126,11 +111,7 @@ impl Document {
             4 * count,
             json!({"componentType": UNSIGNED_INT, "count": count, "type": "SCALAR"}),
         );
-        let name = if index == 0 {
-            name.to_owned()
-        } else {
-            format!("{name} level {index}")
-        };
+        let name = if index == 0 { name.to_owned() } else { format!("{name} level {index}") };
         self.meshes.push(json!({
             "name": name,
             "primitives": [{
@@ -145,8 +126,7 @@ impl Document {
 
     /// Adds a view of `bytes` and an accessor over all of it, and returns the accessor's index.
     fn accessor(&mut self, target: u32, bytes: usize, mut accessor: Value) -> usize {
-        self.views
-            .push(json!({"buffer": 0, "byteOffset": self.offset, "byteLength": bytes, "target": target}));
+        self.views.push(json!({"buffer": 0, "byteOffset": self.offset, "byteLength": bytes, "target": target}));
         self.offset += bytes as u64;
         accessor["bufferView"] = json!(self.views.len() - 1);
         self.accessors.push(accessor);
@@ -157,13 +137,7 @@ impl Document {
         let mut extra = json!({});
         if levels > 1 {
             let coverage: Vec<f64> = (0..levels as i32)
-                .map(|i| {
-                    if i as usize == levels - 1 {
-                        0.0
-                    } else {
-                        FIRST_SCREEN_COVERAGE * 0.5f64.powi(i)
-                    }
-                })
+                .map(|i| if i as usize == levels - 1 { 0.0 } else { FIRST_SCREEN_COVERAGE * 0.5f64.powi(i) })
                 .collect();
             self.nodes[0]["extensions"] = json!({"MSFT_lod": {"ids": (1..levels).collect::<Vec<_>>()}});
             self.nodes[0]["extras"] = json!({"MSFT_screencoverage": coverage});
@@ -192,14 +166,9 @@ impl Document {
 
 /// Smallest and largest coordinates. They are written with the digits of the `f32`, which validators compare exactly.
 fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
-    positions
-        .iter()
-        .fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), p| {
-            (
-                std::array::from_fn(|i| low[i].min(p[i])),
-                std::array::from_fn(|i| high[i].max(p[i])),
-            )
-        })
+    positions.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), p| {
+        (std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i])))
+    })
 }
 
 #[cfg(test)]
@@ -231,13 +200,7 @@ mod tests {
         assert_eq!(word(20 + json_len) + 28 + json_len, bytes.len());
         assert_eq!(document["scenes"], json!([{"nodes": [0]}]));
         assert_eq!(document["nodes"][0]["extensions"]["MSFT_lod"]["ids"], json!([1, 2]));
-        assert_eq!(
-            document["nodes"][0]["extras"]["MSFT_screencoverage"]
-                .as_array()
-                .unwrap()
-                .len(),
-            3
-        );
+        assert_eq!(document["nodes"][0]["extras"]["MSFT_screencoverage"].as_array().unwrap().len(), 3);
         assert_eq!(document["extensionsUsed"], json!(["MSFT_lod"]));
         // First position, as bytes.
         let start = 28 + json_len;
@@ -252,11 +215,7 @@ mod tests {
         let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
         assert!(!text.contains("MSFT_lod") && text.contains("\"generator\":\"Eyot\""));
         assert!(write_terrain_glb(&path, &[], "t").is_err());
-        let empty = Lod {
-            mesh: TerrainMesh::default(),
-            ratio: 1.0,
-            error_m: 0.0,
-        };
+        let empty = Lod { mesh: TerrainMesh::default(), ratio: 1.0, error_m: 0.0 };
         assert!(write_terrain_glb(&path, &[empty], "t").is_err());
     }
 }

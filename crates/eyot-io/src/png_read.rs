@@ -22,9 +22,7 @@ pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &
     let (width, height) = (header.width as usize, header.height as usize);
     let field = check_size(path, width, height, limits)?;
     // Two bytes and up to four channels a pixel.
-    limits
-        .check_bytes("the decoded image", width as u128 * height as u128 * 8 + field)
-        .map_err(Error::core(path))?;
+    limits.check_bytes("the decoded image", width as u128 * height as u128 * 8 + field).map_err(Error::core(path))?;
     let mut reader = decoder.read_info().map_err(failed)?;
     let (colour, depth) = reader.output_color_type();
     let channels = match colour {
@@ -59,12 +57,7 @@ pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &
             }
         }
     }
-    Ok(Raster {
-        field,
-        cell_m: metadata.cell_m,
-        georeference: metadata.georeference,
-        filled: 0,
-    })
+    Ok(Raster { field, cell_m: metadata.cell_m, georeference: metadata.georeference, filled: 0 })
 }
 
 /// Values of black and white: what the caller says, or what the file says.
@@ -102,34 +95,19 @@ impl Metadata {
 }
 
 fn text<'a>(reader: &'a png::Reader<BufReader<File>>, keyword: &str) -> Option<&'a str> {
-    reader
-        .info()
-        .uncompressed_latin1_text
-        .iter()
-        .find(|t| t.keyword == keyword)
-        .map(|t| t.text.as_str())
+    reader.info().uncompressed_latin1_text.iter().find(|t| t.keyword == keyword).map(|t| t.text.as_str())
 }
 
 fn number(reader: &png::Reader<BufReader<File>>, keyword: &str) -> Option<f64> {
-    text(reader, keyword)?
-        .trim()
-        .parse()
-        .ok()
-        .filter(|v: &f64| v.is_finite())
+    text(reader, keyword)?.trim().parse().ok().filter(|v: &f64| v.is_finite())
 }
 
 fn as_error(path: &Path, e: DecodingError) -> Error {
     match e {
-        DecodingError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Error::format(
-            path,
-            "the PNG ends too early",
-            "it is truncated: copy or download it again",
-        ),
+        DecodingError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
+            Error::format(path, "the PNG ends too early", "it is truncated: copy or download it again")
+        }
         DecodingError::IoError(source) => Error::io(path, "read")(source),
-        other => Error::format(
-            path,
-            format!("broken PNG: {other}"),
-            "copy, download or export it again",
-        ),
+        other => Error::format(path, format!("broken PNG: {other}"), "copy, download or export it again"),
     }
 }

@@ -24,9 +24,7 @@ pub(crate) const STEPS: f64 = 65535.0;
 pub(crate) fn write_png16(path: &Path, world: &World, layer: &Layer) -> Result<()> {
     let field = &layer.field;
     let (width, height) = size_u32(path, field.width(), field.height())?;
-    let (min, max) = field
-        .iter()
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let (min, max) = field.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     // In f64: the range of finite f32 values can overflow f32.
     let (low, range) = (f64::from(min), f64::from(max) - f64::from(min));
     let per_metre = if range > 0.0 { STEPS / range } else { 0.0 };
@@ -51,22 +49,15 @@ pub(crate) fn write_png16(path: &Path, world: &World, layer: &Layer) -> Result<(
         for (keyword, text) in texts.into_iter().filter(|(_, text)| !text.is_empty()) {
             // A tEXt chunk holds Latin-1; most readers show iTXt as well, but the numbers must be where all look.
             let keyword = keyword.to_owned();
-            if text.is_ascii() {
-                encoder.add_text_chunk(keyword, text)
-            } else {
-                encoder.add_itxt_chunk(keyword, text)
-            }
-            .map_err(failed)?;
+            if text.is_ascii() { encoder.add_text_chunk(keyword, text) } else { encoder.add_itxt_chunk(keyword, text) }
+                .map_err(failed)?;
         }
         let mut writer = encoder.write_header().map_err(failed)?;
         let mut stream = writer.stream_writer().map_err(failed)?;
         let mut bytes = Vec::with_capacity(2 * field.width());
         for row in field.rows() {
             bytes.clear();
-            bytes.extend(
-                row.iter()
-                    .flat_map(|&v| (((f64::from(v) - low) * per_metre).round() as u16).to_be_bytes()),
-            );
+            bytes.extend(row.iter().flat_map(|&v| (((f64::from(v) - low) * per_metre).round() as u16).to_be_bytes()));
             stream.write_all(&bytes).map_err(Error::io(path, "write"))?;
         }
         stream.finish().map_err(failed)?;

@@ -117,11 +117,7 @@ pub(crate) fn read_if_described(path: &Path, file: &mut File, bytes: u64, limits
         return Ok(None);
     }
     let sidecar: Sidecar = serde_json::from_str(&text).map_err(|e| {
-        Error::format(
-            &beside,
-            format!("not a description of an R32 file: {e}"),
-            "export the file again",
-        )
+        Error::format(&beside, format!("not a description of an R32 file: {e}"), "export the file again")
     })?;
     read(path, &beside, file, bytes, &sidecar, limits).map(Some)
 }
@@ -137,10 +133,7 @@ fn read(path: &Path, beside: &Path, file: &mut File, bytes: u64, s: &Sidecar, li
     check_size(path, s.width, s.height, limits)?;
     let needed = s.width as u128 * s.height as u128 * 4;
     if u128::from(bytes) != needed {
-        let problem = format!(
-            "{}x{} cells need {needed} bytes, the file has {bytes}",
-            s.width, s.height
-        );
+        let problem = format!("{}x{} cells need {needed} bytes, the file has {bytes}", s.width, s.height);
         return Err(Error::format(
             path,
             problem,
@@ -155,33 +148,16 @@ fn read(path: &Path, beside: &Path, file: &mut File, bytes: u64, s: &Sidecar, li
     for i in 0..s.height {
         input.read_exact(&mut buffer).map_err(Error::io(path, "read"))?;
         crc.update(&buffer);
-        let y = if s.row_order == RowOrder::NorthFirst {
-            i
-        } else {
-            s.height - 1 - i
-        };
+        let y = if s.row_order == RowOrder::NorthFirst { i } else { s.height - 1 - i };
         for (v, b) in field.row_mut(y).iter_mut().zip(buffer.chunks_exact(4)) {
             let b = [b[0], b[1], b[2], b[3]];
-            *v = if s.byte_order == ByteOrder::Little {
-                f32::from_le_bytes(b)
-            } else {
-                f32::from_be_bytes(b)
-            };
+            *v = if s.byte_order == ByteOrder::Little { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) };
         }
     }
     let found = format!("{:08x}", crc.finalize());
     if s.crc32.as_ref().is_some_and(|c| !c.eq_ignore_ascii_case(&found)) {
-        return Err(Error::format(
-            path,
-            "the checksum in its .json does not fit the data",
-            "export the file again",
-        ));
+        return Err(Error::format(path, "the checksum in its .json does not fit the data", "export the file again"));
     }
     let cell_m = s.cell_x_m.zip(s.cell_y_m).filter(|&(x, y)| x > 0.0 && y > 0.0);
-    Ok(Raster {
-        field,
-        cell_m,
-        georeference: s.georeference.clone(),
-        filled: 0,
-    })
+    Ok(Raster { field, cell_m, georeference: s.georeference.clone(), filled: 0 })
 }

@@ -48,29 +48,18 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         return Err(Error::format(path, "this is a folder", "give the name of a file in it"));
     }
     if !metadata.is_file() {
-        return Err(Error::format(
-            path,
-            "this is no ordinary file",
-            "copy its content to a file first",
-        ));
+        return Err(Error::format(path, "this is no ordinary file", "copy its content to a file first"));
     }
     let mut file = File::open(path).map_err(Error::io(path, "read"))?;
     if metadata.len() == 0 {
-        return Err(Error::format(
-            path,
-            "the file is empty",
-            "copy, download or export it again",
-        ));
+        return Err(Error::format(path, "the file is empty", "copy, download or export it again"));
     }
     // Before the signatures: raw floats can look like anything.
     if let Some(raster) = r32::read_if_described(path, &mut file, metadata.len(), limits)? {
         return finite(path, raster);
     }
     let mut start = Vec::with_capacity(8);
-    Read::by_ref(&mut file)
-        .take(8)
-        .read_to_end(&mut start)
-        .map_err(Error::io(path, "read"))?;
+    Read::by_ref(&mut file).take(8).read_to_end(&mut start).map_err(Error::io(path, "read"))?;
     let raster = match start.as_slice() {
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
             drop(file);
@@ -94,29 +83,18 @@ pub(crate) fn check_size(path: &Path, width: usize, height: usize, limits: &Limi
 
 fn unknown(path: &Path, start: &[u8]) -> Error {
     if path.extension().is_some_and(|e| e == "r32") {
-        let problem = format!(
-            "an R32 file needs its description in `{}`",
-            r32::sidecar_path(path).display()
-        );
+        let problem = format!("an R32 file needs its description in `{}`", r32::sidecar_path(path).display());
         return Error::format(path, problem, "copy both files together");
     }
     let (problem, remedy) = match start {
-        [b'{', ..] if path.extension().is_some_and(|e| e == "json") => (
-            "this is a JSON file, not a raster",
-            "give the name of the raster beside it",
-        ),
-        [0x89, b'P', b'N', b'G', ..] => (
-            "the PNG signature is damaged",
-            "it was copied as text: copy it again as binary",
-        ),
-        [0xff, 0xd8, ..] => (
-            "this is a JPEG image, which cannot hold heights",
-            "convert it to 16-bit grey PNG",
-        ),
-        _ => (
-            "this is no GeoTIFF, PNG or R32 file",
-            "convert it to GeoTIFF, for example with gdal_translate",
-        ),
+        [b'{', ..] if path.extension().is_some_and(|e| e == "json") => {
+            ("this is a JSON file, not a raster", "give the name of the raster beside it")
+        }
+        [0x89, b'P', b'N', b'G', ..] => {
+            ("the PNG signature is damaged", "it was copied as text: copy it again as binary")
+        }
+        [0xff, 0xd8, ..] => ("this is a JPEG image, which cannot hold heights", "convert it to 16-bit grey PNG"),
+        _ => ("this is no GeoTIFF, PNG or R32 file", "convert it to GeoTIFF, for example with gdal_translate"),
     };
     Error::format(path, problem, remedy)
 }

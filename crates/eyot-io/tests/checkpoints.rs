@@ -7,15 +7,9 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 fn world(w: usize, h: usize, values: &[f32]) -> World {
-    let rim = Rim {
-        x: Edge::Wrap,
-        y: Edge::Open,
-    };
+    let rim = Rim { x: Edge::Wrap, y: Edge::Open };
     let mut world = World::new(
-        Grid {
-            cell_y_m: 0.1 + 0.2,
-            ..Grid::new(w, h, 10.0, rim, &Limits::default()).unwrap()
-        },
+        Grid { cell_y_m: 0.1 + 0.2, ..Grid::new(w, h, 10.0, rim, &Limits::default()).unwrap() },
         u64::MAX - 3,
     );
     world.step = 1 << 60;
@@ -26,38 +20,22 @@ fn world(w: usize, h: usize, values: &[f32]) -> World {
         geographic: true,
         nodata: None,
     });
-    world
-        .ledger
-        .add("water.rain", 1e300 / 3.0, "m3", "Rain that \"fell\"", 1);
+    world.ledger.add("water.rain", 1e300 / 3.0, "m3", "Rain that \"fell\"", 1);
     world.ledger.add("water.out", 5e-324, "m3", "Left over the rim", -1);
-    world
-        .put(&known::HEIGHT, Field::from_slice(w, h, values).unwrap())
-        .unwrap();
+    world.put(&known::HEIGHT, Field::from_slice(w, h, values).unwrap()).unwrap();
     let flux = LayerSpec::new("flux", "m3/s", "Flux", (f32::NEG_INFINITY, f32::INFINITY)).on(Stagger::FaceX);
-    world
-        .put(&flux, Field::from_fn(w, h, |x, y| -(x as f32) / (y as f32 + 3.0)))
-        .unwrap();
+    world.put(&flux, Field::from_fn(w, h, |x, y| -(x as f32) / (y as f32 + 3.0))).unwrap();
     world
 }
 
 fn bits(world: &World) -> Vec<(String, Vec<u32>)> {
-    world
-        .layers()
-        .iter()
-        .map(|l| (l.spec.name.to_string(), l.field.iter().map(f32::to_bits).collect()))
-        .collect()
+    world.layers().iter().map(|l| (l.spec.name.to_string(), l.field.iter().map(f32::to_bits).collect())).collect()
 }
 
 fn saved(folder: &Path) -> (PathBuf, World) {
     let path = folder.join("run.ckpt");
     let world = world(5, 4, &[0.5; 20]);
-    save(
-        &path,
-        &world,
-        "name = \"Atoll\"\n",
-        &json!({"entry": 3, "left": [1.5, null]}),
-    )
-    .unwrap();
+    save(&path, &world, "name = \"Atoll\"\n", &json!({"entry": 3, "left": [1.5, null]})).unwrap();
     (path, world)
 }
 
@@ -88,6 +66,20 @@ proptest! {
             prop_assert_eq!(&a.spec, &b.spec);
         }
     }
+}
+
+#[test]
+fn outer_faces_come_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("w.eyot");
+    let grid = Grid::new(3, 2, 1.0, eyot_core::Rim::OPEN, &Limits::default()).unwrap();
+    let mut world = World::new(grid, 1);
+    let spec = LayerSpec::new("flux_x", "m/s", "Flux", (-1.0, 1.0)).on(eyot_core::Stagger::FaceX);
+    world.ensure(&spec, 0.5).field.set_outer_faces(&[1.0, -2.0, 3.0, 4.0, -0.0]).unwrap();
+    save(&path, &world, "", &Value::Null).unwrap();
+    let back = load(&path, &Limits::default()).unwrap().world;
+    assert_eq!(back.get("flux_x").unwrap().outer_faces(), [1.0, -2.0, 3.0, 4.0, -0.0]);
+    assert_eq!(back.fingerprint(), world.fingerprint());
 }
 
 #[test]
@@ -130,20 +122,12 @@ fn foreign_files_versions_and_folders_are_named() {
     bytes[8] = 9;
     std::fs::write(&path, &bytes).unwrap();
     let e = load(&path, &Limits::default()).unwrap_err().to_string();
-    assert!(
-        e.contains("format version 9") && e.contains("version of Eyot that wrote it"),
-        "{e}"
-    );
+    assert!(e.contains("format version 9") && e.contains("version of Eyot that wrote it"), "{e}");
     std::fs::write(&path, [b'x'; 100]).unwrap();
     let e = load(&path, &Limits::default()).unwrap_err().to_string();
     assert!(e.contains("no Eyot checkpoint"), "{e}");
     assert!(load(folder.path(), &Limits::default()).is_err());
-    assert!(
-        load(&folder.path().join("none"), &Limits::default())
-            .unwrap_err()
-            .to_string()
-            .contains("check the name")
-    );
+    assert!(load(&folder.path().join("none"), &Limits::default()).unwrap_err().to_string().contains("check the name"));
 }
 
 /// A header with a sound checksum that claims what is not there.
@@ -188,11 +172,6 @@ fn numbers_that_json_cannot_carry_stop_the_save_and_leave_the_former_file() {
     let (path, mut world) = saved(folder.path());
     let before = std::fs::read(&path).unwrap();
     world.ledger.add("water.rain", f64::NAN, "m3", "", 1);
-    assert!(
-        save(&path, &world, "", &Value::Null)
-            .unwrap_err()
-            .to_string()
-            .contains("former one is unharmed")
-    );
+    assert!(save(&path, &world, "", &Value::Null).unwrap_err().to_string().contains("former one is unharmed"));
     assert_eq!(std::fs::read(&path).unwrap(), before);
 }

@@ -13,23 +13,12 @@ fn png_chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let mut crc = crc32fast::Hasher::new();
     crc.update(kind);
     crc.update(data);
-    [
-        &(data.len() as u32).to_be_bytes(),
-        &kind[..],
-        data,
-        &crc.finalize().to_be_bytes(),
-    ]
-    .concat()
+    [&(data.len() as u32).to_be_bytes(), &kind[..], data, &crc.finalize().to_be_bytes()].concat()
 }
 
 /// A PNG header for an image of any size and colour type, without pixels.
 fn png_header(width: u32, height: u32, depth: u8, colour: u8) -> Vec<u8> {
-    let ihdr = [
-        &width.to_be_bytes()[..],
-        &height.to_be_bytes(),
-        &[depth, colour, 0, 0, 0],
-    ]
-    .concat();
+    let ihdr = [&width.to_be_bytes()[..], &height.to_be_bytes(), &[depth, colour, 0, 0, 0]].concat();
     [&b"\x89PNG\r\n\x1a\n"[..], &png_chunk(b"IHDR", &ihdr)].concat()
 }
 
@@ -59,12 +48,7 @@ fn what_is_no_raster_is_named() {
 #[test]
 fn png_headers_that_claim_too_much_are_refused() {
     let f = Fixture::new();
-    for (w, h) in [
-        (1 << 31, 1),
-        ((1 << 31) - 1, (1 << 31) - 1),
-        (200_000, 200_000),
-        (1, (1 << 31) - 1),
-    ] {
+    for (w, h) in [(1 << 31, 1), ((1 << 31) - 1, (1 << 31) - 1), (200_000, 200_000), (1, (1 << 31) - 1)] {
         let e = refused(&f.file("bomb.png", &png_header(w, h, 16, 0)));
         assert!(e.contains("too large") || e.contains("broken PNG"), "{e}");
     }
@@ -104,28 +88,16 @@ fn grey_png(f: &Fixture, depth: u8, samples: &[u8]) -> Vec<u8> {
 fn grey_pngs_are_scaled_by_the_options() {
     let f = Fixture::new();
     let values = |path: &Path| read(path).unwrap().field.to_vec();
-    assert_eq!(
-        values(&f.file("8.png", &grey_png(&f, 8, &[0, 51, 102, 255]))),
-        [0.0, 20.0, 40.0, 100.0]
-    );
+    assert_eq!(values(&f.file("8.png", &grey_png(&f, 8, &[0, 51, 102, 255]))), [0.0, 20.0, 40.0, 100.0]);
     assert_eq!(
         values(&f.file("16.png", &grey_png(&f, 16, &[0, 0, 0x33, 0x33, 0x66, 0x66, 255, 255]))),
         [0.0, 20.0, 40.0, 100.0]
     );
-    assert_eq!(
-        values(&f.file("1.png", &grey_png(&f, 1, &[0b0100_0000, 0b1000_0000]))),
-        [0.0, 100.0, 100.0, 0.0]
-    );
+    assert_eq!(values(&f.file("1.png", &grey_png(&f, 1, &[0b0100_0000, 0b1000_0000]))), [0.0, 100.0, 100.0, 0.0]);
     let path = f.0.path().join("8.png");
-    let open = read_raster(&path, &ReadOptions::default(), &Limits::default())
-        .unwrap_err()
-        .to_string();
+    let open = read_raster(&path, &ReadOptions::default(), &Limits::default()).unwrap_err().to_string();
     assert!(open.contains("low_m and high_m"), "{open}");
-    let nan = ReadOptions {
-        low_m: Some(f64::NAN),
-        high_m: Some(1.0),
-        nodata: None,
-    };
+    let nan = ReadOptions { low_m: Some(f64::NAN), high_m: Some(1.0), nodata: None };
     assert!(read_raster(&path, &nan, &Limits::default()).is_err());
 }
 
@@ -141,28 +113,13 @@ fn r32_and_its_description_must_agree() {
     describe(r#"{"format": "r32", "width": 3, "height": 2, "row_order": "south to north"}"#);
     assert_eq!(read(&path).unwrap().field.to_vec(), [4.0, 5.0, 6.0, 1.0, 2.0, 3.0]);
     for (json, part) in [
-        (
-            r#"{"format": "r32", "width": 3, "height": 3}"#,
-            "36 bytes, the file has 24",
-        ),
+        (r#"{"format": "r32", "width": 3, "height": 3}"#, "36 bytes, the file has 24"),
         (r#"{"format": "r32", "width": 0, "height": 3}"#, "0x3"),
-        (
-            r#"{"format": "r32", "width": 4000000000, "height": 4000000000}"#,
-            "too large",
-        ),
-        (
-            r#"{"format": "r32", "width": 18446744073709551615, "height": 18446744073709551615}"#,
-            "too large",
-        ),
+        (r#"{"format": "r32", "width": 4000000000, "height": 4000000000}"#, "too large"),
+        (r#"{"format": "r32", "width": 18446744073709551615, "height": 18446744073709551615}"#, "too large"),
         (r#"{"format": "r32", "width": -3, "height": 2}"#, "not a description"),
-        (
-            r#"{"format": "r32", "width": 3, "height": 2, "crc32": "00000000"}"#,
-            "checksum",
-        ),
-        (
-            r#"{"format": "r32", "width": 3, "height": 2, "byte_order": "middle"}"#,
-            "not a description",
-        ),
+        (r#"{"format": "r32", "width": 3, "height": 2, "crc32": "00000000"}"#, "checksum"),
+        (r#"{"format": "r32", "width": 3, "height": 2, "byte_order": "middle"}"#, "not a description"),
         ("{", "not a description"),
     ] {
         describe(json);
@@ -184,12 +141,7 @@ fn the_padding_of_narrow_grids_counts_against_the_limit() {
     let f = Fixture::new();
     let path = f.file("n.r32", &[0; 4 * 5000]);
     f.file("n.r32.json", br#"{"format": "r32", "width": 1, "height": 5000}"#);
-    let limits = Limits {
-        max_bytes: 1 << 20,
-        ..Limits::default()
-    };
-    let e = read_raster(&path, &ReadOptions::default(), &limits)
-        .unwrap_err()
-        .to_string();
+    let limits = Limits { max_bytes: 1 << 20, ..Limits::default() };
+    let e = read_raster(&path, &ReadOptions::default(), &limits).unwrap_err().to_string();
     assert!(e.contains("too large"), "{e}");
 }

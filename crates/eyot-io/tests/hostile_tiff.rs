@@ -42,20 +42,14 @@ impl Tiff {
 
     fn doubles(mut self, tag: u16, values: &[f64]) -> Self {
         let big = self.big_endian;
-        let bytes = values
-            .iter()
-            .flat_map(|v| if big { v.to_be_bytes() } else { v.to_le_bytes() })
-            .collect();
+        let bytes = values.iter().flat_map(|v| if big { v.to_be_bytes() } else { v.to_le_bytes() }).collect();
         self.tags.push((tag, bytes, 12));
         self
     }
 
     fn shorts(mut self, tag: u16, values: &[u16]) -> Self {
         let big = self.big_endian;
-        let bytes = values
-            .iter()
-            .flat_map(|v| if big { v.to_be_bytes() } else { v.to_le_bytes() })
-            .collect();
+        let bytes = values.iter().flat_map(|v| if big { v.to_be_bytes() } else { v.to_le_bytes() }).collect();
         self.tags.push((tag, bytes, 3));
         self
     }
@@ -63,18 +57,10 @@ impl Tiff {
     /// Classic TIFF: header, one directory, its values, one strip.
     fn bytes(&self) -> Vec<u8> {
         let w16 = |v: u16| {
-            if self.big_endian {
-                v.to_be_bytes()
-            } else {
-                v.to_le_bytes()
-            }
+            if self.big_endian { v.to_be_bytes() } else { v.to_le_bytes() }
         };
         let w32 = |v: u32| {
-            if self.big_endian {
-                v.to_be_bytes()
-            } else {
-                v.to_le_bytes()
-            }
+            if self.big_endian { v.to_be_bytes() } else { v.to_le_bytes() }
         };
         let longs = [
             (256, self.width),
@@ -94,10 +80,7 @@ impl Tiff {
         let after = 8 + 2 + 12 * entries.len() as u32 + 4;
         let mut values: Vec<u8> = Vec::new();
         let mut directory = w16(entries.len() as u16).to_vec();
-        let long_bytes: u32 = entries
-            .iter()
-            .map(|e| if e.2.len() > 4 { e.2.len() as u32 } else { 0 })
-            .sum();
+        let long_bytes: u32 = entries.iter().map(|e| if e.2.len() > 4 { e.2.len() as u32 } else { 0 }).sum();
         for (tag, kind, bytes) in &entries {
             let size = match kind {
                 2 => 1,
@@ -127,46 +110,24 @@ impl Tiff {
 #[test]
 fn tiff_headers_that_claim_too_much_are_refused() {
     let f = Fixture::new();
-    for (w, h) in [
-        (200_000, 200_000),
-        (u32::MAX, u32::MAX),
-        (1, 1 << 29),
-        (1 << 29, 1),
-        (30_000, 30_000),
-        (0, 3),
-        (3, 0),
-    ] {
+    for (w, h) in
+        [(200_000, 200_000), (u32::MAX, u32::MAX), (1, 1 << 29), (1 << 29, 1), (30_000, 30_000), (0, 3), (3, 0)]
+    {
         for compression in [1, 5, 8, 32773] {
-            let e = refused(
-                &f.file(
-                    "bomb.tif",
-                    &Tiff {
-                        compression,
-                        ..Tiff::of(w, h, 32, 3, &[0; 64])
-                    }
-                    .bytes(),
-                ),
-            );
-            let clear = ["too large", "cannot hold", "broken or truncated"]
-                .iter()
-                .any(|c| e.contains(c));
+            let e = refused(&f.file("bomb.tif", &Tiff { compression, ..Tiff::of(w, h, 32, 3, &[0; 64]) }.bytes()));
+            let clear = ["too large", "cannot hold", "broken or truncated"].iter().any(|c| e.contains(c));
             assert!(clear, "{w}x{h}: {e}");
         }
     }
     // A small image in one monstrous tile.
-    let tile = Tiff::of(4, 4, 32, 3, &[0; 64])
-        .shorts(322, &[65520])
-        .shorts(323, &[65520])
-        .bytes();
+    let tile = Tiff::of(4, 4, 32, 3, &[0; 64]).shorts(322, &[65520]).shorts(323, &[65520]).bytes();
     let _ = refused(&f.file("tile.tif", &tile));
 }
 
 #[test]
 fn broken_tiffs_never_panic() {
     let f = Fixture::new();
-    let whole = Tiff::of(3, 2, 16, 2, &[1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0])
-        .nodata("3")
-        .bytes();
+    let whole = Tiff::of(3, 2, 16, 2, &[1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0]).nodata("3").bytes();
     assert_eq!(read(&f.file("whole.tif", &whole)).unwrap().filled, 1);
     for n in 8..whole.len() {
         refused(&f.file("cut.tif", &whole[..n]));
@@ -212,56 +173,18 @@ fn all_number_types_and_byte_orders_are_read() {
     let samples: &[(u32, u32, Vec<u8>, Vec<u8>)] = &[
         (8, 1, vec![1, 200], vec![1, 200]),
         (8, 2, vec![1, 200], vec![1, 200]),
-        (
-            16,
-            1,
-            [1u16, 60_000].map(u16::to_le_bytes).concat(),
-            [1u16, 60_000].map(u16::to_be_bytes).concat(),
-        ),
-        (
-            16,
-            2,
-            [1i16, -500].map(i16::to_le_bytes).concat(),
-            [1i16, -500].map(i16::to_be_bytes).concat(),
-        ),
-        (
-            32,
-            1,
-            [1u32, 70_000].map(u32::to_le_bytes).concat(),
-            [1u32, 70_000].map(u32::to_be_bytes).concat(),
-        ),
-        (
-            32,
-            2,
-            [1i32, -70_000].map(i32::to_le_bytes).concat(),
-            [1i32, -70_000].map(i32::to_be_bytes).concat(),
-        ),
-        (
-            64,
-            2,
-            [1i64, -9].map(i64::to_le_bytes).concat(),
-            [1i64, -9].map(i64::to_be_bytes).concat(),
-        ),
-        (
-            32,
-            3,
-            [1f32, 0.25].map(f32::to_le_bytes).concat(),
-            [1f32, 0.25].map(f32::to_be_bytes).concat(),
-        ),
-        (
-            64,
-            3,
-            [1f64, 0.25].map(f64::to_le_bytes).concat(),
-            [1f64, 0.25].map(f64::to_be_bytes).concat(),
-        ),
+        (16, 1, [1u16, 60_000].map(u16::to_le_bytes).concat(), [1u16, 60_000].map(u16::to_be_bytes).concat()),
+        (16, 2, [1i16, -500].map(i16::to_le_bytes).concat(), [1i16, -500].map(i16::to_be_bytes).concat()),
+        (32, 1, [1u32, 70_000].map(u32::to_le_bytes).concat(), [1u32, 70_000].map(u32::to_be_bytes).concat()),
+        (32, 2, [1i32, -70_000].map(i32::to_le_bytes).concat(), [1i32, -70_000].map(i32::to_be_bytes).concat()),
+        (64, 2, [1i64, -9].map(i64::to_le_bytes).concat(), [1i64, -9].map(i64::to_be_bytes).concat()),
+        (32, 3, [1f32, 0.25].map(f32::to_le_bytes).concat(), [1f32, 0.25].map(f32::to_be_bytes).concat()),
+        (64, 3, [1f64, 0.25].map(f64::to_le_bytes).concat(), [1f64, 0.25].map(f64::to_be_bytes).concat()),
     ];
     let second = [200.0, -56.0, 60_000.0, -500.0, 70_000.0, -70_000.0, -9.0, 0.25, 0.25];
     for ((bits, format, little, big), second) in samples.iter().zip(second) {
         for (data, big_endian) in [(little, false), (big, true)] {
-            let mut tiff = Tiff {
-                big_endian,
-                ..Tiff::of(2, 1, *bits, *format, data)
-            };
+            let mut tiff = Tiff { big_endian, ..Tiff::of(2, 1, *bits, *format, data) };
             tiff = tiff.nodata("-12345");
             let r = read(&f.file("n.tif", &tiff.bytes())).unwrap();
             assert_eq!(
@@ -272,11 +195,7 @@ fn all_number_types_and_byte_orders_are_read() {
         }
     }
     assert!(refused(&f.file("complex.tif", &Tiff::of(2, 1, 32, 5, &[0; 8]).bytes())).contains("complex.tif"));
-    let rgb = Tiff {
-        samples: 3,
-        ..Tiff::of(1, 1, 8, 1, &[1, 2, 3])
-    }
-    .bytes();
+    let rgb = Tiff { samples: 3, ..Tiff::of(1, 1, 8, 1, &[1, 2, 3]) }.bytes();
     let _ = refused(&f.file("rgb.tif", &rgb));
 }
 
@@ -309,10 +228,7 @@ fn missing_cells_are_filled_and_numbers_that_are_not_finite_are_refused() {
     }
     let all = tiff(&[-1.0; 3]).nodata("-1").bytes();
     assert!(refused(&f.file("all.tif", &all)).contains("every cell is marked as missing"));
-    let options = ReadOptions {
-        nodata: Some(2.0),
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { nodata: Some(2.0), ..ReadOptions::default() };
     let path = f.file("own.tif", &tiff(&[1.0, 2.0, 3.0]).bytes());
     assert_eq!(read_raster(&path, &options, &Limits::default()).unwrap().filled, 1);
 }
@@ -335,23 +251,13 @@ fn cell_sizes_come_from_the_georeference() {
     let point = point.shorts(34735, &[1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 2, 3072, 0, 1, 32633]);
     let r = read(&f.file("p.tif", &point.bytes())).unwrap();
     let g = r.georeference.unwrap();
-    assert_eq!(
-        (r.cell_m, g.epsg, g.transform[0], g.transform[3]),
-        (Some((30.0, 30.0)), Some(32633), -5.0, 61.0)
-    );
+    assert_eq!((r.cell_m, g.epsg, g.transform[0], g.transform[3]), (Some((30.0, 30.0)), Some(32633), -5.0, 61.0));
     // From south to north, from east to west.
-    let m = [
-        -5.0, 0.0, 0.0, 100.0, 0.0, 20.0, 0.0, 7.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
-    ];
-    let turned = Tiff::of(2, 2, 32, 3, &floats(&[1.0, 2.0, 3.0, 4.0]))
-        .doubles(34264, &m)
-        .bytes();
+    let m = [-5.0, 0.0, 0.0, 100.0, 0.0, 20.0, 0.0, 7.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let turned = Tiff::of(2, 2, 32, 3, &floats(&[1.0, 2.0, 3.0, 4.0])).doubles(34264, &m).bytes();
     let r = read(&f.file("t.tif", &turned)).unwrap();
     assert_eq!(r.field.to_vec(), [4.0, 3.0, 2.0, 1.0]);
-    assert_eq!(
-        (r.cell_m, r.georeference.unwrap().transform),
-        (Some((5.0, 20.0)), [90.0, 5.0, 0.0, 47.0, 0.0, -20.0])
-    );
+    assert_eq!((r.cell_m, r.georeference.unwrap().transform), (Some((5.0, 20.0)), [90.0, 5.0, 0.0, 47.0, 0.0, -20.0]));
     // A transform without extent says nothing.
     let flat = base(&[0.0; 4]).doubles(33550, &[0.0, 0.0, 0.0]).bytes();
     assert_eq!(read(&f.file("f.tif", &flat)).unwrap().cell_m, None);

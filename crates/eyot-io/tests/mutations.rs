@@ -30,22 +30,14 @@ fn mutate(bytes: &mut Vec<u8>, r: &mut Random) {
             return;
         }
         // Headers and directories sit at the start; half of the damage goes there.
-        let span = if r.below(2) == 0 {
-            bytes.len().min(600)
-        } else {
-            bytes.len()
-        };
+        let span = if r.below(2) == 0 { bytes.len().min(600) } else { bytes.len() };
         let at = r.below(span);
         match r.below(6) {
             0 => bytes[at] ^= 1 << r.below(8),
             1 => bytes[at] = r.next() as u8,
             2 => {
                 let value = NASTY[r.below(NASTY.len())];
-                let nasty = if r.below(2) == 0 {
-                    value.to_le_bytes()
-                } else {
-                    value.to_be_bytes()
-                };
+                let nasty = if r.below(2) == 0 { value.to_le_bytes() } else { value.to_be_bytes() };
                 bytes.iter_mut().skip(at).zip(nasty).for_each(|(b, n)| *b = n);
             }
             3 => bytes.truncate(at),
@@ -75,10 +67,7 @@ fn world() -> World {
 }
 
 fn rounds() -> usize {
-    std::env::var("EYOT_MUTATIONS")
-        .ok()
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(2000)
+    std::env::var("EYOT_MUTATIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(2000)
 }
 
 /// Tries `read` on damaged copies of `original`.
@@ -93,28 +82,15 @@ fn batter(original: &[u8], path: &Path, seed: u64, read: impl Fn(&Path)) {
 }
 
 fn tight() -> Limits {
-    Limits {
-        max_cells: 1 << 22,
-        max_bytes: 256 << 20,
-        ..Limits::default()
-    }
+    Limits { max_cells: 1 << 22, max_bytes: 256 << 20, ..Limits::default() }
 }
 
 fn try_raster(path: &Path) {
-    let options = ReadOptions {
-        low_m: Some(0.0),
-        high_m: Some(1.0),
-        nodata: None,
-    };
+    let options = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), nodata: None };
     if let Ok(r) = read_raster(path, &options, &tight()) {
         assert!(r.field.find_not_finite().is_none());
         assert!(r.field.width() > 0 && r.field.height() > 0);
-        assert!(
-            r.cell_m
-                .is_none_or(|(x, y)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0),
-            "{:?}",
-            r.cell_m
-        );
+        assert!(r.cell_m.is_none_or(|(x, y)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0), "{:?}", r.cell_m);
     }
 }
 

@@ -6,14 +6,9 @@ use proptest::prelude::*;
 use std::path::Path;
 
 fn world(width: usize, height: usize, values: &[f32]) -> World {
-    let grid = Grid {
-        cell_y_m: 7.5,
-        ..Grid::new(width, height, 10.0, Rim::CLOSED, &Limits::default()).unwrap()
-    };
+    let grid = Grid { cell_y_m: 7.5, ..Grid::new(width, height, 10.0, Rim::CLOSED, &Limits::default()).unwrap() };
     let mut world = World::new(grid, 7);
-    world
-        .put(&known::HEIGHT, Field::from_slice(width, height, values).unwrap())
-        .unwrap();
+    world.put(&known::HEIGHT, Field::from_slice(width, height, values).unwrap()).unwrap();
     world
 }
 
@@ -22,15 +17,8 @@ fn there_and_back(world: &World, format: RasterFormat) -> Raster {
     // No extension: the content alone must tell.
     let path = folder.path().join("raster");
     write_layer(&path, world, &world.layers()[0], format).unwrap();
-    let there: Vec<_> = std::fs::read_dir(folder.path())
-        .unwrap()
-        .map(|e| e.unwrap().file_name())
-        .collect();
-    assert_eq!(
-        there.len(),
-        if format == RasterFormat::R32 { 2 } else { 1 },
-        "{there:?}"
-    );
+    let there: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(there.len(), if format == RasterFormat::R32 { 2 } else { 1 }, "{there:?}");
     read(&path)
 }
 
@@ -119,10 +107,7 @@ fn georeferences_survive() {
         geographic: true,
         nodata: Some(-9999.0),
     };
-    let rotated = Georeference {
-        transform: [10.0, 28.0, 9.0, 20.0, 9.0, -28.0],
-        ..projected.clone()
-    };
+    let rotated = Georeference { transform: [10.0, 28.0, 9.0, 20.0, 9.0, -28.0], ..projected.clone() };
     let values: Vec<f32> = (0..20 * 30).map(|i| (i % 37) as f32).collect();
     for g in [projected, geographic, rotated] {
         let mut world = world(20, 30, &values);
@@ -130,11 +115,7 @@ fn georeferences_survive() {
         for format in RasterFormat::ALL {
             let back = there_and_back(&world, format);
             let found = back.georeference.unwrap();
-            assert_eq!(
-                (found.epsg, found.geographic, found.nodata),
-                (g.epsg, g.geographic, g.nodata),
-                "{format:?}"
-            );
+            assert_eq!((found.epsg, found.geographic, found.nodata), (g.epsg, g.geographic, g.nodata), "{format:?}");
             for (a, b) in found.transform.iter().zip(g.transform) {
                 assert!((a - b).abs() < 1e-9 * b.abs().max(1.0), "{format:?} {found:?}");
             }
@@ -146,11 +127,8 @@ fn georeferences_survive() {
 fn values_equal_to_the_nodata_value_are_not_lost() {
     let mut world = world(2, 2, &[-9999.0, f32::MIN, 1.0, 2.0]);
     for nodata in [None, Some(-9999.0), Some(f64::NAN)] {
-        world.georeference = Some(Georeference {
-            transform: [0.0, 1.0, 0.0, 0.0, 0.0, -1.0],
-            nodata,
-            ..Georeference::default()
-        });
+        world.georeference =
+            Some(Georeference { transform: [0.0, 1.0, 0.0, 0.0, 0.0, -1.0], nodata, ..Georeference::default() });
         let back = there_and_back(&world, RasterFormat::GeoTiff);
         assert_eq!(back.filled, 0);
         assert_eq!(back.field, world.layers()[0].field);
@@ -166,9 +144,7 @@ fn layers_that_cannot_be_written_leave_no_file() {
     foreign.grid.width = 4;
     for world in [&bad, &foreign] {
         for format in RasterFormat::ALL {
-            let e = write_layer(&folder.path().join("a"), world, &world.layers()[0], format)
-                .unwrap_err()
-                .to_string();
+            let e = write_layer(&folder.path().join("a"), world, &world.layers()[0], format).unwrap_err().to_string();
             assert!(e.contains("column 1, row 2") || e.contains("4x3"), "{e}");
         }
     }
@@ -178,11 +154,7 @@ fn layers_that_cannot_be_written_leave_no_file() {
 #[test]
 fn words_beyond_ascii_do_not_stop_an_export() {
     let mut world = world(2, 2, &[0.0, 1.0, 2.0, 3.0]);
-    let spec = LayerSpec {
-        meaning: "Höhe über dem Meer – 海拔".into(),
-        unit: "m²".into(),
-        ..known::HEIGHT
-    };
+    let spec = LayerSpec { meaning: "Höhe über dem Meer – 海拔".into(), unit: "m²".into(), ..known::HEIGHT };
     let field = world.remove("height").unwrap().field;
     world.put(&spec, field).unwrap();
     for format in RasterFormat::ALL {

@@ -2,5 +2,6 @@
 //!
 //! `generate` and `simulate` do not know each other; recipes put them together.
 
+pub mod analyse;
 pub mod generate;
 pub mod simulate;

@@ -26,11 +26,7 @@ pub struct Lod {
 /// left out, so there may be fewer levels than ratios; values outside 0..1 are left out, too.
 pub fn levels_of_detail(mesh: &TerrainMesh, ratios: &[f64]) -> Vec<Lod> {
     let full = mesh.triangles();
-    let mut levels = vec![Lod {
-        mesh: compact(mesh, &mesh.indices),
-        ratio: 1.0,
-        error_m: 0.0,
-    }];
+    let mut levels = vec![Lod { mesh: compact(mesh, &mesh.indices), ratio: 1.0, error_m: 0.0 }];
     if mesh.positions.is_empty() {
         return levels;
     }
@@ -45,11 +41,7 @@ pub fn levels_of_detail(mesh: &TerrainMesh, ratios: &[f64]) -> Vec<Lod> {
         // Each level is made from the one before, so the distances add up at worst.
         let error_m = finer.error_m + error;
         let mesh = compact(&finer.mesh, &indices);
-        levels.push(Lod {
-            ratio: mesh.triangles() as f64 / full as f64,
-            mesh,
-            error_m,
-        });
+        levels.push(Lod { ratio: mesh.triangles() as f64 / full as f64, mesh, error_m });
     }
     levels
 }
@@ -101,9 +93,7 @@ mod tests {
         let grid = Grid::new(n, n, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
         let height = Field::from_fn(n, n, |x, y| 40.0 * ((x as f32 * 0.15).sin() + (y as f32 * 0.11).cos()));
         let grey = vec![[0.5; 3]; n * n];
-        terrain(&height, &grid, &grey, &MeshOptions::default(), &Limits::default())
-            .unwrap()
-            .mesh
+        terrain(&height, &grid, &grey, &MeshOptions::default(), &Limits::default()).unwrap().mesh
     }
 
     /// Vertices on edges that only one triangle has.
@@ -115,10 +105,7 @@ mod tests {
             }
         }
         assert!(edges.values().all(|&n| n <= 2), "an edge has more than two triangles");
-        let rim = edges
-            .into_iter()
-            .filter(|&(_, n)| n == 1)
-            .flat_map(|((a, b), _)| [a, b]);
+        let rim = edges.into_iter().filter(|&(_, n)| n == 1).flat_map(|((a, b), _)| [a, b]);
         rim.map(|i| mesh.positions[i as usize].map(f32::to_bits)).collect()
     }
 

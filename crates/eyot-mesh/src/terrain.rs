@@ -78,17 +78,9 @@ pub fn terrain(
     if w < 2 || h < 2 {
         return Err(Error::NoTriangle { width: w, height: h });
     }
-    for (what, found) in [
-        ("the height field", height.width() * height.height()),
-        ("the colours", colours.len()),
-    ] {
+    for (what, found) in [("the height field", height.width() * height.height()), ("the colours", colours.len())] {
         if found != w * h || height.width() != w {
-            return Err(CoreError::Shape {
-                what: format!("{what} of a {w}x{h} mesh"),
-                expected: w * h,
-                found,
-            }
-            .into());
+            return Err(CoreError::Shape { what: format!("{what} of a {w}x{h} mesh"), expected: w * h, found }.into());
         }
     }
     if let Some((x, y, value)) = height.find_not_finite() {
@@ -104,37 +96,17 @@ pub fn terrain(
     let vertices = columns as u64 * rows as u64;
     limits.check_bytes("a terrain mesh", u128::from(vertices) * u128::from(BYTES_PER_VERTEX))?;
 
-    let cells = Sampling {
-        height,
-        grid,
-        columns,
-        rows,
-        stride,
-    };
+    let cells = Sampling { height, grid, columns, rows, stride };
     let per_row = |row: usize| (0..columns).map(move |column| (column, row));
     let positions: Vec<[f32; 3]> = collect(rows, |row| per_row(row).map(|(c, r)| cells.position(c, r)).collect());
     let normals = collect(rows, |row| per_row(row).map(|(c, r)| cells.normal(c, r)).collect());
     let colours = collect(rows, |row| {
-        per_row(row)
-            .map(|(c, r)| quantise(colours[cells.cell(r, h) * w + cells.cell(c, w)]))
-            .collect()
+        per_row(row).map(|(c, r)| quantise(colours[cells.cell(r, h) * w + cells.cell(c, w)])).collect()
     });
     let indices = collect(rows - 1, |row| {
-        (0..columns - 1)
-            .flat_map(|column| split_quad(&positions, columns, column, row))
-            .collect()
+        (0..columns - 1).flat_map(|column| split_quad(&positions, columns, column, row)).collect()
     });
-    Ok(Terrain {
-        mesh: TerrainMesh {
-            positions,
-            normals,
-            colours,
-            indices,
-        },
-        columns,
-        rows,
-        stride,
-    })
+    Ok(Terrain { mesh: TerrainMesh { positions, normals, colours, indices }, columns, rows, stride })
 }
 
 /// Runs `row` for all rows on all cores and joins the results in order.
@@ -191,27 +163,11 @@ impl Sampling<'_> {
     fn normal(&self, column: usize, row: usize) -> [f32; 3] {
         let (w, h) = (self.grid.width, self.grid.height);
         let (x, y) = (self.cell(column, w), self.cell(row, h));
-        let (west, east) = (
-            self.cell(column.saturating_sub(1), w),
-            self.cell((column + 1).min(self.columns - 1), w),
-        );
-        let (north, south) = (
-            self.cell(row.saturating_sub(1), h),
-            self.cell((row + 1).min(self.rows - 1), h),
-        );
+        let (west, east) = (self.cell(column.saturating_sub(1), w), self.cell((column + 1).min(self.columns - 1), w));
+        let (north, south) = (self.cell(row.saturating_sub(1), h), self.cell((row + 1).min(self.rows - 1), h));
         let slope = |a: f32, b: f32, cells: usize, size: f64| (f64::from(b) - f64::from(a)) / (cells as f64 * size);
-        let dx = slope(
-            self.height.get(west, y),
-            self.height.get(east, y),
-            east - west,
-            self.grid.cell_x_m,
-        );
-        let dz = slope(
-            self.height.get(x, north),
-            self.height.get(x, south),
-            south - north,
-            self.grid.cell_y_m,
-        );
+        let dx = slope(self.height.get(west, y), self.height.get(east, y), east - west, self.grid.cell_x_m);
+        let dz = slope(self.height.get(x, north), self.height.get(x, south), south - north, self.grid.cell_y_m);
         let length = (dx * dx + dz * dz + 1.0).sqrt();
         [(-dx / length) as f32, (1.0 / length) as f32, (-dz / length) as f32]
     }
@@ -225,11 +181,7 @@ fn split_quad(positions: &[[f32; 3]], columns: usize, column: usize, row: usize)
     let nw = row * columns + column;
     let (ne, sw, se) = (nw + 1, nw + columns, nw + columns + 1);
     let drop = |a: usize, b: usize| (positions[a][1] - positions[b][1]).abs();
-    let corners = if drop(nw, se) < drop(ne, sw) {
-        [nw, sw, se, nw, se, ne]
-    } else {
-        [nw, sw, ne, ne, sw, se]
-    };
+    let corners = if drop(nw, se) < drop(ne, sw) { [nw, sw, se, nw, se, ne] } else { [nw, sw, ne, ne, sw, se] };
     corners.map(|i| i as u32)
 }
 
@@ -279,10 +231,7 @@ mod tests {
 
     #[test]
     fn a_plane_has_its_analytic_normal_everywhere() {
-        let g = Grid {
-            cell_y_m: 4.0,
-            ..grid(9, 6, 2.0)
-        };
+        let g = Grid { cell_y_m: 4.0, ..grid(9, 6, 2.0) };
         // Rises 0.5 m per m to the east and 0.25 m per m to the south.
         let plane = Field::from_fn(9, 6, |x, y| x as f32 + y as f32);
         let length = (0.25f32 + 0.0625 + 1.0).sqrt();
@@ -315,27 +264,12 @@ mod tests {
         }
         let g = grid(3, 3, 1.0);
         let mut bad = Field::new(3, 3, 0.0);
-        assert!(matches!(
-            build(&bad, &g, 3).unwrap_err(),
-            Error::TooFewVertices { max_vertices: 3 }
-        ));
-        assert!(matches!(
-            build(&Field::new(3, 4, 0.0), &g, 9).unwrap_err(),
-            Error::Core(_)
-        ));
-        assert!(matches!(
-            build(&Field::new(9, 1, 0.0), &g, 9).unwrap_err(),
-            Error::Core(_)
-        ));
+        assert!(matches!(build(&bad, &g, 3).unwrap_err(), Error::TooFewVertices { max_vertices: 3 }));
+        assert!(matches!(build(&Field::new(3, 4, 0.0), &g, 9).unwrap_err(), Error::Core(_)));
+        assert!(matches!(build(&Field::new(9, 1, 0.0), &g, 9).unwrap_err(), Error::Core(_)));
         bad.set(2, 1, f32::NAN);
-        assert!(matches!(
-            build(&bad, &g, 9).unwrap_err(),
-            Error::NotFinite { x: 2, y: 1, .. }
-        ));
-        let tight = Limits {
-            max_bytes: 100,
-            ..Limits::default()
-        };
+        assert!(matches!(build(&bad, &g, 9).unwrap_err(), Error::NotFinite { x: 2, y: 1, .. }));
+        let tight = Limits { max_bytes: 100, ..Limits::default() };
         let colours = [[0.0; 3]; 9];
         let e = terrain(&Field::new(3, 3, 0.0), &g, &colours, &MeshOptions::default(), &tight).unwrap_err();
         assert!(matches!(e, Error::Core(CoreError::Limit { .. })), "{e}");

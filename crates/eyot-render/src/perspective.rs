@@ -1,0 +1,169 @@
+//! Perspective views: one ray a pixel, and more where neighbours differ.
+
+use crate::block::Block;
+use crate::math::{V3, add, scale};
+use crate::picture::{Picture, quantise, tone_map};
+use crate::scene::Scene;
+use crate::sea::sea;
+use crate::view::{Camera, ViewOptions, finite};
+use eyot_core::{Result, World};
+use rayon::prelude::*;
+
+/// Difference of encoded colours from which a pixel counts as an edge.
+const EDGE: f32 = 0.055;
+
+/// A view of the world from a camera over it. See [`ViewOptions`].
+///
+/// # Errors
+/// If the world has no layer `height`.
+pub fn perspective(world: &World, o: &ViewOptions) -> Result<Picture> {
+    let scene = Scene::new(world, o)?;
+    let shot = Shot::new(&scene, o);
+    let (w, h) = (o.width, o.height);
+    let mut once = vec![[0.0f32; 3]; w * h];
+    once.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, row)| {
+        row.iter_mut().enumerate().for_each(|(x, c)| *c = shot.encoded(x as f32 + 0.5, y as f32 + 0.5));
+    });
+    let samples = o.samples.clamp(1, 16);
+    let mut pixels = vec![[0u8; 3]; w * h];
+    pixels.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, row)| {
+        for (x, out) in row.iter_mut().enumerate() {
+            let mut c = once[y * w + x];
+            if samples > 1 && is_edge(&once, w, h, x, y) {
+                for k in 1..samples {
+                    let [dx, dy] = r2(k);
+                    c = add(c, shot.encoded(x as f32 + dx, y as f32 + dy));
+                }
+                c = scale(c, 1.0 / samples as f32);
+            }
+            *out = quantise(c, x, y);
+        }
+    });
+    Ok(Picture { width: w, height: h, pixels })
+}
+
+/// Points that fill the pixel evenly for any count (Roberts' R2 sequence); the first is the centre.
+fn r2(k: usize) -> [f32; 2] {
+    let k = k as f32;
+    [(0.5 + 0.754_877_7 * k).fract(), (0.5 + 0.569_840_3 * k).fract()]
+}
+
+fn is_edge(colours: &[V3], w: usize, h: usize, x: usize, y: usize) -> bool {
+    let here = colours[y * w + x];
+    let differs = |x: usize, y: usize| {
+        let c = colours[y * w + x];
+        (0..3).any(|k| (c[k] - here[k]).abs() > EDGE)
+    };
+    (x > 0 && differs(x - 1, y))
+        || (x + 1 < w && differs(x + 1, y))
+        || (y > 0 && differs(x, y - 1))
+        || (y + 1 < h && differs(x, y + 1))
+}
+
+/// Scene and camera together.
+struct Shot<'a> {
+    scene: &'a Scene,
+    camera: Camera,
+    block: Option<Block>,
+    /// Optical depth of the air per metre.
+    haze: f32,
+    exposure: f32,
+}
+
+impl<'a> Shot<'a> {
+    fn new(scene: &'a Scene, o: &ViewOptions) -> Self {
+        let e = scene.surface.extent();
+        let distance = finite(o.distance, 1.2).clamp(0.01, 100.0) * scene.extent;
+        let g = &scene.ground;
+        let low = if scene.sea { 0.0 } else { g.land_low };
+        let height = (low + finite(o.target_height, 0.3) * (g.land_high - low)) * scene.exaggeration;
+        let target = [finite(o.target[0], 0.5) * e[0], finite(o.target[1], 0.5) * e[1], height];
+        let clearance = |p: V3| {
+            let (u, v) = scene.place(p);
+            let over = p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= e[0] && p[1] <= e[1];
+            let ground = if over { scene.surface.height(u, v) } else { f32::NEG_INFINITY };
+            ground.max(if scene.sea { 0.0 } else { f32::NEG_INFINITY }) + 0.004 * scene.extent
+        };
+        let camera = Camera::new(o, target, distance, clearance);
+        let block = scene.block.then(|| Block::new(scene));
+        let haze = if scene.block { 0.0 } else { finite(o.haze, 1.0).max(0.0) * 0.055 / scene.extent };
+        Self { scene, camera, block, haze, exposure: finite(o.exposure, 1.0).max(0.0) }
+    }
+
+    fn encoded(&self, x: f32, y: f32) -> V3 {
+        tone_map(scale(self.colour(self.camera.ray(x, y)), 0.62 * self.exposure))
+    }
+
+    /// Linear colour that comes along a ray.
+    fn colour(&self, d: V3) -> V3 {
+        let eye = self.camera.eye;
+        match &self.block {
+            Some(block) => self.model(block, eye, d),
+            None => self.open(eye, d),
+        }
+    }
+
+    /// A ray into the relief model.
+    fn model(&self, block: &Block, eye: V3, d: V3) -> V3 {
+        let s = self.scene;
+        let Some(entry) = block.enter(eye, d) else { return block.studio(s, eye, d) };
+        let p = add(eye, scale(d, entry.from));
+        if let Some(c) = block.wall(s, p, d, &entry) {
+            return c;
+        }
+        let to_sea = if s.sea && d[2] < 0.0 { -eye[2] / d[2] } else { f32::INFINITY };
+        if let Some(t) = self.ground_hit(eye, d, entry.from, entry.to.min(to_sea)) {
+            return s.land(add(eye, scale(d, t)), d, self.camera.pixel * t);
+        }
+        if to_sea < entry.to {
+            return sea(s, add(eye, scale(d, to_sea)), d, self.camera.pixel * to_sea);
+        }
+        block.studio(s, eye, d)
+    }
+
+    /// A ray into the open world.
+    fn open(&self, eye: V3, d: V3) -> V3 {
+        let s = self.scene;
+        let to_sea = if d[2] < -1e-6 { -eye[2] / d[2] } else { f32::INFINITY };
+        if let Some((from, to)) = self.over_grid(eye, d)
+            && let Some(t) = self.ground_hit(eye, d, from, to.min(to_sea))
+        {
+            let c = s.land(add(eye, scale(d, t)), d, self.camera.pixel * t);
+            return s.sky.through_air(c, d, self.haze * t);
+        }
+        if to_sea < 3e3 * s.extent {
+            let c = sea(s, add(eye, scale(d, to_sea)), d, self.camera.pixel * to_sea);
+            return s.sky.through_air(c, d, self.haze * to_sea);
+        }
+        s.sky.seen(d)
+    }
+
+    fn ground_hit(&self, eye: V3, d: V3, from: f32, to: f32) -> Option<f32> {
+        let step = self.scene.surface.step.map(f64::from);
+        let [e, d] = [eye, d].map(|v| v.map(f64::from));
+        let origin = [e[0] / step[0], e[1] / step[1], e[2]];
+        let dir = [d[0] / step[0], d[1] / step[1], d[2]];
+        self.scene.surface.trace(origin, dir, f64::from(from), f64::from(to)).map(|t| t as f32)
+    }
+
+    /// The part of a ray over the grid and below its highest point.
+    fn over_grid(&self, eye: V3, d: V3) -> Option<(f32, f32)> {
+        let s = &self.scene.surface;
+        let e = s.extent();
+        let (mut from, mut to) = (0.0f32, f32::INFINITY);
+        for (p, d, lo, hi) in
+            [(eye[0], d[0], 0.0, e[0]), (eye[1], d[1], 0.0, e[1]), (eye[2], d[2], f32::NEG_INFINITY, s.top.max(1e-3))]
+        {
+            if d.abs() < 1e-9 {
+                if p < lo || p > hi {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((lo - p) / d, (hi - p) / d);
+            from = from.max(a.min(b));
+            to = to.min(a.max(b));
+        }
+        (from < to).then_some((from, to))
+    }
+}

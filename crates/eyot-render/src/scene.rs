@@ -1,0 +1,259 @@
+//! A world made ready for rays: surface, colours and light at nodes, water and sky.
+
+use crate::albedo::albedo;
+use crate::ground::{Ground, box_mean};
+use crate::light::{Coarse, Sun, sky_share, sunlight};
+use crate::math::{V3, add, direction, dot, mix, mul, scale, smoothstep, unit};
+use crate::noise::{fbm, noise_with_slope};
+use crate::sky::Sky;
+use crate::surface::{Refinement, Surface, b_spline, mitchell};
+use crate::view::{Setting, ViewOptions, finite};
+use crate::water::{Water, fresnel, refracted_cos};
+use eyot_core::{Result, World};
+use rayon::prelude::*;
+
+/// What a ray finds at a node.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Node {
+    pub(crate) albedo: V3,
+    /// Rise per metre eastward and southward, as drawn.
+    pub(crate) rise: [f32; 2],
+    /// Share of the sun's disc in view.
+    pub(crate) sun: f32,
+    /// Depth of fresh water, m.
+    pub(crate) fresh: f32,
+    /// Breaking waves, 0..1.
+    pub(crate) foam: f32,
+}
+
+/// Everything that colours a ray.
+pub(crate) struct Scene {
+    pub(crate) ground: Ground,
+    pub(crate) surface: Surface,
+    nodes: Vec<Node>,
+    open_sky: Coarse,
+    pub(crate) sky: Sky,
+    /// True if the sea is drawn; its surface is at height 0.
+    pub(crate) sea: bool,
+    pub(crate) block: bool,
+    pub(crate) sea_water: Water,
+    fresh_water: Water,
+    pub(crate) clarity: f32,
+    pub(crate) exaggeration: f32,
+    /// Longer side, m.
+    pub(crate) extent: f32,
+}
+
+impl Scene {
+    pub(crate) fn new(world: &World, o: &ViewOptions) -> Result<Self> {
+        let ground = Ground::new(world)?;
+        let refine = Refinement::new(ground.width, ground.height);
+        let extent = ground.extent();
+        let exaggeration = exaggeration(o, &ground);
+        let sea = ground.sea && o.sea;
+        let block = match o.setting {
+            Setting::Auto => !sea || ground.rim_land > 0.03,
+            Setting::OpenSea => !sea,
+            Setting::Block => true,
+        };
+        let clarity = clarity(o, &ground);
+
+        let water = ground.water.as_ref().filter(|_| o.fresh_water);
+        // Draw the water's surface, but not the film that rain leaves everywhere.
+        let wet: Option<Vec<f32>> = water.map(|w| w.iter().map(|&d| d * ground.river_cover(d)).collect());
+        let top: Vec<f32> = match &wet {
+            Some(w) => ground.z.iter().zip(w).map(|(z, d)| (z + d) * exaggeration).collect(),
+            None => ground.z.iter().map(|z| z * exaggeration).collect(),
+        };
+        let surface = Surface::new(&ground, &refine, refine.refine(&top, b_spline));
+        let fresh = water.map(|w| refine.refine(w, mitchell));
+        let foam = if sea { Some(refine.refine(&surf(&ground, clarity), b_spline)) } else { None };
+
+        let sun_elevation = finite(o.sun_elevation_deg, 36.0).clamp(1.0, 89.0);
+        let sun_azimuth = finite(o.sun_azimuth_deg, 285.0);
+        let sun = Sun::new(&surface, sun_azimuth, sun_elevation);
+        let floor = if sea { 0.0 } else { f32::NEG_INFINITY };
+        let light = sunlight(&surface, &sun, floor);
+        let open_sky = sky_share(&surface, floor);
+        let sky =
+            Sky::new(direction(sun_azimuth, sun_elevation), if block { 0.0 } else { o.clouds }, world.seed as u32);
+
+        let colours = albedo(world, &ground, 1.0);
+        let channels: [Vec<f32>; 3] = std::array::from_fn(|k| {
+            let one: Vec<f32> = colours.iter().map(|c| c[k]).collect();
+            refine.refine(&one, b_spline)
+        });
+        let (nx, ny) = (surface.nx, surface.ny);
+        let mut nodes = vec![Node::default(); nx * ny];
+        nodes.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
+            let (north, south) = (y.saturating_sub(1), (y + 1).min(ny - 1));
+            for (x, node) in row.iter_mut().enumerate() {
+                let (west, east) = (x.saturating_sub(1), (x + 1).min(nx - 1));
+                let i = y * nx + x;
+                let z = |x: usize, y: usize| surface.z[y * nx + x];
+                *node = Node {
+                    albedo: std::array::from_fn(|k| channels[k][i].max(0.0)),
+                    rise: [
+                        (z(east, y) - z(west, y)) / ((east - west) as f32 * surface.step[0]),
+                        (z(x, south) - z(x, north)) / ((south - north) as f32 * surface.step[1]),
+                    ],
+                    sun: light[i],
+                    fresh: fresh.as_ref().map_or(0.0, |f| f[i].max(0.0)),
+                    foam: foam.as_ref().map_or(0.0, |f| f[i]),
+                };
+            }
+        });
+        let fresh_water = Water::fresh(2.0 * ground.river.1);
+        let sea_water = Water::sea(clarity);
+        Ok(Self {
+            ground,
+            surface,
+            nodes,
+            open_sky,
+            sky,
+            sea,
+            block,
+            sea_water,
+            fresh_water,
+            clarity,
+            exaggeration,
+            extent,
+        })
+    }
+
+    /// Node coordinates of a place in metres.
+    pub(crate) fn place(&self, p: V3) -> (f32, f32) {
+        (p[0] / self.surface.step[0], p[1] / self.surface.step[1])
+    }
+
+    /// The node values between nodes.
+    pub(crate) fn node(&self, u: f32, v: f32) -> Node {
+        let (x, y, fx, fy) = self.surface.interval(u, v);
+        let i = y * self.surface.nx + x;
+        let (a, b) = (&self.nodes[i], &self.nodes[i + 1]);
+        let (c, d) = (&self.nodes[i + self.surface.nx], &self.nodes[i + self.surface.nx + 1]);
+        let (wa, wb, wc, wd) = ((1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy);
+        let of = |f: fn(&Node) -> f32| wa * f(a) + wb * f(b) + wc * f(c) + wd * f(d);
+        Node {
+            albedo: std::array::from_fn(|k| wa * a.albedo[k] + wb * b.albedo[k] + wc * c.albedo[k] + wd * d.albedo[k]),
+            rise: [of(|n| n.rise[0]), of(|n| n.rise[1])],
+            sun: of(|n| n.sun),
+            fresh: of(|n| n.fresh),
+            foam: of(|n| n.foam),
+        }
+    }
+
+    /// Open share of the sky at node coordinates.
+    pub(crate) fn open_sky(&self, u: f32, v: f32) -> f32 {
+        self.open_sky.at(u, v)
+    }
+
+    /// Light that falls on a surface.
+    pub(crate) fn irradiance(&self, normal: V3, sun: f32, open: f32) -> V3 {
+        let direct = scale(self.sky.sunlight, sun * dot(normal, self.sky.sun).max(0.0));
+        let sky = scale(self.sky.skylight, open * (0.62 + 0.38 * normal[2]));
+        // What is not sky is sunlit ground, about as bright as this.
+        let bounce = scale(self.sky.sunlight, 0.050 * (1.0 - open) + 0.028 * (1.0 - normal[2]));
+        add(direct, add(sky, bounce))
+    }
+
+    /// Colour of the ground seen at `p` along `d`, a pixel being `footprint` m wide.
+    pub(crate) fn land(&self, p: V3, d: V3, footprint: f32) -> V3 {
+        let (u, v) = self.place(p);
+        let node = self.node(u, v);
+        let open = self.open_sky(u, v);
+        let mut rise = node.rise;
+        let mut colour = node.albedo;
+        // Crowns of trees and broken stone, below the size of cells: bumps as large as a pixel shows.
+        let sum = colour[0] + colour[1] + colour[2] + 1e-6;
+        let green = smoothstep(0.02, 0.16, (colour[1] - colour[0]) / sum);
+        let pale = smoothstep(0.55, 1.2, sum);
+        let rough = (0.42 + 0.50 * green) * (1.0 - 0.92 * pale);
+        let (a, b) = (0.83 * p[0] + 0.56 * p[1], 0.83 * p[1] - 0.56 * p[0]);
+        let mut length = 5.3 * self.extent / 512.0;
+        for k in 0..6 {
+            let keep = smoothstep(0.85, 0.30, footprint / length) * rough;
+            if keep <= 0.0 {
+                break;
+            }
+            let (n, na, nb) = noise_with_slope(a / length, b / length, 300 + k);
+            let s = 0.24 * keep;
+            rise[0] += s * (0.83 * na - 0.56 * nb);
+            rise[1] += s * (0.56 * na + 0.83 * nb);
+            colour = scale(colour, 1.0 + 0.28 * keep * n);
+            length *= 0.47;
+        }
+        let normal = unit([-rise[0], -rise[1], 1.0]);
+        let mut c = mul(colour, self.irradiance(normal, node.sun, open));
+        // Leaves and dust send light back the way it came and let it through at the rim.
+        let rim = (1.0 + dot(d, normal)).clamp(0.0, 1.0);
+        c = scale(c, 1.0 + 0.25 * rim * rim * green);
+        let cover = self.ground.river_cover(node.fresh);
+        if cover > 0.0 {
+            c = mix(c, self.river(&node, p, d, footprint, open), cover);
+        }
+        c
+    }
+
+    /// Colour of fresh water at a node.
+    fn river(&self, node: &Node, p: V3, d: V3, footprint: f32, open: f32) -> V3 {
+        let unit_m = self.extent / 260.0;
+        let (wave, _) = crate::water::waves(p[0], p[1], unit_m, footprint);
+        let normal = unit([-node.rise[0] - 0.4 * wave[0], -node.rise[1] - 0.4 * wave[1], 1.0]);
+        let cos = -dot(d, normal);
+        let light = self.irradiance(normal, node.sun, open);
+        let path = 1.2 + 1.0 / refracted_cos(cos.clamp(0.0, 1.0));
+        let body = mul(self.fresh_water.upwelling(node.albedo, node.fresh, path), light);
+        let reflected = add(d, scale(normal, 2.0 * cos));
+        let f = fresnel(cos.max(0.12));
+        add(scale(body, 1.0 - f), scale(self.sky.clear(reflected), f * open))
+    }
+
+    /// Depth added near and beyond the rim so that the open sea shows no corner of the grid, m.
+    pub(crate) fn fall_off(&self, x: f32, y: f32) -> f32 {
+        if self.block {
+            return 0.0;
+        }
+        let e = self.surface.extent();
+        let half = [0.5 * e[0], 0.5 * e[1]];
+        let margin = 0.11 * half[0].min(half[1]);
+        let corner = 0.55 * half[0].min(half[1]);
+        let q = [(x - half[0]).abs() - half[0] + corner, (y - half[1]).abs() - half[1] + corner];
+        let outside = q[0].max(0.0).hypot(q[1].max(0.0)) + q[0].max(q[1]).min(0.0) - corner;
+        if outside < -3.0 * margin {
+            return 0.0;
+        }
+        let wander = 0.9 * margin * fbm(5.0 * x / self.extent, 5.0 * y / self.extent, 4, 61);
+        let t = smoothstep(-1.6 * margin, 1.4 * margin, outside + wander);
+        4.0 * self.clarity * t * t
+    }
+}
+
+/// Relief reads as relief when it is about a sixth of the extent.
+fn exaggeration(o: &ViewOptions, g: &Ground) -> f32 {
+    match o.vertical_exaggeration {
+        Some(x) => finite(x, 1.0).clamp(0.01, 1000.0),
+        None => (0.15 * g.extent() / g.relief()).clamp(1.0, 4.0),
+    }
+}
+
+/// Clear tropical water shows its bottom to about 26 m; a small world gets a sea in its own measure.
+fn clarity(o: &ViewOptions, g: &Ground) -> f32 {
+    let lowest = g.z.iter().copied().fold(0.0f32, f32::min);
+    let automatic = (0.03 * (g.land_high.max(0.0) - lowest)).clamp(0.05, 26.0);
+    o.sea_clarity_m.map_or(automatic, |c| finite(c, automatic).max(1e-3))
+}
+
+/// Where waves break: shallow places with deep water close by, so outer reefs and open shores but no lagoons.
+fn surf(g: &Ground, clarity: f32) -> Vec<f32> {
+    let depth: Vec<f32> = g.z.iter().map(|z| (-z).clamp(0.0, 2.5 * clarity)).collect();
+    let radius = (g.width.max(g.height) / 90).clamp(2, 24);
+    let near = box_mean(&depth, g.width, g.height, radius);
+    g.z.iter()
+        .zip(&near)
+        .map(|(z, mean)| {
+            let shallow = smoothstep(0.16, 0.02, -z / clarity) * smoothstep(0.10, 0.02, z / clarity);
+            shallow * smoothstep(0.45, 0.95, mean / clarity)
+        })
+        .collect()
+}
