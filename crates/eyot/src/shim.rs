@@ -1,11 +1,11 @@
 //! The one place that says which crates read, write, draw and analyse.
 //!
-//! `render` and `analyse` are stand-ins until the real ones are merged. To swap, remove them and write
-//! `pub(crate) use {eyot_land::analyse, eyot_render as render};`.
+//! `render` is a stand-in until the real one is merged. To swap, remove it and write
+//! `pub(crate) use eyot_render as render;`.
 // Stand-ins have more of the real surface than is used.
 #![allow(unreachable_pub, dead_code)]
 
-pub(crate) use {eyot_io as io, eyot_mesh as mesh};
+pub(crate) use {eyot_io as io, eyot_land::analyse, eyot_mesh as mesh};
 
 /// Writes a text file, whole or not at all.
 pub(crate) fn write_text(path: &std::path::Path, text: &str) -> io::Result<()> {
@@ -71,33 +71,5 @@ pub(crate) mod render {
     pub fn terrain_colours(world: &World) -> Result<Vec<[f32; 3]>> {
         world.layer("height")?;
         Ok(vec![[0.5, 0.5, 0.4]; world.grid.cells()])
-    }
-}
-
-pub(crate) mod analyse {
-    use eyot_core::{Field, Grid, Limits, Result};
-
-    #[derive(serde::Serialize)]
-    pub struct TerrainStats {
-        lowest_m: f32,
-        highest_m: f32,
-        mean_m: f64,
-        land_share: f64,
-        area_km2: f64,
-    }
-    #[derive(Default)]
-    pub struct TerrainOptions {}
-    pub fn terrain_stats(
-        height: &Field,
-        grid: &Grid,
-        sea_level_m: Option<f64>,
-        _options: &TerrainOptions,
-        _limits: &Limits,
-    ) -> Result<TerrainStats> {
-        let (lowest_m, highest_m) = height.min_max();
-        let n = grid.cells() as f64;
-        let land = height.iter().filter(|h| sea_level_m.is_none_or(|s| f64::from(*h) > s)).count();
-        let area_km2 = n * grid.cell_area_m2() / 1e6;
-        Ok(TerrainStats { lowest_m, highest_m, mean_m: height.sum() / n, land_share: land as f64 / n, area_km2 })
     }
 }
