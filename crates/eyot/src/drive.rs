@@ -1,5 +1,6 @@
 //! The thread of a run: goes through the recipe's steps, listens to commands, writes checkpoints.
 
+use crate::backend::io::checkpoint;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry, Progress};
 use crate::layers;
@@ -7,7 +8,6 @@ use crate::outputs;
 use crate::process_set;
 use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work};
 use crate::run::{Outcome, RunOptions};
-use crate::shim::io::checkpoint;
 use crate::state::State;
 use crate::store::CHECKPOINT_FILE;
 use eyot_core::engine::CpuEngine;

@@ -1,7 +1,7 @@
 //! The generator that reads a height map. It lives here because the land crate touches no files.
 
+use crate::backend::io::{self, ReadOptions};
 use crate::builtin;
-use crate::shim::io::{self, ReadOptions};
 use eyot_core::process::{Entry, Generator, Site};
 use eyot_core::{Edge, Error, Field, Georeference, Grid, Limits, Result};
 use schemars::JsonSchema;

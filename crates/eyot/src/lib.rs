@@ -31,6 +31,7 @@ pub use eyot_land as land;
 pub use eyot_mesh as mesh;
 pub use eyot_render as render;
 
+mod backend;
 pub mod bench;
 mod builtin;
 mod check;
@@ -52,7 +53,6 @@ mod registry;
 mod run;
 mod schema;
 mod set;
-mod shim;
 mod state;
 pub mod store;
 mod validate;

@@ -1,11 +1,11 @@
 //! The files of a finished run.
 
+use crate::backend::io::{self, RasterFormat, checkpoint};
+use crate::backend::{self, mesh, render};
 use crate::error::RunError;
 use crate::event::Event;
 use crate::keys::{Export, ExportFormat, View, ViewKind};
 use crate::recipe::Recipe;
-use crate::shim::io::{self, RasterFormat, checkpoint};
-use crate::shim::{self, mesh, render};
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, REPORT_FILE, VIEW_FILE, WORLD_FILE};
 use eyot_core::{Limits, World};
@@ -66,7 +66,7 @@ pub(crate) fn write_all(
     });
     let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
     text.push('\n');
-    shim::write_text(&path, &text).map_err(file)?;
+    backend::write_text(&path, &text).map_err(file)?;
     let left = out.join(CHECKPOINT_FILE);
     if left.exists() {
         std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
@@ -135,8 +135,8 @@ fn view(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
         width: v.size[0] as usize,
         height: v.size[1] as usize,
         azimuth_deg: v.azimuth.unwrap_or(d.azimuth_deg),
-        elevation_deg: v.elevation.unwrap_or(d.elevation_deg),
-        distance: v.distance.unwrap_or(d.distance),
+        elevation_deg: v.elevation.or(d.elevation_deg),
+        distance: v.distance.or(d.distance),
         field_of_view_deg: v.field_of_view.unwrap_or(d.field_of_view_deg),
         vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
         sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
@@ -149,6 +149,8 @@ fn view(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
 fn relief(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
     let d = render::ReliefOptions::default();
     let options = render::ReliefOptions {
+        vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
+        max_size: v.size[0].max(v.size[1]) as usize,
         sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
         sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
         ..d

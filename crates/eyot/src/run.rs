@@ -1,12 +1,12 @@
 //! A run: a thread that works, commands that go in and events that come out.
 
+use crate::backend::io::checkpoint;
 use crate::drive::Driver;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
 use crate::lock::FolderLock;
 use crate::recipe::Recipe;
 use crate::registry::Registry;
-use crate::shim::io::checkpoint;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, WORLD_FILE};
 use eyot_core::{Cancel, Limits, World};

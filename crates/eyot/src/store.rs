@@ -1,11 +1,11 @@
 //! Worlds that lie in files: finished and stopped runs, and height maps.
 
+use crate::backend::analyse;
+use crate::backend::io::{self, ReadOptions, checkpoint};
 use crate::error::RunError;
 use crate::import;
 use crate::keys::View;
 use crate::outputs;
-use crate::shim::analyse;
-use crate::shim::io::{self, ReadOptions, checkpoint};
 use eyot_core::layer::known;
 use eyot_core::{Grid, Limits, Rim, World};
 use serde_json::Value;

@@ -1,5 +1,6 @@
 //! From a document to a checked recipe: everything that is wrong is collected, with its place.
 
+use crate::backend::io::ReadOptions;
 use crate::check;
 use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
 use crate::import;
@@ -8,7 +9,6 @@ use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Work};
 use crate::registry::Registry;
 use crate::set;
-use crate::shim::io::ReadOptions;
 use eyot_core::process::{Parameters, schema_of};
 use eyot_core::{Georeference, Grid, Limits, Rim};
 use serde_json::Value;
@@ -164,7 +164,7 @@ impl Validator<'_> {
         }
     }
 
-    fn raster(&mut self, file: &str, span: Span) -> Option<crate::shim::io::Raster> {
+    fn raster(&mut self, file: &str, span: Span) -> Option<crate::backend::io::Raster> {
         let path = self.file(file, &span)?;
         match import::read(&path, &ReadOptions::default(), self.limits) {
             Ok(r) => Some(r),
