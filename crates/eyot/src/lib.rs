@@ -1,1 +1,76 @@
-//! Placeholder.
+//! **Eyot**, one engine for natural landscapes: recipes, runs and everything they need.
+//!
+//! A [`Recipe`] says everything that decides the bytes of a landscape; a [`Run`] carries it out on a thread of its own,
+//! takes [`Command`]s and tells [`Event`]s. Front ends use this crate and no other.
+//!
+//! ```
+//! use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions};
+//!
+//! let text = r#"
+//!     name = "Hill"
+//!     [grid]
+//!     size = 32
+//!     cell = 20.0
+//!     [[step]]
+//!     generate = "cone"
+//!     height = 300.0
+//! "#;
+//! let source = RecipeSource { name: "hill.toml".into(), text: text.into(), folder: ".".into() };
+//! let recipe = Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default())?;
+//! let outcome = Run::start(recipe, RunOptions::default())?.join()?;
+//! let (low, high) = outcome.world.layer("height")?.field.min_max();
+//! assert!(low == 0.0 && high > 200.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! What is wrong with a recipe comes back as [`Problems`], each with its place and its remedy.
+
+pub use eyot_core as core;
+pub use eyot_io as io;
+pub use eyot_land as land;
+pub use eyot_mesh as mesh;
+pub use eyot_render as render;
+
+mod backend;
+pub mod bench;
+mod builtin;
+mod check;
+mod describe;
+mod diagnostic;
+mod drive;
+mod error;
+mod event;
+mod import;
+mod keys;
+mod layers;
+mod lock;
+pub mod merge;
+mod node;
+mod outputs;
+mod process_set;
+mod recipe;
+mod registry;
+mod run;
+mod schema;
+mod set;
+mod state;
+pub mod store;
+mod validate;
+
+pub use builtin::{BuiltIn, RECIPES};
+pub use describe::{Description, ParameterInfo, describe};
+pub use diagnostic::{Diagnostic, Problems, Source, nearest};
+pub use error::RunError;
+pub use event::{Command, Event, JournalEntry, Progress};
+pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
+pub use import::Import;
+pub use keys::{Export, ExportFormat, View, ViewKind};
+pub use merge::Merge;
+pub use node::Span;
+pub use recipe::{GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, SimulateStep, Step, Work};
+pub use registry::Registry;
+pub use run::{Handle, Outcome, Remote, Run, RunOptions};
+pub use schema::recipe_schema;
+
+/// Version of the engine.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,0 +1,282 @@
+//! What the command line takes.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  eyot list                                   what there is
+  eyot run island --out island                make the built-in island
+  eyot run island --size 256 --seed 3         smaller, and another one
+  eyot new mine --from island                 a recipe of your own: mine.toml
+  eyot run mine.toml --set volcano.height=400 with another height
+  eyot render island --azimuth 120            look at it from another side
+  eyot describe cone                          what a generator or process takes
+
+Exit codes: 0 done, 1 failed, 2 wrong usage or recipe, 130 stopped and ready to resume.";
+
+/// Natural landscapes, from plates to polyps.
+#[derive(Parser)]
+#[command(name = "eyot", version, about, after_help = EXAMPLES, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Verb {
+    /// Run a recipe: a file, or the name of a built-in one
+    Run(Run),
+    /// Continue a run that was stopped
+    Resume(Resume),
+    /// List built-in recipes, generators and processes
+    List(List),
+    /// Write a recipe file to start from
+    New(New),
+    /// Check a recipe without running it
+    Check(Check),
+    /// Explain a generator, a process or a table of the recipe
+    Describe(Describe),
+    /// Print the JSON Schema of recipes, for editors
+    Schema,
+    /// Draw a picture of a finished run or of a height map
+    Render(Render),
+    /// Print statistics of a finished run or of a height map
+    Stats(Stats),
+    /// Measure how fast this machine works
+    Bench(Bench),
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot run island
+  eyot run mine.toml --out results --set hydraulic.rain=0.004 --set step.2.enabled=false
+  eyot run island --size 1024 --threads 4 --json > events.jsonl
+
+--set changes the recipe before it is checked. Keys start with a key of the recipe (seed, sea_level, grid.cell, view.azimuth),
+a process (hydraulic.rain), the name of a step (volcano.height), a generator (cone.height) or step.NUMBER.")]
+pub(crate) struct Run {
+    /// A recipe file, or the name of a built-in recipe
+    pub(crate) recipe: String,
+    /// Folder for the results [default: the recipe's name]
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) change: Change,
+    #[command(flatten)]
+    pub(crate) work: Work,
+    /// Start over where a stopped run lies in the folder
+    #[arg(long)]
+    pub(crate) restart: bool,
+    /// Give the commands of an earlier run again at the same steps: its run.json
+    #[arg(long, value_name = "FILE")]
+    pub(crate) replay: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(crate) struct Change {
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
+    /// Cells along the longer side, or columns x rows; the extent stays
+    #[arg(long, value_name = "N|WxH", allow_negative_numbers = true, value_parser = size)]
+    pub(crate) size: Option<(u32, Option<u32>)>,
+    /// Change a key of the recipe; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Memory that the run may use, such as 8G or 500M
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+#[derive(Args)]
+pub(crate) struct Work {
+    /// Threads [default: all cores]; they do not change a byte of the result
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+    /// One event per line as JSON on the standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Seconds between two checkpoints
+    #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true, value_parser = seconds)]
+    pub(crate) checkpoint_seconds: f64,
+}
+
+#[derive(Args)]
+pub(crate) struct Resume {
+    /// The folder that the stopped run was writing to
+    pub(crate) folder: PathBuf,
+    #[command(flatten)]
+    pub(crate) work: Work,
+    /// Memory that the run may use, such as 8G or 500M
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+#[derive(Args)]
+pub(crate) struct List {
+    /// As JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct New {
+    /// Name of the landscape; the file is NAME.toml
+    pub(crate) name: PathBuf,
+    /// The built-in recipe to start from
+    #[arg(long, value_name = "RECIPE", default_value = "island")]
+    pub(crate) from: String,
+}
+
+#[derive(Args)]
+pub(crate) struct Check {
+    /// A recipe file, or the name of a built-in recipe
+    pub(crate) recipe: String,
+    #[command(flatten)]
+    pub(crate) change: Change,
+}
+
+#[derive(Args)]
+pub(crate) struct Describe {
+    /// A generator, a process, or a table: recipe, grid, generate, simulate, export, view
+    pub(crate) name: String,
+    /// As JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot render island
+  eyot render island --azimuth 120 --elevation 20 --size 1920x1080 --out south-east.png
+  eyot render island --layer water
+  eyot render map.tif --relief")]
+pub(crate) struct Render {
+    /// Folder of a run, or a height map
+    pub(crate) from: PathBuf,
+    /// The picture [default: FOLDER/render.png, or beside the height map]
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Draw a map of this layer instead of a view
+    #[arg(long, value_name = "NAME", conflicts_with = "relief")]
+    pub(crate) layer: Option<String>,
+    /// From above, with shaded relief
+    #[arg(long)]
+    pub(crate) relief: bool,
+    /// Width x height of a view in pixels
+    #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = size)]
+    pub(crate) size: Option<(u32, Option<u32>)>,
+    /// Where the camera stands, degrees clockwise from north
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, -360.0, 360.0))]
+    pub(crate) azimuth: Option<f32>,
+    /// How high the camera stands, degrees over the horizon
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 1.0, 89.0))]
+    pub(crate) elevation: Option<f32>,
+    /// Distance of the camera, in lengths of the land's longer side
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| number(s, 0.05, 50.0))]
+    pub(crate) distance: Option<f32>,
+    /// Angle of view from bottom to top, degrees
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 5.0, 120.0))]
+    pub(crate) field_of_view: Option<f32>,
+    /// Factor on heights
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| number(s, 0.01, 100.0))]
+    pub(crate) exaggeration: Option<f32>,
+    /// Where the sun stands, degrees clockwise from north
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, -360.0, 360.0))]
+    pub(crate) sun_azimuth: Option<f32>,
+    /// How high the sun stands, degrees over the horizon
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 1.0, 89.0))]
+    pub(crate) sun_elevation: Option<f32>,
+}
+
+#[derive(Args)]
+pub(crate) struct Stats {
+    /// Folder of a run, or a height map
+    pub(crate) from: PathBuf,
+    /// As JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct Bench {
+    /// Cells along each side
+    #[arg(long, value_name = "N")]
+    pub(crate) size: Option<u32>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
+}
+
+fn size(text: &str) -> Result<(u32, Option<u32>), String> {
+    let side = |s: &str| match s.trim().parse::<u32>() {
+        Ok(n) if n > 0 => Ok(n),
+        _ => Err("write a whole number such as 512, or columns x rows such as 512x256".to_owned()),
+    };
+    match text.split_once(['x', 'X']) {
+        Some((w, h)) => Ok((side(w)?, Some(side(h)?))),
+        None => Ok((side(text)?, None)),
+    }
+}
+
+fn bytes(text: &str) -> Result<u64, String> {
+    let help = "write a number with K, M, G or T, such as 8G";
+    let text = text.trim().trim_end_matches(['B', 'b']).trim_end_matches('i');
+    let (number, shift) = match text.char_indices().next_back() {
+        Some((i, 'k' | 'K')) => (&text[..i], 10),
+        Some((i, 'm' | 'M')) => (&text[..i], 20),
+        Some((i, 'g' | 'G')) => (&text[..i], 30),
+        Some((i, 't' | 'T')) => (&text[..i], 40),
+        _ => (text, 0),
+    };
+    let n: f64 = number.trim().parse().map_err(|_| help.to_owned())?;
+    let bytes = n * (1_u64 << shift) as f64;
+    if bytes.is_finite() && bytes >= 1.0 { Ok(bytes as u64) } else { Err(help.to_owned()) }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(s) if (0.0..=1e9).contains(&s) => Ok(s),
+        _ => Err("write seconds from 0 to 1e9".to_owned()),
+    }
+}
+
+fn number(text: &str, low: f32, high: f32) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(x) if (low..=high).contains(&x) => Ok(x),
+        _ => Err(format!("write a number from {low} to {high}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_and_bytes() {
+        assert_eq!(size("512"), Ok((512, None)));
+        assert_eq!(size("512x256"), Ok((512, Some(256))));
+        assert!(size("0").is_err() && size("ax3").is_err() && size("-5").is_err() && size("").is_err());
+        assert_eq!(bytes("8G"), Ok(8 << 30));
+        assert_eq!(bytes("1.5KiB"), Ok(1536));
+        assert!(
+            bytes("").is_err()
+                && bytes("G").is_err()
+                && bytes("-1G").is_err()
+                && bytes("nanG").is_err()
+                && bytes("é").is_err()
+        );
+    }
+}

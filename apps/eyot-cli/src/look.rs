@@ -1,0 +1,120 @@
+//! `render`, `stats`, `bench`: looking at what is there.
+
+use crate::args::{Bench, Render, Stats};
+use crate::{Failure, print, report};
+use eyot::{Limits, View, ViewKind, store};
+use serde_json::Value;
+
+/// Draws a picture of a run or a height map.
+pub(crate) fn render(args: &Render) -> Result<(), Failure> {
+    let opened = open(&args.from)?;
+    let d = View::default();
+    let size = match args.size {
+        None => d.size,
+        Some((w, Some(h))) => [w, h],
+        Some((w, None)) => [w, (w * 5 / 8).max(1)],
+    };
+    if !size.iter().all(|n| (16..=16384).contains(n)) {
+        return Err(report::usage(
+            &format!("a picture of {}x{} pixels", size[0], size[1]),
+            "choose 16 to 16384 pixels along each side",
+        ));
+    }
+    let view = View {
+        enabled: true,
+        kind: if args.relief { ViewKind::Relief } else { ViewKind::Perspective },
+        size,
+        azimuth: args.azimuth,
+        elevation: args.elevation,
+        distance: args.distance,
+        field_of_view: args.field_of_view,
+        vertical_exaggeration: args.exaggeration,
+        sun_azimuth: args.sun_azimuth,
+        sun_elevation: args.sun_elevation,
+    };
+    if let Some(layer) = &args.layer
+        && opened.world.get(layer).is_none()
+    {
+        let known: Vec<&str> = opened.world.layers().iter().map(|l| &*l.spec.name).collect();
+        let help = match eyot::nearest(layer, known.iter().copied()) {
+            Some(n) => format!("did you mean --layer {n}?"),
+            None => format!("there is: {}", known.join(", ")),
+        };
+        return Err(report::usage(&format!("`{}` has no layer `{layer}`", args.from.display()), &help));
+    }
+    let out = args.out.clone().unwrap_or_else(|| {
+        let name = args.layer.as_ref().map_or_else(|| "render.png".to_owned(), |l| format!("{l}_map.png"));
+        if args.from.is_dir() { args.from.join(name) } else { args.from.with_extension(format!("eyot.{name}")) }
+    });
+    store::draw(&opened.world, &view, args.layer.as_deref(), &out).map_err(|e| report::run(&e))?;
+    print::line(&format!("wrote {}", out.display()))
+}
+
+/// Prints statistics of a run or a height map.
+pub(crate) fn stats(args: &Stats) -> Result<(), Failure> {
+    let opened = open(&args.from)?;
+    let stats = store::stats(&opened, &Limits::default()).map_err(|e| report::run(&e))?;
+    if args.json {
+        return print::line(&format!("{stats:#}"));
+    }
+    let g = &opened.world.grid;
+    print::line(&format!(
+        "{}: {} x {} cells of {} x {} m",
+        opened.file.display(),
+        g.width,
+        g.height,
+        g.cell_x_m,
+        g.cell_y_m
+    ))?;
+    table(&stats, 1)
+}
+
+/// Nested tables as indented lines.
+fn table(value: &Value, depth: usize) -> Result<(), Failure> {
+    for (key, v) in value.as_object().into_iter().flatten() {
+        let pad = "  ".repeat(depth);
+        match v {
+            Value::Object(_) => {
+                print::line(&format!("{pad}{key}"))?;
+                table(v, depth + 1)?;
+            }
+            Value::Null => print::line(&format!("{pad}{key:<28} unknown"))?,
+            Value::Number(n) if n.is_f64() => {
+                print::line(&format!("{pad}{key:<28} {}", short(n.as_f64().unwrap_or(f64::NAN))))?
+            }
+            other => print::line(&format!("{pad}{key:<28} {other}"))?,
+        }
+    }
+    Ok(())
+}
+
+/// Five significant digits.
+fn short(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let places = 4 - x.abs().log10().floor() as i32;
+    if (0..=9).contains(&places) { format!("{x:.0$}", places as usize) } else { format!("{x:.4e}") }
+}
+
+/// Measures how fast this machine works.
+pub(crate) fn bench(args: &Bench) -> Result<(), Failure> {
+    let options = eyot::bench::BenchOptions { size: args.size, threads: args.threads.map(usize::from) };
+    let text = eyot::bench::bench(&options).map_err(|e| Failure::Failed(report::plain(&e, None)))?;
+    print::line(&text)
+}
+
+fn open(path: &std::path::Path) -> Result<store::Opened, Failure> {
+    let opened = store::open(path, &Limits::default()).map_err(|e| match &e {
+        eyot::RunError::Folder { path, source } => report::usage(
+            &format!("cannot open `{}`: {source}", path.display()),
+            "give the --out folder of a run, or a height map (.tif, .png, .r32)",
+        ),
+        eyot::RunError::File(text) => {
+            report::usage(text, "give the --out folder of a run, or a height map (.tif, .png, .r32)")
+        }
+        _ => report::run(&e),
+    })?;
+    opened.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+    Ok(opened)
+}

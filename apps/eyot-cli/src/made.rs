@@ -1,0 +1,81 @@
+//! `new` and `check`: recipe files.
+
+use crate::args::{Change, Check, New};
+use crate::{Failure, print, report};
+use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Work};
+use std::io::Write;
+
+/// Writes a recipe file to start from.
+pub(crate) fn new(args: &New) -> Result<(), Failure> {
+    let known: Vec<&str> = eyot::RECIPES.iter().map(|r| r.name).collect();
+    let Some(from) = eyot::RECIPES.iter().find(|r| r.name == args.from) else {
+        let help = match eyot::nearest(&args.from, known.iter().copied()) {
+            Some(n) => format!("did you mean --from {n}?"),
+            None => format!("there is: {}", known.join(", ")),
+        };
+        return Err(report::usage(&format!("there is no built-in recipe `{}`", args.from), &help));
+    };
+    let mut path = args.name.clone();
+    if path.extension().is_none_or(|e| e != "toml") {
+        path.as_mut_os_string().push(".toml");
+    }
+    let refuse = |e: std::io::Error| {
+        let help = if e.kind() == std::io::ErrorKind::AlreadyExists {
+            "choose another name, or remove the file first: nothing is overwritten"
+        } else {
+            "choose a place that exists and that you may write to"
+        };
+        report::usage(&format!("cannot write `{}`: {e}", path.display()), help)
+    };
+    let mut file = std::fs::OpenOptions::new().write(true).create_new(true).open(&path).map_err(refuse)?;
+    file.write_all(from.text.as_bytes()).and_then(|()| file.sync_all()).map_err(refuse)?;
+    print::line(&format!("wrote {0}; run it with: eyot run {0}", path.display()))
+}
+
+/// Checks a recipe and says what it would do.
+pub(crate) fn check(args: &Check) -> Result<(), Failure> {
+    let recipe = read(&args.recipe, &args.change)?;
+    let g = recipe.grid;
+    let (w_m, h_m) = g.extent_m();
+    let mut text = format!(
+        "{}: {} x {} cells of {} x {} m ({:.2} x {:.2} km)\n",
+        recipe.name,
+        g.width,
+        g.height,
+        g.cell_x_m,
+        g.cell_y_m,
+        w_m / 1e3,
+        h_m / 1e3
+    );
+    for step in &recipe.steps {
+        let what = match &step.work {
+            Work::Generate(g) => format!("generate {} -> {}", g.entry.name, g.layer),
+            Work::Simulate(s) => {
+                let names: Vec<&str> = s.processes.iter().filter(|p| p.enabled).map(|p| p.entry.name).collect();
+                format!("simulate {} for {} steps", names.join(", "), s.steps)
+            }
+        };
+        let off = if step.enabled { "" } else { " (switched off)" };
+        text += &format!("  {}. {}: {what}{off}\n", step.number, step.name);
+    }
+    print::line(&(text + "the recipe is sound"))
+}
+
+/// Reads a recipe with the changes of the command line.
+pub(crate) fn read(name: &str, change: &Change) -> Result<Recipe, Failure> {
+    let source = RecipeSource::find(name).map_err(|p| report::recipe(&p))?;
+    let mut set = change.set.clone();
+    set.extend(change.seed.map(|s| format!("seed={s}")));
+    let overrides = Overrides { set, size: change.size };
+    Recipe::parse(source, overrides, &Registry::standard(), &limits(change.max_memory)).map_err(|p| report::recipe(&p))
+}
+
+/// The limits with another bound on memory.
+pub(crate) fn limits(max_memory: Option<u64>) -> Limits {
+    let d = Limits::default();
+    match max_memory {
+        // Four bytes a value: more cells than this cannot fit.
+        Some(b) => Limits { max_bytes: b, max_cells: d.max_cells.max(b / 4), ..d },
+        None => d,
+    }
+}

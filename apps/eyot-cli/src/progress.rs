@@ -1,0 +1,170 @@
+//! Progress on the terminal: one bar for the step of the recipe, one for the whole run.
+
+use crate::print;
+use eyot::Event;
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Whatever ends sooner is not worth a bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Without a terminal a line is enough now and then.
+const LINE_TIME: Duration = Duration::from_secs(10);
+
+/// The bars of a run.
+pub(crate) struct Bars {
+    all: MultiProgress,
+    step: Option<ProgressBar>,
+    whole: Option<ProgressBar>,
+    terminal: bool,
+    begun: Instant,
+    last_line: Instant,
+    title: String,
+    steps: usize,
+    first: usize,
+    overall_before: Option<(Instant, f64)>,
+}
+
+impl Bars {
+    pub(crate) fn new() -> Self {
+        let now = Instant::now();
+        Self {
+            all: MultiProgress::new(),
+            step: None,
+            whole: None,
+            terminal: std::io::stderr().is_terminal(),
+            begun: now,
+            last_line: now,
+            title: String::new(),
+            steps: 0,
+            first: 0,
+            overall_before: None,
+        }
+    }
+
+    /// Shows an event.
+    pub(crate) fn show(&mut self, event: &Event) {
+        match event {
+            Event::Started { name, size, cell_m, seed, steps, threads, resumed, .. } => {
+                self.steps = *steps;
+                let again = if *resumed { ", resumed" } else { "" };
+                let cell = if cell_m[0] == cell_m[1] {
+                    format!("{}", cell_m[0])
+                } else {
+                    format!("{} x {}", cell_m[0], cell_m[1])
+                };
+                self.say(&format!(
+                    "{name}: {} x {} cells of {cell} m, seed {seed}, {threads} threads{again}",
+                    size[0], size[1]
+                ));
+            }
+            Event::StepBegun { number, name, .. } => {
+                self.first += 1;
+                self.title = format!("{number}. {name}");
+                self.end_step();
+            }
+            Event::Progress(p) => {
+                let title = self.title.clone();
+                let speed = match (p.steps_per_s, p.eta_s) {
+                    (r, Some(eta)) if r > 0.0 => format!("{} steps/s, {} left", rate(r), time(eta)),
+                    _ => String::new(),
+                };
+                if !self.terminal {
+                    if self.last_line.elapsed() >= LINE_TIME {
+                        self.last_line = Instant::now();
+                        self.say(&format!(
+                            "  {title}: {} of {} {speed} ({:.0} % of all)",
+                            p.step,
+                            p.total,
+                            p.overall * 100.0
+                        ));
+                    }
+                    return;
+                }
+                if self.begun.elapsed() < PATIENCE {
+                    return;
+                }
+                let (at, before) = *self.overall_before.get_or_insert((Instant::now(), p.overall));
+                let gained = p.overall - before;
+                let left = if gained > 1e-4 {
+                    time(at.elapsed().as_secs_f64() * (1.0 - p.overall) / gained) + " left"
+                } else {
+                    String::new()
+                };
+                let step = self.step.get_or_insert_with(|| {
+                    self.all.insert(0, bar("{prefix:<20!} {bar:20.cyan/black} {pos}/{len} {msg}", p.total))
+                });
+                step.set_prefix(title);
+                step.set_length(p.total);
+                step.set_position(p.step);
+                step.set_message(speed);
+                let whole = self.whole.get_or_insert_with(|| {
+                    self.all.add(bar("{prefix:<20!} {bar:20.green/black} {percent:>3} % {msg}", 1000))
+                });
+                whole.set_prefix("whole run");
+                whole.set_position((p.overall * 1000.0) as u64);
+                whole.set_message(left);
+            }
+            Event::StepDone { number, name, seconds } => {
+                self.end_step();
+                self.say(&format!("  {number}. {name}: {}", time(*seconds)));
+            }
+            Event::Paused { recipe_step, step } => {
+                self.say(&format!("  paused in step {recipe_step} after {step} steps"))
+            }
+            Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set, e.step)),
+            Event::Warning { message } => self.say(&format!("warning: {message}")),
+            Event::Done { outputs, fingerprint, seconds } => {
+                self.end_all();
+                for path in outputs {
+                    self.say(&format!("  wrote {}", path.display()));
+                }
+                self.say(&format!("done in {} (fingerprint {fingerprint})", time(*seconds)));
+            }
+            Event::Stopped { .. } | Event::Failed { .. } => self.end_all(),
+            _ => {}
+        }
+    }
+
+    fn say(&self, text: &str) {
+        self.all.suspend(|| print::note(text));
+    }
+
+    fn end_step(&mut self) {
+        if let Some(bar) = self.step.take() {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn end_all(&mut self) {
+        self.end_step();
+        if let Some(bar) = self.whole.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Bars {
+    fn drop(&mut self) {
+        self.end_all();
+    }
+}
+
+fn bar(template: &str, length: u64) -> ProgressBar {
+    // A template that does not parse would be a slip in this file; the plain bar shows as much.
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style)
+}
+
+fn rate(r: f64) -> String {
+    if r >= 100.0 { format!("{r:.0}") } else { format!("{r:.1}") }
+}
+
+fn time(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.0995 => format!("{:.0} ms", s * 1e3),
+        s if s < 60.0 => format!("{s:.1} s"),
+        s if s < 3600.0 => format!("{:.0} min {:02.0} s", (s / 60.0).floor(), s % 60.0),
+        s => format!("{:.0} h {:02.0} min", (s / 3600.0).floor(), (s % 3600.0) / 60.0),
+    }
+}

@@ -1,0 +1,120 @@
+//! Errors as people read them: the source, the place, the remedy.
+
+use crate::Failure;
+use eyot::{Problems, RunError};
+use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, NamedSource, Report, SourceCode};
+use std::fmt;
+use std::io::IsTerminal;
+
+/// Chooses how reports look.
+pub(crate) fn install() {
+    // Fails only if it is called twice.
+    let _ = miette::set_hook(Box::new(|_| {
+        let plain = !std::io::stderr().is_terminal() || std::env::var_os("NO_COLOR").is_some();
+        let options = MietteHandlerOpts::new().context_lines(1).terminal_links(false);
+        Box::new(if plain { options.unicode(false).color(false).width(120) } else { options }.build())
+    }));
+}
+
+/// Prints a report to the standard error.
+pub(crate) fn show(report: &Report) {
+    crate::print::note(format!("{report:?}").trim_end());
+}
+
+/// One sentence and a remedy, without a place.
+pub(crate) fn plain(message: &str, help: Option<String>) -> Report {
+    Report::new(One { message: message.to_owned(), help, label: None, source: None })
+}
+
+/// Wrong usage.
+pub(crate) fn usage(message: &str, help: &str) -> Failure {
+    Failure::Usage(plain(message, Some(help.to_owned())))
+}
+
+/// Everything that is wrong with a recipe, drawn one after the other.
+pub(crate) fn recipe(problems: &Problems) -> Failure {
+    let all: Vec<One> = problems
+        .diagnostics
+        .iter()
+        .map(|d| {
+            let place = d.span.as_ref().and_then(|s| Some((s, problems.source(s)?)));
+            One {
+                message: d.message.clone(),
+                help: d.help.clone(),
+                label: place.map(|(s, source)| {
+                    let end = s.end.min(source.text.len());
+                    LabeledSpan::new(Some(d.label.clone()), s.start.min(end), end - s.start.min(end))
+                }),
+                source: place
+                    .map(|(_, source)| NamedSource::new(&source.name, source.text.clone()).with_language("TOML")),
+            }
+        })
+        .collect();
+    let name = problems.sources.first().map_or("the recipe", |s| s.name.as_str());
+    let message = match all.len() {
+        1 => format!("{name} cannot be run"),
+        n => format!("{name} cannot be run: {n} problems"),
+    };
+    Failure::Usage(Report::new(Many { message, all }))
+}
+
+/// A run's error with its exit code.
+pub(crate) fn run(e: &RunError) -> Failure {
+    match e {
+        RunError::Recipe(p) => recipe(p),
+        RunError::Unfinished { .. } | RunError::NothingToResume { .. } | RunError::Busy { .. } => {
+            Failure::Usage(plain(&e.to_string(), e.help()))
+        }
+        _ => Failure::Failed(plain(&e.to_string(), e.help())),
+    }
+}
+
+#[derive(Debug)]
+struct One {
+    message: String,
+    help: Option<String>,
+    label: Option<LabeledSpan>,
+    source: Option<NamedSource<String>>,
+}
+
+impl fmt::Display for One {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for One {}
+
+impl Diagnostic for One {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.help.as_ref().map(|h| Box::new(h) as Box<dyn fmt::Display>)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        self.label.clone().map(|l| Box::new(std::iter::once(l)) as Box<dyn Iterator<Item = LabeledSpan>>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|s| s as &dyn SourceCode)
+    }
+}
+
+#[derive(Debug)]
+struct Many {
+    message: String,
+    all: Vec<One>,
+}
+
+impl fmt::Display for Many {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Many {}
+
+impl Diagnostic for Many {
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        Some(Box::new(self.all.iter().map(|d| d as &dyn Diagnostic)))
+    }
+}

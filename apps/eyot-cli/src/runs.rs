@@ -1,0 +1,137 @@
+//! `run` and `resume`: starts a run, listens to it, and to Ctrl-C.
+
+use crate::args::{Resume, Run, Work};
+use crate::progress::Bars;
+use crate::{Failure, made, print, report};
+use eyot::{Command, Event, Handle, JournalEntry, Registry, Remote, RunOptions};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Interrupts that come closer together than this are one.
+const SAME_INTERRUPT: Duration = Duration::from_millis(500);
+
+/// Runs a recipe.
+pub(crate) fn run(args: &Run) -> Result<(), Failure> {
+    let recipe = made::read(&args.recipe, &args.change)?;
+    let out = args.out.clone().unwrap_or_else(|| folder_name(&args.recipe));
+    let replay = args.replay.as_deref().map(journal).transpose()?.unwrap_or_default();
+    let options = RunOptions {
+        out: Some(out.clone()),
+        limits: made::limits(args.change.max_memory),
+        restart: args.restart,
+        replay,
+        ..options(&args.work)
+    };
+    let interrupts = Interrupts::install();
+    let handle = eyot::Run::start(recipe, options).map_err(|e| report::run(&e))?;
+    attend(handle, &interrupts, &args.work, &out)
+}
+
+/// Continues a stopped run.
+pub(crate) fn resume(args: &Resume) -> Result<(), Failure> {
+    if !args.folder.is_dir() {
+        let message = format!("`{}` is not a folder", args.folder.display());
+        return Err(report::usage(&message, "give the folder that a stopped run was writing to (its --out)"));
+    }
+    let options = RunOptions { limits: made::limits(args.max_memory), ..options(&args.work) };
+    let interrupts = Interrupts::install();
+    let handle = eyot::Run::resume(&args.folder, &Registry::standard(), options).map_err(|e| report::run(&e))?;
+    attend(handle, &interrupts, &args.work, &args.folder)
+}
+
+fn options(work: &Work) -> RunOptions {
+    RunOptions {
+        threads: work.threads.map(usize::from),
+        checkpoint_every: Duration::from_secs_f64(work.checkpoint_seconds),
+        ..RunOptions::default()
+    }
+}
+
+/// `recipes/island.toml` and `island` both write to `island`.
+fn folder_name(recipe: &str) -> PathBuf {
+    Path::new(recipe).file_stem().map_or_else(|| PathBuf::from("eyot-run"), PathBuf::from)
+}
+
+fn journal(path: &Path) -> Result<Vec<JournalEntry>, Failure> {
+    let help = "give the run.json of an earlier run";
+    let fail = |m: String| report::usage(&format!("cannot replay `{}`: {m}", path.display()), help);
+    let text = std::fs::read_to_string(path).map_err(|e| fail(e.to_string()))?;
+    let report: serde_json::Value = serde_json::from_str(&text).map_err(|e| fail(e.to_string()))?;
+    serde_json::from_value(report["journal"].clone()).map_err(|e| fail(e.to_string()))
+}
+
+/// Ctrl-C and the system's request to end: the first stops the run with a checkpoint, the second ends at once.
+struct Interrupts {
+    count: Arc<AtomicU32>,
+    remote: Arc<Mutex<Option<Remote>>>,
+}
+
+impl Interrupts {
+    fn install() -> Self {
+        let this = Self { count: Arc::default(), remote: Arc::default() };
+        let (count, remote) = (this.count.clone(), this.remote.clone());
+        let first: Mutex<Option<Instant>> = Mutex::default();
+        let handler = move || {
+            if count.fetch_add(1, Ordering::SeqCst) > 0 {
+                // A terminal and a wrapper may both pass the same Ctrl-C on: that is still the first.
+                if first.lock().is_ok_and(|f| f.is_none_or(|at| at.elapsed() < SAME_INTERRUPT)) {
+                    return;
+                }
+                std::process::exit(130);
+            }
+            if let Ok(mut first) = first.lock() {
+                *first = Some(Instant::now());
+            }
+            print::note("stopping with a checkpoint; Ctrl-C again ends at once");
+            if let Ok(remote) = remote.lock()
+                && let Some(remote) = remote.as_ref()
+            {
+                remote.send(Command::Stop);
+            }
+        };
+        if let Err(e) = ctrlc::set_handler(handler) {
+            print::note(&format!("warning: Ctrl-C will end the run without a checkpoint: {e}"));
+        }
+        this
+    }
+
+    /// Connects the run; an interrupt that came before stops it now.
+    fn connect(&self, run: &Handle) {
+        if let Ok(mut remote) = self.remote.lock() {
+            *remote = Some(run.remote());
+        }
+        if self.count.load(Ordering::SeqCst) > 0 {
+            run.send(Command::Stop);
+        }
+    }
+}
+
+/// Shows what the run tells until it ends.
+fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> Result<(), Failure> {
+    interrupts.connect(&handle);
+    let mut bars = (!work.quiet && !work.json).then(Bars::new);
+    let mut closed = false;
+    for event in handle.events() {
+        if work.json {
+            // A reader that has gone away does not stop the run: its files are still wanted.
+            let text = serde_json::to_string(&event).unwrap_or_default();
+            closed = closed || print::line(&text).is_err();
+        } else if let Some(bars) = &mut bars {
+            bars.show(&event);
+        }
+        if let Event::Warning { message } = &event
+            && bars.is_none()
+        {
+            print::note(&format!("warning: {message}"));
+        }
+    }
+    drop(bars);
+    let outcome = handle.join().map_err(|e| report::run(&e))?;
+    if outcome.finished {
+        return Ok(());
+    }
+    print::note(&format!("stopped; continue with: eyot resume {}", out.display()));
+    Err(Failure::Stopped)
+}

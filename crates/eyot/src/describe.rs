@@ -1,0 +1,171 @@
+//! What a generator or process takes, from its schema: for people and for programs.
+
+use crate::check::{choices, expects, shown};
+use crate::diagnostic::{alternatives, nearest};
+use crate::keys;
+use crate::registry::Registry;
+use eyot_core::process::schema_of;
+use serde::Serialize;
+use serde_json::Value;
+use std::fmt;
+
+/// One parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParameterInfo {
+    /// Name in recipes.
+    pub name: String,
+    /// What it means.
+    pub meaning: String,
+    /// Unit, `1` for a plain number; empty if it is no number.
+    pub unit: String,
+    /// What it takes, in words.
+    pub takes: String,
+    /// Smallest value.
+    pub minimum: Option<f64>,
+    /// Largest value.
+    pub maximum: Option<f64>,
+    /// Texts that it may be, if it is a choice.
+    pub choices: Vec<String>,
+    /// Value if the recipe does not give one.
+    pub default: Value,
+}
+
+/// A generator, a process or a table of the recipe.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Description {
+    /// Name in recipes.
+    pub name: String,
+    /// `generator`, `process` or `table`.
+    pub kind: &'static str,
+    /// One sentence.
+    pub summary: String,
+    /// The rest of what is to be said.
+    pub details: String,
+    /// Its parameters.
+    pub parameters: Vec<ParameterInfo>,
+    /// Keys of the literature it comes from.
+    pub sources: Vec<String>,
+}
+
+/// Describes a generator, a process, or one of the recipe's own tables (`grid`, `export`, `view`).
+///
+/// # Errors
+/// If there is nothing of that name; the text suggests one.
+pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> {
+    if let Some(e) = registry.generator(name) {
+        return Ok(from_schema(name, "generator", &(e.schema)().to_value(), &(e.defaults)(), e.cites));
+    }
+    if let Some(e) = registry.process(name) {
+        return Ok(from_schema(name, "process", &(e.schema)().to_value(), &(e.defaults)(), e.cites));
+    }
+    let table = match name {
+        "recipe" => schema_of::<keys::Document>(),
+        "grid" => schema_of::<keys::Grid>(),
+        "generate" => schema_of::<keys::Generate>(),
+        "simulate" => schema_of::<keys::Simulate>(),
+        "schedule" => schema_of::<keys::Schedule>(),
+        "export" => schema_of::<keys::Export>(),
+        "view" => schema_of::<keys::View>(),
+        _ => {
+            let tables = ["recipe", "grid", "generate", "simulate", "schedule", "export", "view"];
+            let known: Vec<&str> = registry.generator_names().chain(registry.process_names()).chain(tables).collect();
+            return Err(match nearest(name, known.iter().copied()) {
+                Some(n) => format!("nothing is called `{name}`; did you mean `{n}`?"),
+                None => format!("nothing is called `{name}`; there is {}", alternatives(known)),
+            });
+        }
+    };
+    Ok(from_schema(name, "table", &table.to_value(), &Value::Null, &[]))
+}
+
+fn from_schema(name: &str, kind: &'static str, schema: &Value, defaults: &Value, cites: &[&str]) -> Description {
+    let text = schema["description"].as_str().unwrap_or("");
+    let (summary, details) = text.split_once("\n\n").unwrap_or((text, ""));
+    let bound = |p: &Value, a: &str, b: &str| p[a].as_f64().or_else(|| p[b].as_f64());
+    let parameters = schema["properties"].as_object().into_iter().flatten().map(|(key, p)| ParameterInfo {
+        name: key.clone(),
+        meaning: one_line(p["description"].as_str().unwrap_or("")),
+        unit: p["unit"].as_str().unwrap_or("").to_owned(),
+        takes: expects(p),
+        minimum: bound(p, "minimum", "exclusiveMinimum"),
+        maximum: bound(p, "maximum", "exclusiveMaximum"),
+        choices: choices(p).unwrap_or_default().into_iter().map(str::to_owned).collect(),
+        default: match defaults.get(key) {
+            Some(d) => tidy(d),
+            None => tidy(&p["default"]),
+        },
+    });
+    Description {
+        name: name.to_owned(),
+        kind,
+        summary: one_line(summary),
+        details: details.trim().to_owned(),
+        parameters: parameters.collect(),
+        sources: cites.iter().map(|c| (*c).to_owned()).collect(),
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A default that came from an `f32` with the digits that a person wrote.
+fn tidy(value: &Value) -> Value {
+    match value {
+        Value::Number(n) if n.is_f64() => shown(value).parse::<f64>().ok().map_or_else(|| value.clone(), Value::from),
+        Value::Array(a) => a.iter().map(tidy).collect(),
+        other => other.clone(),
+    }
+}
+
+impl fmt::Display for Description {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} ({})", self.name, self.kind)?;
+        if !self.summary.is_empty() {
+            writeln!(f, "  {}", self.summary)?;
+        }
+        if !self.details.is_empty() {
+            writeln!(f, "\n{}", indent(&self.details, 2))?;
+        }
+        for p in &self.parameters {
+            write!(f, "\n  {}", p.name)?;
+            let mut notes = vec![p.takes.clone()];
+            if !p.unit.is_empty() && p.unit != "1" {
+                notes.push(format!("unit {}", p.unit));
+            }
+            if !p.default.is_null() {
+                notes.push(format!("default {}", shown(&p.default)));
+            }
+            writeln!(f, "  [{}]", notes.join("; "))?;
+            writeln!(f, "{}", wrap(&p.meaning, 6, 100))?;
+        }
+        if !self.sources.is_empty() {
+            writeln!(f, "\n  Sources: {}", self.sources.join(", "))?;
+        }
+        if self.kind == "process" {
+            writeln!(f, "\n  Every process also takes `every` (act in every n-th step) and `enabled`.")?;
+        }
+        Ok(())
+    }
+}
+
+fn indent(text: &str, by: usize) -> String {
+    text.lines().map(|l| format!("{:by$}{l}", "")).collect::<Vec<_>>().join("\n")
+}
+
+fn wrap(text: &str, by: usize, width: usize) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        if let Some(line) = lines.last_mut() {
+            if line.is_empty() {
+                line.push_str(word);
+            } else if line.chars().count() + 1 + word.chars().count() + by <= width {
+                line.push(' ');
+                line.push_str(word);
+            } else {
+                lines.push(word.to_owned());
+            }
+        }
+    }
+    indent(&lines.join("\n"), by)
+}

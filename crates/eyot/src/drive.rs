@@ -1,0 +1,415 @@
+//! The thread of a run: goes through the recipe's steps, listens to commands, writes checkpoints.
+
+use crate::backend::io::checkpoint;
+use crate::error::RunError;
+use crate::event::{Command, Event, JournalEntry, Progress};
+use crate::layers;
+use crate::outputs;
+use crate::process_set;
+use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work};
+use crate::run::{Outcome, RunOptions};
+use crate::state::State;
+use crate::store::CHECKPOINT_FILE;
+use eyot_core::engine::CpuEngine;
+use eyot_core::process::{Scheduled, Site, Span};
+use eyot_core::{Cancel, Control, Error, World};
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Chunks of steps aim at this long: short enough for commands, long enough to cost nothing.
+const CHUNK_TIME: Duration = Duration::from_millis(300);
+/// Progress of a generator is passed on at most this often.
+const PROGRESS_TIME: Duration = Duration::from_millis(100);
+
+/// The end of a run and the time it took, s.
+pub(crate) struct End {
+    pub(crate) outcome: Outcome,
+    pub(crate) seconds: f64,
+}
+
+/// Whether to go on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Flow {
+    Continue,
+    Stop,
+}
+
+pub(crate) struct Driver {
+    recipe: Recipe,
+    options: RunOptions,
+    world: World,
+    state: State,
+    inbox: Receiver<Command>,
+    outbox: Sender<Event>,
+    cancel: Cancel,
+    /// Steps that may still be done before waiting; `None` while nobody paused.
+    allowance: Option<u64>,
+    begun: Instant,
+    seconds_before: f64,
+    last_checkpoint: Instant,
+    resumed: bool,
+}
+
+impl Driver {
+    pub(crate) fn new(
+        recipe: Recipe,
+        options: RunOptions,
+        world: World,
+        state: State,
+        inbox: Receiver<Command>,
+        outbox: Sender<Event>,
+        cancel: Cancel,
+    ) -> Self {
+        let now = Instant::now();
+        let allowance = options.paused.then_some(0);
+        let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0);
+        Self {
+            recipe,
+            options,
+            world,
+            state,
+            inbox,
+            outbox,
+            cancel,
+            allowance,
+            begun: now,
+            seconds_before,
+            last_checkpoint: now,
+            resumed,
+        }
+    }
+
+    /// Runs to the end, to a stop or to an error.
+    pub(crate) fn drive(mut self) -> Result<End, RunError> {
+        let grid = self.world.grid;
+        self.tell(Event::Started {
+            name: self.recipe.name.clone(),
+            size: [grid.width, grid.height],
+            cell_m: [grid.cell_x_m, grid.cell_y_m],
+            seed: self.recipe.seed,
+            steps: self.recipe.enabled_steps().count(),
+            threads: rayon::current_num_threads(),
+            resumed: self.resumed,
+            out: self.options.out.clone(),
+        });
+        let steps = std::mem::take(&mut self.recipe.steps);
+        let mut flow = Flow::Continue;
+        for step in steps.iter().skip(self.state.done_steps) {
+            if step.enabled {
+                flow = self.step(step, &steps)?;
+                if flow == Flow::Stop {
+                    break;
+                }
+            }
+            self.state.done_steps += 1;
+            self.state.done = 0;
+            self.checkpoint_if_due()?;
+        }
+        self.recipe.steps = steps;
+        self.end(flow)
+    }
+
+    fn step(&mut self, step: &Step, all: &[Step]) -> Result<Flow, RunError> {
+        if self.commands(step, None)? == Flow::Stop {
+            return Ok(Flow::Stop);
+        }
+        let total = if let Work::Simulate(s) = &step.work { s.steps } else { 1 };
+        self.tell(Event::StepBegun { number: step.number, name: step.name.clone(), total });
+        let begun = Instant::now();
+        let flow = match &step.work {
+            Work::Generate(g) => self.generate(step, g, all),
+            Work::Simulate(s) => self.simulate(step, s, all),
+        }?;
+        if flow == Flow::Continue {
+            let seconds = begun.elapsed().as_secs_f64();
+            self.state.timings.push((step.name.clone(), seconds));
+            self.tell(Event::StepDone { number: step.number, name: step.name.clone(), seconds });
+            if matches!(step.work, Work::Simulate(_)) {
+                self.tell(Event::Ledger { ledger: self.world.ledger.clone() });
+            }
+        }
+        Ok(flow)
+    }
+
+    fn generate(&mut self, step: &Step, work: &GenerateStep, all: &[Step]) -> Result<Flow, RunError> {
+        let fail = |source| RunError::Step { step: label(step), source };
+        let bad = |e: serde_json::Error| Error::BadParameter {
+            owner: work.entry.name.into(),
+            field: "parameters".into(),
+            reason: e.to_string(),
+        };
+        let generator = (work.entry.make)(work.parameters.clone()).map_err(|e| fail(bad(e)))?;
+        self.world.ensure(&layers::spec(&work.layer, &step.name), 0.0);
+        let (before, share) = overall(all, step.number);
+        let last = Mutex::new(Instant::now());
+        let outbox = Mutex::new(self.outbox.clone());
+        let report = |done: u64, total: u64| {
+            let (Ok(mut last), Ok(outbox)) = (last.lock(), outbox.lock()) else { return };
+            if last.elapsed() >= PROGRESS_TIME && total > 0 {
+                *last = Instant::now();
+                let overall = before + share * done as f64 / total as f64;
+                let progress = Progress { recipe_step: step.number, step: done, total, overall, ..Progress::default() };
+                // Nobody may be listening.
+                let _ = outbox.send(Event::Progress(progress));
+            }
+        };
+        let control = Control::new(self.cancel.clone(), &report);
+        let site = Site { grid: self.world.grid, seed: work.seed, world: &self.world, control: &control };
+        let base = &self.world.layer(&work.layer).map_err(fail)?.field;
+        let new = match generator.generate(&site, base) {
+            Ok(new) => new,
+            Err(Error::Cancelled(_)) => return Ok(Flow::Stop),
+            Err(e) => return Err(fail(e)),
+        };
+        let grid = self.world.grid;
+        if (new.width(), new.height()) != (grid.width, grid.height) {
+            let found = new.width() * new.height();
+            return Err(fail(Error::Shape {
+                what: format!("the result of {}", work.entry.name),
+                expected: grid.cells(),
+                found,
+            }));
+        }
+        let mask = match &work.mask {
+            Some(name) => Some(self.world.layer(name).map_err(fail)?.field.clone()),
+            None => None,
+        };
+        let layer = self.world.layer_mut(&work.layer).map_err(fail)?;
+        work.merge.apply(&mut layer.field, &new, work.amount, mask.as_ref());
+        self.world.check_finite(&label(step)).map_err(fail)?;
+        self.allowance = self.allowance.map(|n| n.saturating_sub(1));
+        Ok(Flow::Continue)
+    }
+
+    fn simulate(&mut self, step: &Step, work: &SimulateStep, all: &[Step]) -> Result<Flow, RunError> {
+        let fail = |source| RunError::Step { step: label(step), source };
+        let mut uses = work.processes.clone();
+        // Changes by hand before the checkpoint that this run continues.
+        for entry in self.state.journal.iter().filter(|e| e.recipe_step == step.number) {
+            process_set::apply(&mut uses, &entry.set).map_err(RunError::Recipe)?;
+        }
+        let mut scheduled = self.schedule(step, &uses)?;
+        let mut chunk = self.options.chunk.unwrap_or(1).max(1);
+        let mut rate = 0.0;
+        while self.state.done < work.steps {
+            let changes = self.state.journal.len();
+            if self.commands(step, Some(&mut uses))? == Flow::Stop {
+                return Ok(Flow::Stop);
+            }
+            self.replay_due(step, &mut uses)?;
+            if self.state.journal.len() > changes {
+                scheduled = self.schedule(step, &uses)?;
+            }
+            let mut steps = chunk.min(work.steps - self.state.done);
+            if let Some(n) = self.allowance {
+                steps = steps.min(n.max(1));
+            }
+            if let Some(next) = self
+                .state
+                .replay
+                .iter()
+                .filter(|e| e.recipe_step == step.number)
+                .map(|e| e.step)
+                .find(|s| *s > self.state.done)
+            {
+                steps = steps.min(next - self.state.done);
+            }
+            let (begun, first) = (Instant::now(), self.world.step);
+            let control = Control::new(self.cancel.clone(), &|_, _| {});
+            let result = CpuEngine::default().simulate(
+                &mut self.world,
+                &scheduled,
+                Span { from: self.state.done, steps },
+                &control,
+            );
+            let did = self.world.step - first;
+            self.state.done += did;
+            self.allowance = self.allowance.map(|n| n.saturating_sub(did));
+            match result {
+                Ok(()) => {}
+                Err(Error::Cancelled(_)) => return Ok(Flow::Stop),
+                Err(e) => return Err(fail(e)),
+            }
+            let seconds = begun.elapsed().as_secs_f64().max(1e-9);
+            let now = did as f64 / seconds;
+            rate = if rate == 0.0 { now } else { 0.7 * rate + 0.3 * now };
+            if self.options.chunk.is_none() {
+                // At most twice as long as before: the first steps can be untypically fast.
+                chunk = ((now * CHUNK_TIME.as_secs_f64()) as u64).clamp(1, chunk.saturating_mul(2));
+            }
+            let eta = (work.steps - self.state.done) as f64 / rate.max(1e-9);
+            let (before, share) = overall(all, step.number);
+            self.tell(Event::Progress(Progress {
+                recipe_step: step.number,
+                step: self.state.done,
+                total: work.steps,
+                steps_per_s: rate,
+                eta_s: Some(eta),
+                overall: before + share * self.state.done as f64 / work.steps as f64,
+            }));
+            self.checkpoint_if_due()?;
+        }
+        Ok(Flow::Continue)
+    }
+
+    /// Makes the processes of a step; the engine sees to the layers that they need.
+    fn schedule(&self, step: &Step, uses: &[ProcessUse]) -> Result<Vec<Scheduled>, RunError> {
+        let fail = |source| RunError::Step { step: label(step), source };
+        let mut scheduled = Vec::new();
+        for u in uses.iter().filter(|u| u.enabled) {
+            let bad = |e: serde_json::Error| Error::BadParameter {
+                owner: u.entry.name.into(),
+                field: "parameters".into(),
+                reason: e.to_string(),
+            };
+            let process = (u.entry.make)(u.parameters.clone()).map_err(|e| fail(bad(e)))?;
+            scheduled.push(Scheduled { name: u.entry.name, process, every: u.every.max(1) });
+        }
+        Ok(scheduled)
+    }
+
+    fn replay_due(&mut self, step: &Step, uses: &mut [ProcessUse]) -> Result<(), RunError> {
+        while let Some(i) =
+            self.state.replay.iter().position(|e| e.recipe_step == step.number && e.step <= self.state.done)
+        {
+            let entry = self.state.replay.remove(i);
+            process_set::apply(uses, &entry.set).map_err(RunError::Recipe)?;
+            self.state.journal.push(JournalEntry { step: self.state.done, ..entry });
+        }
+        Ok(())
+    }
+
+    /// Does what the client asked for; waits while the run is paused.
+    fn commands(&mut self, step: &Step, mut uses: Option<&mut Vec<ProcessUse>>) -> Result<Flow, RunError> {
+        let mut waiting = false;
+        loop {
+            let paused = self.allowance == Some(0);
+            if paused && !waiting {
+                waiting = true;
+                self.tell(Event::Paused { recipe_step: step.number, step: self.state.done });
+            }
+            let command = if paused {
+                match self.inbox.recv_timeout(Duration::from_secs(1)) {
+                    Ok(c) => c,
+                    Err(RecvTimeoutError::Timeout) => {
+                        self.checkpoint_if_due()?;
+                        continue;
+                    }
+                    // Nobody is left who could let it go on.
+                    Err(RecvTimeoutError::Disconnected) => return Ok(Flow::Stop),
+                }
+            } else {
+                match self.inbox.try_recv() {
+                    Ok(c) => c,
+                    Err(TryRecvError::Empty | TryRecvError::Disconnected) => return Ok(Flow::Continue),
+                }
+            };
+            match command {
+                Command::Pause => self.allowance = Some(0),
+                Command::Resume => {
+                    self.allowance = None;
+                    self.tell(Event::Resumed);
+                }
+                Command::Step(n) => {
+                    self.allowance = Some(n);
+                    waiting = false;
+                }
+                Command::Set(set) => self.set(step, uses.as_deref_mut(), set),
+                Command::Snapshot => {
+                    let world = Arc::new(self.world.clone());
+                    self.tell(Event::Snapshot { recipe_step: step.number, step: self.state.done, world });
+                }
+                Command::Stop => return Ok(Flow::Stop),
+            }
+        }
+    }
+
+    fn set(&mut self, step: &Step, uses: Option<&mut Vec<ProcessUse>>, set: String) {
+        let refused = match uses {
+            None => "no simulation is under way".to_owned(),
+            Some(uses) => match process_set::apply(uses, &set) {
+                Ok(()) => {
+                    let entry = JournalEntry { recipe_step: step.number, step: self.state.done, set };
+                    self.state.journal.push(entry.clone());
+                    return self.tell(Event::Changed(entry));
+                }
+                Err(problems) => problems.to_string(),
+            },
+        };
+        self.tell(Event::Warning { message: format!("`{set}` was not set: {refused}") });
+    }
+
+    fn seconds(&self) -> f64 {
+        self.seconds_before + self.begun.elapsed().as_secs_f64()
+    }
+
+    fn checkpoint_if_due(&mut self) -> Result<(), RunError> {
+        if self.last_checkpoint.elapsed() >= self.options.checkpoint_every {
+            let begun = Instant::now();
+            self.checkpoint()?;
+            // A slow disk must not take more than a tenth of the time.
+            let rest = begun.elapsed() * 10;
+            self.last_checkpoint = Instant::now() + rest.saturating_sub(self.options.checkpoint_every);
+        }
+        Ok(())
+    }
+
+    fn checkpoint(&mut self) -> Result<Option<PathBuf>, RunError> {
+        let Some(out) = &self.options.out else { return Ok(None) };
+        let path = out.join(CHECKPOINT_FILE);
+        self.state.seconds = self.seconds();
+        let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;
+        checkpoint::save(&path, &self.world, &self.recipe.source.text, &state)
+            .map_err(|e| RunError::File(e.to_string()))?;
+        self.last_checkpoint = Instant::now();
+        self.tell(Event::Checkpoint { path: path.clone() });
+        Ok(Some(path))
+    }
+
+    fn end(mut self, flow: Flow) -> Result<End, RunError> {
+        let finished = flow == Flow::Continue;
+        let outputs = if finished {
+            self.state.seconds = self.seconds();
+            self.state.finished = true;
+            let outbox = &self.outbox;
+            let tell = |event| drop(outbox.send(event));
+            match &self.options.out {
+                Some(out) => {
+                    outputs::write_all(&self.recipe, &self.world, &self.state, out, &self.options.limits, &tell)?
+                }
+                None => Vec::new(),
+            }
+        } else {
+            self.checkpoint()?.into_iter().collect()
+        };
+        let seconds = self.seconds();
+        Ok(End { outcome: Outcome { world: self.world, finished, outputs, journal: self.state.journal }, seconds })
+    }
+
+    fn tell(&self, event: Event) {
+        // A client that has gone does not stop a run; its files are still wanted.
+        let _ = self.outbox.send(event);
+    }
+}
+
+fn label(step: &Step) -> String {
+    format!("step {} ({})", step.number, step.name)
+}
+
+/// Share of the run before a step of the recipe, and that step's own share. A generator counts as a hundredth of all
+/// simulation steps.
+fn overall(all: &[Step], number: usize) -> (f64, f64) {
+    let simulated: u64 =
+        all.iter().filter(|s| s.enabled).map(|s| if let Work::Simulate(w) = &s.work { w.steps } else { 0 }).sum();
+    let weight = |s: &Step| match &s.work {
+        _ if !s.enabled => 0.0,
+        Work::Simulate(w) => w.steps as f64,
+        Work::Generate(_) => (simulated as f64 / 100.0).max(1.0),
+    };
+    let total: f64 = all.iter().map(weight).sum::<f64>().max(1.0);
+    let before: f64 = all.iter().filter(|s| s.number < number).map(weight).sum();
+    let own = all.iter().find(|s| s.number == number).map_or(0.0, weight);
+    (before / total, own / total)
+}

@@ -1,0 +1,160 @@
+//! What goes into a run and what comes out of it.
+
+use eyot_core::{Ledger, World};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What a client may ask of a run. Commands take effect between two steps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Command {
+    /// Wait after the present step.
+    Pause,
+    /// Go on.
+    Resume,
+    /// Do so many steps, then wait.
+    Step(u64),
+    /// Change a parameter of the simulating step that is under way: `hydraulic.rain=0.004`.
+    Set(String),
+    /// Send the world as it is.
+    Snapshot,
+    /// Write a checkpoint and end.
+    Stop,
+}
+
+/// A command that changed the bytes, and when.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct JournalEntry {
+    /// Number of the recipe's step, from 1.
+    pub recipe_step: usize,
+    /// Steps of this simulation that were done when it took effect.
+    pub step: u64,
+    /// `process.field=value`.
+    pub set: String,
+}
+
+/// How far a run is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Progress {
+    /// Number of the recipe's step, from 1.
+    pub recipe_step: usize,
+    /// Steps done of this step of the recipe; for a generator its own measure.
+    pub step: u64,
+    /// All steps of this step of the recipe.
+    pub total: u64,
+    /// Steps per second lately; 0 while unknown.
+    pub steps_per_s: f64,
+    /// Seconds left for this step of the recipe, if known.
+    pub eta_s: Option<f64>,
+    /// Share of the whole run that is done, 0 to 1.
+    pub overall: f64,
+}
+
+/// What a run tells its client.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Event {
+    /// The run has begun.
+    Started {
+        /// The recipe's name.
+        name: String,
+        /// Columns and rows.
+        size: [usize; 2],
+        /// Size of a cell, m.
+        cell_m: [f64; 2],
+        /// Seed.
+        seed: u64,
+        /// Steps of the recipe that will be done.
+        steps: usize,
+        /// Threads at work.
+        threads: usize,
+        /// Whether it continues a stopped run.
+        resumed: bool,
+        /// Where the files go.
+        out: Option<PathBuf>,
+    },
+    /// A step of the recipe has begun.
+    StepBegun {
+        /// Number of the recipe's step, from 1.
+        number: usize,
+        /// Its name.
+        name: String,
+        /// Steps of the simulation; 1 for a generator.
+        total: u64,
+    },
+    /// A step of the recipe is done.
+    StepDone {
+        /// Number of the recipe's step, from 1.
+        number: usize,
+        /// Its name.
+        name: String,
+        /// Time it took since the run began or was resumed, s.
+        seconds: f64,
+    },
+    /// How far the run is.
+    Progress(Progress),
+    /// The run waits for a command.
+    Paused {
+        /// Number of the recipe's step, from 1.
+        recipe_step: usize,
+        /// Steps done of it.
+        step: u64,
+    },
+    /// The run goes on.
+    Resumed,
+    /// A parameter was changed.
+    Changed(JournalEntry),
+    /// Something that the client should know; the run goes on.
+    Warning {
+        /// One sentence.
+        message: String,
+    },
+    /// The state of the ledger.
+    Ledger {
+        /// All accounts.
+        ledger: Ledger,
+    },
+    /// A checkpoint was written.
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The world as it is.
+    Snapshot {
+        /// Number of the recipe's step, from 1.
+        recipe_step: usize,
+        /// Steps done of it.
+        step: u64,
+        /// A copy of the world.
+        #[serde(skip)]
+        world: Arc<World>,
+    },
+    /// A file of the result is being made.
+    Writing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The run is done.
+    Done {
+        /// The files that it wrote.
+        outputs: Vec<PathBuf>,
+        /// Fingerprint of the world, hexadecimal.
+        fingerprint: String,
+        /// Time at work, s.
+        seconds: f64,
+    },
+    /// The run was stopped.
+    Stopped {
+        /// Where it can be continued from.
+        checkpoint: Option<PathBuf>,
+    },
+    /// The run failed.
+    Failed {
+        /// What happened.
+        message: String,
+        /// What to do about it.
+        help: Option<String>,
+    },
+}

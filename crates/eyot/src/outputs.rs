@@ -1,0 +1,164 @@
+//! The files of a finished run.
+
+use crate::backend::io::{self, RasterFormat, checkpoint};
+use crate::backend::{self, mesh, render};
+use crate::error::RunError;
+use crate::event::Event;
+use crate::keys::{Export, ExportFormat, View, ViewKind};
+use crate::recipe::Recipe;
+use crate::state::State;
+use crate::store::{CHECKPOINT_FILE, REPORT_FILE, VIEW_FILE, WORLD_FILE};
+use eyot_core::{Limits, World};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Writes everything that a finished run leaves: the world, the exports, the preview picture and the report. Each file
+/// appears whole or not at all; the checkpoint goes last, so that a failure here costs nothing.
+pub(crate) fn write_all(
+    recipe: &Recipe,
+    world: &World,
+    state: &State,
+    out: &Path,
+    limits: &Limits,
+    tell: &dyn Fn(Event),
+) -> Result<Vec<PathBuf>, RunError> {
+    let mut written = Vec::new();
+    let mut begin = |path: PathBuf| {
+        tell(Event::Writing { path: path.clone() });
+        written.push(path.clone());
+        path
+    };
+    let value = serde_json::to_value(state).map_err(|e| RunError::Fault(e.to_string()))?;
+    let path = begin(out.join(WORLD_FILE));
+    checkpoint::save(&path, world, &recipe.source.text, &value).map_err(file)?;
+    for export in recipe.exports.iter().filter(|e| e.enabled) {
+        write_export(recipe, world, export, out, limits, &mut begin)?;
+    }
+    if recipe.view.enabled && world.get("height").is_some() {
+        let path = begin(out.join(VIEW_FILE));
+        let picture = view(world, &recipe.view).map_err(file)?;
+        io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+    }
+    let path = begin(out.join(REPORT_FILE));
+    let names: Vec<String> =
+        written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
+    let g = &world.grid;
+    let report = json!({
+        "name": recipe.name,
+        "about": recipe.about,
+        "engine_version": crate::VERSION,
+        "seed": recipe.seed,
+        "size": [g.width, g.height],
+        "cell_m": [g.cell_x_m, g.cell_y_m],
+        "fingerprint": format!("{:016x}", world.fingerprint()),
+        "steps_done": world.step,
+        "sea_level_m": world.sea_level_m,
+        "seconds": state.seconds,
+        "timings": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
+        "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
+        "ledger": world.ledger,
+        "outputs": names,
+        "set": recipe.overrides.set,
+        "size_flag": recipe.overrides.size,
+        "journal": state.journal,
+        "recipe_file": recipe.source.name,
+        "recipe": recipe.source.text,
+    });
+    let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
+    text.push('\n');
+    backend::write_text(&path, &text).map_err(file)?;
+    let left = out.join(CHECKPOINT_FILE);
+    if left.exists() {
+        std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
+    }
+    Ok(written)
+}
+
+fn write_export(
+    recipe: &Recipe,
+    world: &World,
+    export: &Export,
+    out: &Path,
+    limits: &Limits,
+    begin: &mut dyn FnMut(PathBuf) -> PathBuf,
+) -> Result<(), RunError> {
+    let raster = match export.format {
+        ExportFormat::Png16 => RasterFormat::Png16,
+        ExportFormat::GeoTiff => RasterFormat::GeoTiff,
+        ExportFormat::R32 => RasterFormat::R32,
+        ExportFormat::Glb => {
+            let path = begin(out.join(&export.files()[0]));
+            let height = &world.layer("height").map_err(file)?.field;
+            let colours = render::terrain_colours(world).map_err(file)?;
+            let terrain =
+                mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), limits).map_err(file)?;
+            // Each level has a quarter of the triangles of the one before: half the detail along each axis.
+            let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
+            let levels = mesh::levels_of_detail(&terrain.mesh, &ratios);
+            return io::write_terrain_glb(&path, &levels, &recipe.name).map_err(file);
+        }
+        ExportFormat::Relief => {
+            let path = begin(out.join(&export.files()[0]));
+            let picture = relief(world, &recipe.view).map_err(file)?;
+            return io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file);
+        }
+        ExportFormat::Map => {
+            for (name, layer) in export.files().iter().zip(&export.layers) {
+                let path = begin(out.join(name));
+                let picture = render::layer_map(world, layer, &render::MapOptions::default()).map_err(file)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+            }
+            return Ok(());
+        }
+    };
+    for (name, layer) in export.files().iter().zip(&export.layers) {
+        let path = begin(out.join(name));
+        io::write_layer(&path, world, world.layer(layer).map_err(file)?, raster).map_err(file)?;
+    }
+    Ok(())
+}
+
+/// Draws a picture as the options say; a layer's name makes a map of it.
+pub(crate) fn draw(world: &World, options: &View, layer: Option<&str>) -> eyot_core::Result<render::Picture> {
+    match layer {
+        Some(name) => render::layer_map(world, name, &render::MapOptions::default()),
+        None => view(world, options),
+    }
+}
+
+fn view(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
+    if v.kind == ViewKind::Relief {
+        return relief(world, v);
+    }
+    let d = render::ViewOptions::default();
+    let options = render::ViewOptions {
+        width: v.size[0] as usize,
+        height: v.size[1] as usize,
+        azimuth_deg: v.azimuth.unwrap_or(d.azimuth_deg),
+        elevation_deg: v.elevation.or(d.elevation_deg),
+        distance: v.distance.or(d.distance),
+        field_of_view_deg: v.field_of_view.unwrap_or(d.field_of_view_deg),
+        vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
+        sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
+        sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
+        ..d
+    };
+    render::perspective(world, &options)
+}
+
+fn relief(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
+    let d = render::ReliefOptions::default();
+    let options = render::ReliefOptions {
+        vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
+        max_size: v.size[0].max(v.size[1]) as usize,
+        sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
+        sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
+        ..d
+    };
+    render::relief(world, &options)
+}
+
+/// Errors of files and pictures name the file and the remedy themselves.
+fn file(e: impl std::fmt::Display) -> RunError {
+    RunError::File(e.to_string())
+}

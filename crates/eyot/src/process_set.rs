@@ -1,0 +1,65 @@
+//! Changes to a process while it runs: `hydraulic.rain=0.004`, `thermal.enabled=false`.
+
+use crate::check;
+use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
+use crate::keys::Schedule;
+use crate::recipe::ProcessUse;
+use crate::registry::SCHEDULE_KEYS;
+use crate::set;
+use eyot_core::process::schema_of;
+use serde_json::Value;
+
+/// Applies a change to the processes of a step, or says why not; then nothing has changed.
+pub(crate) fn apply(uses: &mut [ProcessUse], flag: &str) -> Result<(), Problems> {
+    let (text, parsed) = set::parse(flag, 0);
+    let fail = |diagnostics| Problems::new(vec![Source { name: "set".to_owned(), text: text.clone() }], diagnostics);
+    let node = parsed.map_err(fail)?;
+    let mut out = Vec::new();
+    let mut changes = Vec::new();
+    for (key, table) in node.entries() {
+        let Some(i) = uses.iter().position(|u| u.entry.name == key.name) else {
+            let names = uses.iter().map(|u| u.entry.name);
+            let help = match nearest(&key.name, names.clone()) {
+                Some(n) => format!("did you mean `{n}`?"),
+                None => format!("this step simulates {}", alternatives(names)),
+            };
+            let message = format!("this step does not simulate `{}`", key.name);
+            out.push(Diagnostic::at(key.span.clone(), message, "not here").help(help));
+            continue;
+        };
+        let entry = uses[i].entry;
+        let own = (entry.schema)().to_value();
+        check::table(&own, table, entry.name, &SCHEDULE_KEYS, &mut out);
+        let schedule = schema_of::<Schedule>().to_value();
+        for (k, v) in table.entries() {
+            if SCHEDULE_KEYS.contains(&k.name.as_str()) {
+                let mut one = table.clone();
+                one.kind = crate::node::Kind::Table(vec![(k.clone(), v.clone())]);
+                check::table(&schedule, &one, entry.name, &[], &mut out);
+            }
+            changes.push((i, k.name.clone(), v.to_json()));
+        }
+    }
+    if !out.is_empty() {
+        return Err(fail(out));
+    }
+    let mut changed = uses.to_vec();
+    for (i, key, value) in changes {
+        let u = &mut changed[i];
+        match key.as_str() {
+            "every" => u.every = value.as_u64().unwrap_or(1),
+            "enabled" => u.enabled = value.as_bool().unwrap_or(true),
+            _ => {
+                if !u.parameters.is_object() {
+                    u.parameters = Value::Object(serde_json::Map::new());
+                }
+                u.parameters[key] = value;
+            }
+        }
+        if let Err(e) = (u.entry.make)(u.parameters.clone()) {
+            return Err(fail(vec![Diagnostic::whole(format!("{}: {e}", u.entry.name))]));
+        }
+    }
+    uses.clone_from_slice(&changed);
+    Ok(())
+}

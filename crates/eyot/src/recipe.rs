@@ -1,0 +1,213 @@
+//! Recipes: the documents that say everything that decides the bytes.
+
+use crate::builtin;
+use crate::diagnostic::{Diagnostic, Problems, Source};
+use crate::keys::{Export, View};
+use crate::merge::Merge;
+use crate::registry::Registry;
+use crate::validate;
+use eyot_core::process::{Entry, Generator, Process};
+use eyot_core::{Georeference, Grid, Limits};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Where a recipe came from: enough to read it again after a resume.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RecipeSource {
+    /// File name, or the name of a built-in recipe; for messages.
+    pub name: String,
+    /// The document as it was written.
+    pub text: String,
+    /// The folder that files named in the recipe are relative to.
+    pub folder: PathBuf,
+}
+
+/// Changes to a document before it is checked.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Overrides {
+    /// `key=value` texts as `--set` takes them, in order.
+    pub set: Vec<String>,
+    /// Other numbers of columns and rows for the same extent. One number is the longer side; the other follows.
+    pub size: Option<(u32, Option<u32>)>,
+}
+
+/// A checked recipe, ready to run.
+#[derive(Clone)]
+pub struct Recipe {
+    /// What the landscape is called.
+    pub name: String,
+    /// One sentence about it.
+    pub about: String,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// The grid.
+    pub grid: Grid,
+    /// Where the grid lies, if it was taken from a georeferenced file.
+    pub georeference: Option<Georeference>,
+    /// Level of the sea at the start, m.
+    pub sea_level_m: f64,
+    /// What to do, in order; also the steps that are switched off.
+    pub steps: Vec<Step>,
+    /// Files to write in the end.
+    pub exports: Vec<Export>,
+    /// The preview picture.
+    pub view: View,
+    /// Where the recipe came from.
+    pub source: RecipeSource,
+    /// What was changed by flags.
+    pub overrides: Overrides,
+}
+
+/// One `[[step]]`.
+#[derive(Clone)]
+pub struct Step {
+    /// Position in the recipe, from 1.
+    pub number: usize,
+    /// Its name, or what it does.
+    pub name: String,
+    /// Whether it is done.
+    pub enabled: bool,
+    /// What it does.
+    pub work: Work,
+}
+
+/// What a step does.
+#[derive(Clone)]
+pub enum Work {
+    /// Makes or changes a layer.
+    Generate(GenerateStep),
+    /// Lets processes act for a while.
+    Simulate(SimulateStep),
+}
+
+/// A step that makes or changes a layer.
+#[derive(Clone)]
+pub struct GenerateStep {
+    /// The generator.
+    pub entry: &'static Entry<dyn Generator>,
+    /// Its parameters, checked.
+    pub parameters: Value,
+    /// The layer.
+    pub layer: String,
+    /// How the result joins the layer.
+    pub merge: Merge,
+    /// A layer that limits the change.
+    pub mask: Option<String>,
+    /// Strength of the merge.
+    pub amount: f32,
+    /// Seed of the step.
+    pub seed: u64,
+}
+
+/// A step that lets processes act.
+#[derive(Clone)]
+pub struct SimulateStep {
+    /// How often.
+    pub steps: u64,
+    /// The processes, in the order in which they act.
+    pub processes: Vec<ProcessUse>,
+}
+
+/// A process with its parameters in a step.
+#[derive(Clone)]
+pub struct ProcessUse {
+    /// The process.
+    pub entry: &'static Entry<dyn Process>,
+    /// Its parameters, checked.
+    pub parameters: Value,
+    /// It acts in every n-th step.
+    pub every: u64,
+    /// Whether it acts.
+    pub enabled: bool,
+}
+
+impl Recipe {
+    /// Checks a document and makes a recipe of it.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, in one go.
+    pub fn parse(
+        source: RecipeSource,
+        overrides: Overrides,
+        registry: &Registry,
+        limits: &Limits,
+    ) -> Result<Self, Problems> {
+        validate::recipe(source, overrides, registry, limits)
+    }
+
+    /// Reads and checks a recipe from a file.
+    ///
+    /// # Errors
+    /// As [`Recipe::parse`], and if the file cannot be read.
+    pub fn read(path: &Path, overrides: Overrides, registry: &Registry, limits: &Limits) -> Result<Self, Problems> {
+        Self::parse(RecipeSource::read(path)?, overrides, registry, limits)
+    }
+
+    /// The steps that will be done.
+    pub fn enabled_steps(&self) -> impl Iterator<Item = &Step> {
+        self.steps.iter().filter(|s| s.enabled)
+    }
+}
+
+impl RecipeSource {
+    /// Reads a recipe's text from a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is not text, or is far too long for a recipe.
+    pub fn read(path: &Path) -> Result<Self, Problems> {
+        const MOST_BYTES: u64 = 4 << 20;
+        let name = path.display().to_string();
+        let fail = |message: String, help: &str| {
+            let source = Source { name: name.clone(), text: String::new() };
+            Problems::new(vec![source], vec![Diagnostic::whole(message).help(help)])
+        };
+        let known = builtin::RECIPES.iter().map(|r| r.name);
+        let meta = std::fs::metadata(path).map_err(|e| {
+            let guess =
+                path.file_stem().and_then(|s| s.to_str()).and_then(|s| crate::diagnostic::nearest(s, known.clone()));
+            let help = match guess {
+                Some(n) => format!("did you mean the built-in recipe `{n}`? `eyot list` shows all of them"),
+                None => "give the name of a recipe file, or of a built-in recipe from `eyot list`".to_owned(),
+            };
+            fail(format!("cannot read the recipe `{name}`: {e}"), &help)
+        })?;
+        if !meta.is_file() {
+            return Err(fail(
+                format!("`{name}` is not a file"),
+                "give the name of a recipe file; `eyot resume` takes a folder",
+            ));
+        }
+        if meta.len() > MOST_BYTES {
+            let message = format!("`{name}` has {} bytes, which no recipe needs", meta.len());
+            return Err(fail(message, "recipes are short TOML documents; is this the right file?"));
+        }
+        let bytes = std::fs::read(path)
+            .map_err(|e| fail(format!("cannot read the recipe `{name}`: {e}"), "check its permissions"))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let message = format!("`{name}` is not text: byte {} is not UTF-8", e.utf8_error().valid_up_to());
+            fail(message, "recipes are TOML documents in UTF-8; is this the right file?")
+        })?;
+        let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = std::path::absolute(parent).unwrap_or_else(|_| parent.to_owned());
+        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
+        Ok(Self { name, text, folder })
+    }
+
+    /// A built-in recipe.
+    pub fn builtin(name: &str) -> Option<Self> {
+        let r = builtin::RECIPES.iter().find(|r| r.name == name)?;
+        Some(Self { name: format!("{name} (built in)"), text: r.text.to_owned(), folder: PathBuf::from(".") })
+    }
+
+    /// A built-in recipe if there is one of that name, else the file.
+    ///
+    /// # Errors
+    /// As [`RecipeSource::read`].
+    pub fn find(name: &str) -> Result<Self, Problems> {
+        match Self::builtin(name) {
+            Some(s) => Ok(s),
+            None => Self::read(Path::new(name)),
+        }
+    }
+}

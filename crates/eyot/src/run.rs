@@ -1,0 +1,241 @@
+//! A run: a thread that works, commands that go in and events that come out.
+
+use crate::backend::io::checkpoint;
+use crate::drive::Driver;
+use crate::error::RunError;
+use crate::event::{Command, Event, JournalEntry};
+use crate::lock::FolderLock;
+use crate::recipe::Recipe;
+use crate::registry::Registry;
+use crate::state::State;
+use crate::store::{CHECKPOINT_FILE, WORLD_FILE};
+use eyot_core::{Cancel, Limits, World};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// What a run needs to know that does not change a byte of the result.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// Threads; all cores if not given.
+    pub threads: Option<usize>,
+    /// Folder for the results; made if need be. Without one nothing is written.
+    pub out: Option<PathBuf>,
+    /// Time between two checkpoints.
+    pub checkpoint_every: Duration,
+    /// Steps between two looks at the commands; chosen by the time they take if not given.
+    pub chunk: Option<u64>,
+    /// Upper bounds on what the run may use.
+    pub limits: Limits,
+    /// Whether the run waits for a command before its first step.
+    pub paused: bool,
+    /// Whether a stopped run in the folder may be overwritten.
+    pub restart: bool,
+    /// Commands of an earlier run that are to be given again at the same steps.
+    pub replay: Vec<JournalEntry>,
+}
+
+impl Default for RunOptions {
+    fn default() -> Self {
+        Self {
+            threads: None,
+            out: None,
+            checkpoint_every: Duration::from_secs(60),
+            chunk: None,
+            limits: Limits::default(),
+            paused: false,
+            restart: false,
+            replay: Vec::new(),
+        }
+    }
+}
+
+/// How a run ended.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The world in its last state.
+    pub world: World,
+    /// False if the run was stopped.
+    pub finished: bool,
+    /// The files that were written; the checkpoint if the run was stopped.
+    pub outputs: Vec<PathBuf>,
+    /// Commands that changed the bytes.
+    pub journal: Vec<JournalEntry>,
+}
+
+/// The entry point to runs.
+#[derive(Clone, Copy, Debug)]
+pub struct Run;
+
+/// A run at work.
+pub struct Handle {
+    remote: Remote,
+    events: Receiver<Event>,
+    thread: JoinHandle<Result<Outcome, RunError>>,
+}
+
+/// Something that commands can be given through; may be cloned and sent to other threads.
+#[derive(Clone, Debug)]
+pub struct Remote {
+    commands: Sender<Command>,
+    cancel: Cancel,
+}
+
+impl Remote {
+    /// Gives a command. False if the run has ended.
+    pub fn send(&self, command: Command) -> bool {
+        let stop = command == Command::Stop;
+        let sent = self.commands.send(command).is_ok();
+        if stop {
+            // A long step must not delay the stop: the engine ends after the step it is in.
+            self.cancel.raise();
+        }
+        sent
+    }
+}
+
+impl Handle {
+    /// What commands are given through.
+    pub fn remote(&self) -> Remote {
+        self.remote.clone()
+    }
+
+    /// Gives a command. False if the run has ended.
+    pub fn send(&self, command: Command) -> bool {
+        self.remote.send(command)
+    }
+
+    /// The events; the channel closes when the run has ended.
+    pub fn events(&self) -> &Receiver<Event> {
+        &self.events
+    }
+
+    /// Waits for the end.
+    ///
+    /// # Errors
+    /// If the run failed.
+    pub fn join(self) -> Result<Outcome, RunError> {
+        let Self { remote, events, thread } = self;
+        drop((remote, events));
+        thread.join().unwrap_or_else(|panic| {
+            let text = panic
+                .downcast_ref::<String>()
+                .cloned()
+                .or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+            Err(RunError::Fault(text.unwrap_or_else(|| "for an unknown reason".to_owned())))
+        })
+    }
+}
+
+impl Run {
+    /// Starts a recipe on a thread of its own.
+    ///
+    /// # Errors
+    /// If the folder cannot be used: another run works there, a stopped run is there and `restart` is not set, or the
+    /// system refuses.
+    pub fn start(recipe: Recipe, options: RunOptions) -> Result<Handle, RunError> {
+        let lock = options.out.as_deref().map(prepare_folder).transpose()?;
+        if let Some(out) = &options.out {
+            let left = out.join(CHECKPOINT_FILE);
+            if left.exists() {
+                if !options.restart {
+                    return Err(RunError::Unfinished { folder: out.clone() });
+                }
+                std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
+            }
+        }
+        let mut world = World::new(recipe.grid, recipe.seed);
+        world.sea_level_m = recipe.sea_level_m;
+        world.georeference = recipe.georeference.clone();
+        let state = State::new(&recipe, options.replay.clone());
+        launch(recipe, options, world, state, lock, Vec::new())
+    }
+
+    /// Continues a stopped run at the exact step.
+    ///
+    /// # Errors
+    /// If the folder holds no stopped run, the checkpoint is damaged, the recipe no longer passes its checks, or as
+    /// [`Run::start`].
+    pub fn resume(folder: &Path, registry: &Registry, options: RunOptions) -> Result<Handle, RunError> {
+        let path = folder.join(CHECKPOINT_FILE);
+        if !path.exists() {
+            let finished = folder.join(WORLD_FILE).exists();
+            return Err(RunError::NothingToResume { folder: folder.to_owned(), finished });
+        }
+        let lock = prepare_folder(folder)?;
+        let saved = checkpoint::load(&path, &options.limits).map_err(|e| RunError::File(e.to_string()))?;
+        let state: State = serde_json::from_value(saved.state)
+            .map_err(|e| RunError::File(format!("`{}` holds no state of a run: {e}", path.display())))?;
+        let recipe =
+            Recipe::parse(state.source(saved.recipe_toml), state.overrides.clone(), registry, &options.limits)?;
+        if state.done_steps > recipe.steps.len() || saved.world.grid != recipe.grid {
+            return Err(RunError::File(format!(
+                "`{}` does not fit its recipe; start over with --restart",
+                path.display()
+            )));
+        }
+        let mut warnings = Vec::new();
+        if saved.engine_version != crate::VERSION {
+            let message = format!(
+                "the checkpoint was written by version {}, this is {}; the result may differ from a run in one piece",
+                saved.engine_version,
+                crate::VERSION
+            );
+            warnings.push(message);
+        }
+        let options = RunOptions { out: Some(folder.to_owned()), ..options };
+        launch(recipe, options, saved.world, state, Some(lock), warnings)
+    }
+}
+
+fn prepare_folder(folder: &Path) -> Result<FolderLock, RunError> {
+    std::fs::create_dir_all(folder).map_err(|source| RunError::Folder { path: folder.to_owned(), source })?;
+    FolderLock::take(folder)
+}
+
+fn launch(
+    recipe: Recipe,
+    options: RunOptions,
+    world: World,
+    state: State,
+    lock: Option<FolderLock>,
+    warnings: Vec<String>,
+) -> Result<Handle, RunError> {
+    let threads = options.threads.unwrap_or(0);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|i| format!("eyot-{i}"))
+        .build()
+        .map_err(|e| RunError::Threads { threads, reason: e.to_string() })?;
+    let (commands, inbox) = channel();
+    let (outbox, events) = channel();
+    let cancel = Cancel::default();
+    let remote = Remote { commands, cancel: cancel.clone() };
+    for message in warnings {
+        // The receiver is alive: it is returned below.
+        let _ = outbox.send(Event::Warning { message });
+    }
+    let thread = std::thread::Builder::new()
+        .name("eyot-run".to_owned())
+        .spawn(move || {
+            let driver = Driver::new(recipe, options, world, state, inbox, outbox.clone(), cancel);
+            let result = pool.install(|| driver.drive());
+            // Released before the client hears of the end, so that it may start the next run at once.
+            drop(lock);
+            let last = match &result {
+                Ok(o) if o.outcome.finished => Event::Done {
+                    outputs: o.outcome.outputs.clone(),
+                    fingerprint: format!("{:016x}", o.outcome.world.fingerprint()),
+                    seconds: o.seconds,
+                },
+                Ok(o) => Event::Stopped { checkpoint: o.outcome.outputs.first().cloned() },
+                Err(e) => Event::Failed { message: e.to_string(), help: e.help() },
+            };
+            // The client may have gone; the result is then nobody's.
+            let _ = outbox.send(last);
+            result.map(|o| o.outcome)
+        })
+        .map_err(|e| RunError::Threads { threads: threads.max(1), reason: e.to_string() })?;
+    Ok(Handle { remote, events, thread })
+}

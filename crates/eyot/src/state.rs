@@ -1,0 +1,51 @@
+//! What a run remembers beside the world, so that it can be continued.
+
+use crate::event::JournalEntry;
+use crate::recipe::{Overrides, Recipe, RecipeSource};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// What a checkpoint says about the run, beside the world.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct State {
+    /// Steps of the recipe that are done, switched-off ones included.
+    pub(crate) done_steps: usize,
+    /// Steps of the simulation under way that are done.
+    pub(crate) done: u64,
+    /// Commands that changed the bytes.
+    pub(crate) journal: Vec<JournalEntry>,
+    /// Commands that are still to be given.
+    pub(crate) replay: Vec<JournalEntry>,
+    pub(crate) source_name: String,
+    pub(crate) folder: PathBuf,
+    pub(crate) overrides: Overrides,
+    /// Time at work before the checkpoint, s.
+    pub(crate) seconds: f64,
+    /// Name and time of each step of the recipe that is done, s.
+    pub(crate) timings: Vec<(String, f64)>,
+    /// True in the file of a finished run.
+    #[serde(default)]
+    pub(crate) finished: bool,
+}
+
+impl State {
+    pub(crate) fn new(recipe: &Recipe, mut replay: Vec<JournalEntry>) -> Self {
+        replay.sort_by_key(|e| (e.recipe_step, e.step));
+        Self {
+            done_steps: 0,
+            done: 0,
+            journal: Vec::new(),
+            replay,
+            source_name: recipe.source.name.clone(),
+            folder: recipe.source.folder.clone(),
+            overrides: recipe.overrides.clone(),
+            seconds: 0.0,
+            timings: Vec::new(),
+            finished: false,
+        }
+    }
+
+    pub(crate) fn source(&self, text: String) -> RecipeSource {
+        RecipeSource { name: self.source_name.clone(), text, folder: self.folder.clone() }
+    }
+}

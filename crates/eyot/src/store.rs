@@ -1,0 +1,108 @@
+//! Worlds that lie in files: finished and stopped runs, and height maps.
+
+use crate::backend::analyse;
+use crate::backend::io::{self, ReadOptions, checkpoint};
+use crate::error::RunError;
+use crate::import;
+use crate::keys::View;
+use crate::outputs;
+use eyot_core::layer::known;
+use eyot_core::{Grid, Limits, Rim, World};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// The world of a finished run.
+pub const WORLD_FILE: &str = "world.eyot";
+/// Where a stopped run can be continued from.
+pub const CHECKPOINT_FILE: &str = "checkpoint.eyot";
+/// The preview picture.
+pub const VIEW_FILE: &str = "view.png";
+/// What the run was and what it took.
+pub const REPORT_FILE: &str = "run.json";
+
+/// A world from a file.
+#[derive(Debug)]
+pub struct Opened {
+    /// The world.
+    pub world: World,
+    /// The file it came from.
+    pub file: PathBuf,
+    /// False for height maps, which say nothing of a sea.
+    pub has_sea: bool,
+    /// Things to know about it.
+    pub notes: Vec<String>,
+}
+
+/// Opens the folder of a run, a saved world or any height map.
+///
+/// # Errors
+/// If there is nothing that can be opened; the text says what would be right.
+pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
+    let meta = std::fs::metadata(path).map_err(|source| RunError::Folder { path: path.to_owned(), source })?;
+    if meta.is_dir() {
+        let found = [WORLD_FILE, CHECKPOINT_FILE].iter().map(|f| path.join(f)).find(|f| f.is_file());
+        let Some(file) = found else {
+            return Err(RunError::File(format!(
+                "`{}` holds no run: there is no {WORLD_FILE} in it; give the --out folder of a run, or a height map",
+                path.display()
+            )));
+        };
+        return saved(&file, limits);
+    }
+    if path.extension().is_some_and(|e| e == "eyot") {
+        return saved(path, limits);
+    }
+    let raster = import::read(&path.display().to_string(), &ReadOptions::default(), limits).map_err(RunError::File)?;
+    let (dx, dy) = raster.cell_m.unwrap_or((1.0, 1.0));
+    let grid = Grid {
+        width: raster.field.width(),
+        height: raster.field.height(),
+        cell_x_m: dx,
+        cell_y_m: dy,
+        rim: Rim::CLOSED,
+    };
+    let grid = grid.checked(limits).map_err(|e| RunError::File(e.to_string()))?;
+    let mut notes = Vec::new();
+    if raster.cell_m.is_none() {
+        notes.push("the file does not say how large its cells are; 1 m is assumed".to_owned());
+    }
+    if raster.filled > 0 {
+        notes.push(format!("{} cells without a value were filled from their neighbours", raster.filled));
+    }
+    let mut world = World::new(grid, 0);
+    world.georeference = raster.georeference;
+    world.put(&known::HEIGHT, raster.field).map_err(|e| RunError::File(e.to_string()))?;
+    // A bare height map has no sea: far below everything.
+    world.sea_level_m = f64::from(known::HEIGHT.range.0);
+    Ok(Opened { world, file: path.to_owned(), has_sea: false, notes })
+}
+
+fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
+    let saved = checkpoint::load(file, limits).map_err(|e| RunError::File(e.to_string()))?;
+    let mut notes = Vec::new();
+    if saved.state["finished"] != Value::Bool(true) {
+        notes.push("this run is not finished; this is its last checkpoint".to_owned());
+    }
+    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea: true, notes })
+}
+
+/// Draws a world into a PNG file: the land, or a map of one layer.
+///
+/// # Errors
+/// If the layer is not there or the file cannot be written.
+pub fn draw(world: &World, options: &View, layer: Option<&str>, path: &Path) -> Result<(), RunError> {
+    let picture = outputs::draw(world, options, layer).map_err(|e| RunError::File(e.to_string()))?;
+    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
+}
+
+/// Statistics of a world's terrain.
+///
+/// # Errors
+/// If the world has no height, or one that cannot be measured within the limits.
+pub fn stats(opened: &Opened, limits: &Limits) -> Result<Value, RunError> {
+    let world = &opened.world;
+    let height = &world.layer("height").map_err(|e| RunError::File(e.to_string()))?.field;
+    let sea = opened.has_sea.then_some(world.sea_level_m);
+    let stats = analyse::terrain_stats(height, &world.grid, sea, &analyse::TerrainOptions::default(), limits);
+    serde_json::to_value(stats.map_err(|e| RunError::File(e.to_string()))?).map_err(|e| RunError::Fault(e.to_string()))
+}

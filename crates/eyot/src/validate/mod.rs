@@ -1,0 +1,294 @@
+//! From a document to a checked recipe: everything that is wrong is collected, with its place.
+
+use crate::backend::io::ReadOptions;
+use crate::check;
+use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
+use crate::import;
+use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, View};
+use crate::node::{Kind, Node, Span};
+use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Work};
+use crate::registry::Registry;
+use crate::set;
+use eyot_core::process::{Parameters, schema_of};
+use eyot_core::{Georeference, Grid, Limits, Rim};
+use serde_json::Value;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// Checks a document.
+pub(crate) fn recipe(
+    source: RecipeSource,
+    overrides: Overrides,
+    registry: &Registry,
+    limits: &Limits,
+) -> Result<Recipe, Problems> {
+    let mut sources = vec![Source { name: source.name.clone(), text: source.text.clone() }];
+    let mut doc = match Node::parse(&source.text, 0) {
+        Ok(doc) => doc,
+        Err(errors) => return Err(Problems::new(sources, errors)),
+    };
+    let mut out = Vec::new();
+    for flag in &overrides.set {
+        set::apply(&mut doc, flag, registry, &mut sources, &mut out);
+    }
+    let mut v = Validator { registry, limits, folder: &source.folder, out, layers: Vec::new() };
+    let document: keys::Document = v.keys_of(&doc, "recipe", &["grid", "step", "export", "view"]);
+    let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
+    let steps = v.steps(&doc, document.seed);
+    let exports = v.exports(doc.get("export"));
+    let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
+    v.memory(doc.get("grid"), grid, &steps);
+    if !v.out.is_empty() {
+        return Err(Problems::new(sources, v.out));
+    }
+    let Some(grid) = grid else {
+        return Err(Problems::new(
+            sources,
+            vec![Diagnostic::whole("this recipe has no grid").help("add [grid] with size = [512, 512]")],
+        ));
+    };
+    let keys::Document { mut name, about, seed, sea_level: sea_level_m } = document;
+    if name.is_empty() {
+        name = Path::new(&source.name).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
+    }
+    Ok(Recipe { name, about, seed, grid, georeference, sea_level_m, steps, exports, view, source, overrides })
+}
+
+mod steps;
+
+struct Validator<'a> {
+    registry: &'a Registry,
+    limits: &'a Limits,
+    folder: &'a Path,
+    out: Vec<Diagnostic>,
+    /// Layers that exist after the steps checked so far.
+    layers: Vec<String>,
+}
+
+impl Validator<'_> {
+    /// Checks a table's keys against the schema of `T` and reads them; the default if anything is wrong.
+    fn keys_of<T: Parameters>(&mut self, node: &Node, owner: &str, elsewhere: &[&str]) -> T {
+        let schema = schema_of::<T>().to_value();
+        let before = self.out.len();
+        check::table(&schema, node, owner, elsewhere, &mut self.out);
+        if self.out.len() > before {
+            return T::default();
+        }
+        let own = without(node, elsewhere);
+        serde_json::from_value(own).unwrap_or_else(|e| {
+            self.out.push(Diagnostic::at(node.span.clone(), format!("`{owner}`: {e}"), "here"));
+            T::default()
+        })
+    }
+
+    fn grid(&mut self, node: Option<&Node>, size: Option<(u32, Option<u32>)>) -> (Option<Grid>, Option<Georeference>) {
+        let Some(node) = node else {
+            self.out.push(
+                Diagnostic::whole("the recipe has no grid")
+                    .help("add a table [grid] with size = [512, 512] and cell = 10.0"),
+            );
+            return (None, None);
+        };
+        let before = self.out.len();
+        let keys: keys::Grid = self.keys_of(node, "grid", &[]);
+        if self.out.len() > before {
+            return (None, None);
+        }
+        let place = |key: &str| node.get(key).map_or_else(|| node.span.clone(), |n| n.span.clone());
+        let raster = match &keys.from {
+            None => None,
+            Some(file) => match self.raster(file, place("from")) {
+                Some(r) => Some(r),
+                None => return (None, None),
+            },
+        };
+        let base = raster.as_ref().map(|r| (r.field.width(), r.field.height()));
+        let named = keys.size.map(|s| match s {
+            Cells::One(n) => (n as usize, n as usize),
+            Cells::Two([w, h]) => (w as usize, h as usize),
+        });
+        let Some((mut w, mut h)) = named.or(base) else {
+            let help = "add size = [512, 512], or from = \"FILE\" to take the grid of a height map";
+            self.out.push(Diagnostic::at(node.span.clone(), "the grid has no size", "size is missing").help(help));
+            return (None, None);
+        };
+        if keys.cell.is_some() && keys.extent_m.is_some() {
+            let help = "keep one of them: the extent is the size times the cell";
+            self.out.push(
+                Diagnostic::at(place("extent_m"), "both `cell` and `extent_m` are given", "one too many").help(help),
+            );
+            return (None, None);
+        }
+        let two = |l: Lengths| match l {
+            Lengths::One(a) => (a, a),
+            Lengths::Two([a, b]) => (a, b),
+        };
+        let (mut dx, mut dy) = if let Some(cell) = keys.cell {
+            two(cell)
+        } else if let Some(extent) = keys.extent_m {
+            let (ex, ey) = match extent {
+                // One number is the longer side; cells are square.
+                Lengths::One(a) => (a * w as f64 / w.max(h) as f64, a * h as f64 / w.max(h) as f64),
+                Lengths::Two([a, b]) => (a, b),
+            };
+            (ex / w as f64, ey / h as f64)
+        } else if let (Some((cx, cy)), Some((bw, bh))) = (raster.as_ref().and_then(|r| r.cell_m), base) {
+            (cx * bw as f64 / w as f64, cy * bh as f64 / h as f64)
+        } else {
+            (10.0, 10.0)
+        };
+        if let Some((first, second)) = size {
+            let (ex, ey) = (w as f64 * dx, h as f64 * dy);
+            let longer = w.max(h) as f64;
+            let scaled = |n: usize| ((n as f64 * f64::from(first) / longer).round() as usize).max(1);
+            (w, h) = second.map_or((scaled(w), scaled(h)), |s| (first as usize, s as usize));
+            (dx, dy) = (ex / w as f64, ey / h as f64);
+        }
+        let rim = match keys.rim {
+            None => Rim::CLOSED,
+            Some(Edges::One(e)) => Rim::both(e),
+            Some(Edges::Two([x, y])) => Rim { x, y },
+        };
+        match (Grid { width: w, height: h, cell_x_m: dx, cell_y_m: dy, rim }).checked(self.limits) {
+            Ok(grid) => {
+                let georeference =
+                    raster.and_then(|r| r.georeference).zip(base).map(|(g, b)| import::rescaled(&g, b, (w, h)));
+                (Some(grid), georeference)
+            }
+            Err(e) => {
+                let help =
+                    "choose a size such as [512, 512] and a cell size in metres, or raise the limit with --max-memory";
+                self.out.push(Diagnostic::at(place("size"), e.to_string(), "this grid").help(help));
+                (None, None)
+            }
+        }
+    }
+
+    fn raster(&mut self, file: &str, span: Span) -> Option<crate::backend::io::Raster> {
+        let path = self.file(file, &span)?;
+        match import::read(&path, &ReadOptions::default(), self.limits) {
+            Ok(r) => Some(r),
+            Err(reason) => {
+                self.out.push(
+                    Diagnostic::at(span, reason, "this file")
+                        .help("it must be a height map: GeoTIFF, TIFF, PNG or R32"),
+                );
+                None
+            }
+        }
+    }
+
+    /// The full path of a file that the recipe names.
+    fn file(&mut self, file: &str, span: &Span) -> Option<String> {
+        match import::resolve(file, self.folder) {
+            Ok(path) => Some(path),
+            Err((message, help)) => {
+                self.out.push(Diagnostic::at(span.clone(), message, "this file").help(help));
+                None
+            }
+        }
+    }
+
+    fn exports(&mut self, node: Option<&Node>) -> Vec<Export> {
+        let Some(node) = node else { return Vec::new() };
+        let Kind::Array(items) = &node.kind else {
+            let message = format!("`export` must be a list of tables, not {}", node.describe());
+            self.out.push(
+                Diagnostic::at(node.span.clone(), message, "here")
+                    .help("write [[export]] with two brackets on each side"),
+            );
+            return Vec::new();
+        };
+        let mut files = HashSet::new();
+        let mut exports = Vec::new();
+        // If a step is wrong, nobody knows which layers it would have made.
+        let sure = self.out.is_empty();
+        for item in items {
+            let export: Export = self.keys_of(item, "export", &[]);
+            let place = |key: &str| item.get(key).map_or_else(|| item.span.clone(), |n| n.span.clone());
+            if !export.prefix.chars().all(|c| c.is_alphanumeric() || "_-. ".contains(c))
+                || export.prefix.starts_with('.')
+            {
+                let message = format!("\"{}\" cannot start a file name", export.prefix);
+                let help = "use letters, digits, dots, dashes and underscores; all files go into the output folder";
+                self.out.push(Diagnostic::at(place("prefix"), message, "this prefix").help(help));
+            }
+            for (i, layer) in export.layers.iter().enumerate().filter(|_| export.uses_layers()) {
+                if sure && export.enabled && !self.layers.contains(layer) {
+                    let span = item
+                        .get("layers")
+                        .and_then(|l| l.elements().get(i))
+                        .map_or_else(|| place("layers"), |n| n.span.clone());
+                    let problem = self.no_layer(layer, span);
+                    self.out.push(problem);
+                }
+            }
+            for file in export.files().into_iter().filter(|_| export.enabled) {
+                if !files.insert(file.clone()) {
+                    let message = format!("two exports would write `{file}`");
+                    self.out.push(
+                        Diagnostic::at(item.span.clone(), message, "the second one")
+                            .help("give one of them a `prefix`"),
+                    );
+                }
+            }
+            exports.push(export);
+        }
+        exports
+    }
+
+    fn no_layer(&self, name: &str, span: Span) -> Diagnostic {
+        let help = match nearest(name, self.layers.iter().map(String::as_str)) {
+            Some(n) => format!("did you mean `{n}`?"),
+            None if self.layers.is_empty() => "no step has made a layer yet".to_owned(),
+            None => format!("the steps make {}", alternatives(self.layers.iter().map(String::as_str))),
+        };
+        Diagnostic::at(span, format!("no step makes a layer `{name}`"), "unknown layer").help(help)
+    }
+
+    /// Two buffers a layer while the engine runs, and two more fields for a generator at work.
+    fn memory(&mut self, node: Option<&Node>, grid: Option<Grid>, steps: &[Step]) {
+        let (Some(node), Some(grid)) = (node, grid) else { return };
+        let most = self.layers.len().max(1) as u128 * 2
+            + if steps.iter().any(|s| matches!(s.work, Work::Generate(_))) { 2 } else { 0 };
+        let bytes = grid.cells() as u128 * 4 * most;
+        let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
+        if let Err(e) = self.limits.check_bytes(&what, bytes) {
+            let span = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
+            self.out.push(
+                Diagnostic::at(span, e.to_string(), "this grid")
+                    .help("choose fewer cells, or raise the limit with --max-memory"),
+            );
+        }
+        if self.layers.len() > self.limits.max_layers {
+            let message = format!("{} layers exceed the limit of {}", self.layers.len(), self.limits.max_layers);
+            self.out.push(Diagnostic::whole(message));
+        }
+    }
+}
+
+impl Export {
+    /// False for exports that always show the height.
+    pub(crate) fn uses_layers(&self) -> bool {
+        !matches!(self.format, ExportFormat::Glb | ExportFormat::Relief)
+    }
+
+    /// The names of the files that it writes.
+    pub(crate) fn files(&self) -> Vec<String> {
+        let p = &self.prefix;
+        match self.format {
+            ExportFormat::Glb => vec![format!("{p}terrain.glb")],
+            ExportFormat::Relief => vec![format!("{p}relief.png")],
+            ExportFormat::Map => self.layers.iter().map(|l| format!("{p}{l}_map.png")).collect(),
+            ExportFormat::Png16 => self.layers.iter().map(|l| format!("{p}{l}.png")).collect(),
+            ExportFormat::GeoTiff => self.layers.iter().map(|l| format!("{p}{l}.tif")).collect(),
+            ExportFormat::R32 => self.layers.iter().map(|l| format!("{p}{l}.r32")).collect(),
+        }
+    }
+}
+
+/// The table as JSON without some keys.
+pub(super) fn without(node: &Node, keys: &[&str]) -> Value {
+    let entries = node.entries().iter().filter(|(k, _)| !keys.contains(&k.name.as_str()));
+    Value::Object(entries.map(|(k, v)| (k.name.clone(), v.to_json())).collect())
+}

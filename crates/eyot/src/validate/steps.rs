@@ -1,0 +1,322 @@
+//! The `[[step]]` tables: what each does, with whose parameters, and what it leaves for the next.
+
+use super::{Validator, without};
+use crate::check;
+use crate::diagnostic::{Diagnostic, alternatives, nearest};
+use crate::keys::{self, Names, Schedule};
+use crate::merge::Merge;
+use crate::node::{Kind, Node};
+use crate::recipe::{GenerateStep, ProcessUse, SimulateStep, Step, Work};
+use crate::registry::{DOCUMENT_KEYS, GENERATE_KEYS, SCHEDULE_KEYS, SIMULATE_KEYS};
+use eyot_core::process::{Entry, Generator, Process, schema_of};
+use serde_json::Value;
+use std::collections::HashSet;
+
+impl Validator<'_> {
+    pub(super) fn steps(&mut self, doc: &Node, seed: u64) -> Vec<Step> {
+        let Some(node) = doc.get("step") else {
+            let help = "add a table [[step]] with generate = \"cone\", or simulate = [\"...\"] and steps = 1000";
+            self.out.push(Diagnostic::whole("the recipe has no steps").help(help));
+            return Vec::new();
+        };
+        let Kind::Array(items) = &node.kind else {
+            let message = format!("`step` must be a list of tables, not {}", node.describe());
+            self.out.push(
+                Diagnostic::at(node.span.clone(), message, "here")
+                    .help("write [[step]] with two brackets on each side"),
+            );
+            return Vec::new();
+        };
+        let mut names = HashSet::new();
+        let mut steps = Vec::new();
+        for (i, item) in items.iter().enumerate() {
+            if let Some(named) = item.get("name").filter(|n| n.text().is_some()) {
+                self.name(named, &mut names);
+            }
+            let step = match (item.get("generate"), item.get("simulate")) {
+                (Some(_), None) => self.generate(item, i + 1, seed),
+                (None, Some(_)) => self.simulate(item, i + 1),
+                (Some(_), Some(simulate)) => {
+                    let help = "split it into two [[step]] tables";
+                    let message = "a step either generates or simulates, this one does both";
+                    self.out.push(Diagnostic::at(simulate.span.clone(), message, "one too many").help(help));
+                    None
+                }
+                (None, None) => {
+                    let message = format!("step {} does nothing", i + 1);
+                    let keys: Vec<&str> = item.entries().iter().map(|(k, _)| k.name.as_str()).collect();
+                    let guess = keys.iter().find_map(|k| nearest(k, ["generate", "simulate"]));
+                    let help = match guess {
+                        Some(g) => format!("did you mean `{g}`?"),
+                        None => "give it generate = \"NAME\" or simulate = [\"NAME\"]".to_owned(),
+                    };
+                    self.out.push(
+                        Diagnostic::at(item.span.clone(), message, "`generate` or `simulate` is missing").help(help),
+                    );
+                    None
+                }
+            };
+            steps.extend(step);
+        }
+        steps
+    }
+
+    fn name(&mut self, node: &Node, names: &mut HashSet<String>) {
+        let name = node.text().unwrap_or("");
+        let taken = DOCUMENT_KEYS.contains(&name) || self.registry.process(name).is_some();
+        let span = node.span.clone();
+        if name.is_empty() || name.bytes().all(|b| b.is_ascii_digit()) || taken {
+            let message = format!("a step cannot be named \"{name}\"");
+            let help =
+                "`--set NAME.parameter=value` must be able to tell it from numbers, processes and keys of the recipe";
+            self.out.push(Diagnostic::at(span, message, "choose another name").help(help));
+        } else if !names.insert(name.to_owned()) {
+            let message = format!("two steps are named \"{name}\"");
+            self.out
+                .push(Diagnostic::at(span, message, "used before").help("give each step a name of its own, or none"));
+        }
+    }
+
+    fn generate(&mut self, node: &Node, number: usize, seed: u64) -> Option<Step> {
+        let before = self.out.len();
+        let entry = self.known_generator(node.get("generate")?);
+        // The step's own keys and the generator's stand in one table; each schema checks its share.
+        let own = schema_of::<keys::Generate>().to_value();
+        let theirs = entry.map(|e| (e.schema)().to_value());
+        let mine = Node {
+            span: node.span.clone(),
+            kind: Kind::Table(
+                node.entries().iter().filter(|(k, _)| GENERATE_KEYS.contains(&k.name.as_str())).cloned().collect(),
+            ),
+        };
+        check::table(&own, &mine, "step", &[], &mut self.out);
+        if let (Some(entry), Some(schema)) = (entry, &theirs) {
+            check::table(schema, node, entry.name, &GENERATE_KEYS, &mut self.out);
+        }
+        let entry = entry?;
+        let mut parameters = without(node, &GENERATE_KEYS);
+        if entry.name == "import" {
+            let file = node.get("file");
+            let span = file.map_or_else(|| node.span.clone(), |n| n.span.clone());
+            match file.map(Node::text) {
+                None | Some(Some("")) => {
+                    let message = "`import` needs the key `file`";
+                    let help = "add file = \"NAME.tif\", relative to the recipe's folder";
+                    self.out.push(Diagnostic::at(span, message, "which file?").help(help));
+                }
+                Some(Some(file)) => parameters["file"] = self.file(file, &span).map_or(Value::Null, Value::String),
+                Some(None) => {}
+            }
+        }
+        if self.out.len() > before {
+            self.layers.extend(node.get("layer").and_then(Node::text).or(Some("height")).map(str::to_owned));
+            return None;
+        }
+        let keys: keys::Generate = self.keys_of(&mine, "step", &[]);
+        let generator = match (entry.make)(parameters.clone()) {
+            Ok(g) => g,
+            Err(e) => {
+                self.out.push(Diagnostic::at(node.span.clone(), format!("`{}`: {e}", entry.name), "this step"));
+                return None;
+            }
+        };
+        if !layer_name_ok(&keys.layer) {
+            let span = node.get("layer").map_or_else(|| node.span.clone(), |n| n.span.clone());
+            let message = format!("a layer cannot be named \"{}\"", keys.layer);
+            self.out.push(
+                Diagnostic::at(span, message, "this name")
+                    .help("use lower-case letters, digits and underscores, a letter first"),
+            );
+            return None;
+        }
+        if let Some(mask) = &keys.mask
+            && !self.layers.contains(mask)
+        {
+            let span = node.get("mask").map_or_else(|| node.span.clone(), |n| n.span.clone());
+            let problem = self.no_layer(mask, span);
+            self.out.push(problem);
+        }
+        if keys.enabled && generator.is_filter() && !self.layers.contains(&keys.layer) {
+            let message = format!("`{}` changes a layer, but there is no layer `{}` yet", entry.name, keys.layer);
+            let help = "let another step make the layer before this one";
+            self.out.push(Diagnostic::at(node.get("generate")?.span.clone(), message, "nothing to change").help(help));
+        }
+        if keys.enabled && !self.layers.contains(&keys.layer) {
+            self.layers.push(keys.layer.clone());
+        }
+        let merge = keys.merge.unwrap_or(if generator.is_filter() { Merge::Set } else { Merge::Add });
+        let work = GenerateStep {
+            entry,
+            parameters,
+            layer: keys.layer,
+            merge,
+            mask: keys.mask,
+            amount: keys.amount,
+            seed: step_seed(keys.seed.unwrap_or(seed), if keys.seed.is_some() { 0 } else { number as u64 }),
+        };
+        let name = keys.name.unwrap_or_else(|| entry.name.to_owned());
+        Some(Step { number, name, enabled: keys.enabled, work: Work::Generate(work) })
+    }
+
+    fn known_generator(&mut self, node: &Node) -> Option<&'static Entry<dyn Generator>> {
+        let Some(name) = node.text() else {
+            let message = format!("`generate` must be the name of a generator, not {}", node.describe());
+            self.out
+                .push(Diagnostic::at(node.span.clone(), message, "wrong type").help("for example generate = \"cone\""));
+            return None;
+        };
+        let entry = self.registry.generator(name);
+        if entry.is_none() {
+            let help = if self.registry.process(name).is_some() {
+                format!("`{name}` is a process: write simulate = [\"{name}\"]")
+            } else {
+                suggestion(name, self.registry.generator_names().collect(), "eyot list")
+            };
+            self.out.push(
+                Diagnostic::at(node.span.clone(), format!("there is no generator `{name}`"), "unknown generator")
+                    .help(help),
+            );
+        }
+        entry
+    }
+
+    fn simulate(&mut self, node: &Node, number: usize) -> Option<Step> {
+        let before = self.out.len();
+        let list = node.get("simulate")?;
+        let single = std::slice::from_ref(list);
+        let named = if list.text().is_some() { single } else { list.elements() };
+        let mut uses: Vec<(&Node, &'static Entry<dyn Process>)> = Vec::new();
+        for n in named {
+            let Some(name) = n.text() else { continue };
+            match self.registry.process(name) {
+                Some(entry) if uses.iter().any(|(_, e)| e.name == name) => {
+                    let message = format!("`{}` is listed twice", entry.name);
+                    let help = "a process acts once a step; use a second [[step]] to let it act twice";
+                    self.out.push(Diagnostic::at(n.span.clone(), message, "again").help(help));
+                }
+                Some(entry) => uses.push((n, entry)),
+                None => {
+                    let help = if self.registry.generator(name).is_some() {
+                        format!("`{name}` is a generator: write generate = \"{name}\"")
+                    } else {
+                        suggestion(name, self.registry.process_names().collect(), "eyot list")
+                    };
+                    self.out.push(
+                        Diagnostic::at(n.span.clone(), format!("there is no process `{name}`"), "unknown process")
+                            .help(help),
+                    );
+                }
+            }
+        }
+        let complete = self.out.len() == before;
+        let tables: Vec<&str> =
+            node.entries().iter().map(|(k, _)| k.name.as_str()).filter(|k| !SIMULATE_KEYS.contains(k)).collect();
+        let own: Vec<&str> = uses.iter().map(|(_, e)| e.name).collect();
+        for (key, _) in
+            node.entries().iter().filter(|(k, _)| tables.contains(&k.name.as_str()) && !own.contains(&k.name.as_str()))
+        {
+            let name = key.name.as_str();
+            let (message, help) = if self.registry.process(name).is_some() {
+                (
+                    format!("`{name}` is not simulated in this step"),
+                    format!("add \"{name}\" to `simulate`, or remove its parameters"),
+                )
+            } else if !complete {
+                continue; // Most likely the table of the process whose name is wrong.
+            } else {
+                let known: Vec<&str> = own.iter().copied().chain(SIMULATE_KEYS).collect();
+                let inside = uses.iter().find(|(_, e)| !(e.schema)().to_value()["properties"][name].is_null());
+                let help = match (inside, nearest(name, known.iter().copied())) {
+                    (Some((_, e)), _) => format!("parameters of a process carry its name: write {}.{name}", e.name),
+                    (None, Some(n)) => format!("did you mean `{n}`?"),
+                    (None, None) => format!("it takes {}", alternatives(known)),
+                };
+                (format!("a simulating step has no key `{name}`"), help)
+            };
+            self.out.push(Diagnostic::at(key.span.clone(), message, "unknown key").help(help));
+        }
+        let keys: keys::Simulate = self.keys_of(node, "step", &tables);
+        let processes =
+            uses.iter().filter_map(|(place, entry)| self.process(node.get(entry.name), place, entry)).collect();
+        if matches!(&keys.simulate, Names::Many(names) if names.is_empty()) && self.out.len() == before {
+            self.out.push(Diagnostic::at(list.span.clone(), "no process is listed", "empty").help("see `eyot list`"));
+        }
+        if keys.steps > self.limits.max_steps {
+            let span = node.get("steps").map_or_else(|| node.span.clone(), |n| n.span.clone());
+            let message = format!("{} steps exceed the limit of {}", keys.steps, self.limits.max_steps);
+            self.out
+                .push(Diagnostic::at(span, message, "too many").help("choose fewer steps, or several [[step]] tables"));
+        }
+        if self.out.len() > before {
+            return None;
+        }
+        let name = keys.name.unwrap_or_else(|| own.join(" + "));
+        let work = Work::Simulate(SimulateStep { steps: keys.steps, processes });
+        Some(Step { number, name, enabled: keys.enabled, work })
+    }
+
+    fn process(
+        &mut self,
+        table: Option<&Node>,
+        place: &Node,
+        entry: &'static Entry<dyn Process>,
+    ) -> Option<ProcessUse> {
+        let empty = Node { span: place.span.clone(), kind: Kind::Table(Vec::new()) };
+        let node = table.unwrap_or(&empty);
+        let before = self.out.len();
+        let own = (entry.schema)().to_value();
+        let schedule = schema_of::<Schedule>().to_value();
+        let theirs = Node {
+            span: node.span.clone(),
+            kind: Kind::Table(
+                node.entries().iter().filter(|(k, _)| SCHEDULE_KEYS.contains(&k.name.as_str())).cloned().collect(),
+            ),
+        };
+        check::table(&own, node, entry.name, &SCHEDULE_KEYS, &mut self.out);
+        check::table(&schedule, &theirs, entry.name, &[], &mut self.out);
+        if self.out.len() > before {
+            return None;
+        }
+        let schedule: Schedule = serde_json::from_value(theirs.to_json()).unwrap_or_default();
+        let parameters = without(node, &SCHEDULE_KEYS);
+        match (entry.make)(parameters.clone()) {
+            Ok(process) => {
+                if schedule.enabled {
+                    for (spec, _) in process.layers() {
+                        if !self.layers.iter().any(|l| *l == *spec.name) {
+                            self.layers.push(spec.name.into_owned());
+                        }
+                    }
+                }
+                Some(ProcessUse { entry, parameters, every: schedule.every, enabled: schedule.enabled })
+            }
+            Err(e) => {
+                self.out.push(Diagnostic::at(node.span.clone(), format!("`{}`: {e}", entry.name), "here"));
+                None
+            }
+        }
+    }
+}
+
+fn suggestion(name: &str, known: Vec<&'static str>, command: &str) -> String {
+    match nearest(name, known.iter().copied()) {
+        Some(n) => format!("did you mean `{n}`? `{command}` shows all of them"),
+        None if known.is_empty() => "this build of Eyot has none".to_owned(),
+        None => format!("there is {}; `{command}` says what they do", alternatives(known)),
+    }
+}
+
+fn layer_name_ok(name: &str) -> bool {
+    let mut chars = name.chars();
+    chars.next().is_some_and(|c| c.is_ascii_lowercase() || c == '_')
+        && name.len() <= 64
+        && chars.all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+}
+
+/// The seed of a step (splitmix64), so that neighbouring steps and seeds share nothing.
+fn step_seed(seed: u64, position: u64) -> u64 {
+    let mut z = seed.wrapping_add(position.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
