@@ -141,7 +141,7 @@ impl Driver {
             reason: e.to_string(),
         };
         let generator = (work.entry.make)(work.parameters.clone()).map_err(|e| fail(bad(e)))?;
-        self.world.ensure(&layers::spec(&work.layer, &step.name), 0.0);
+        self.world.ensure(&layers::spec(&work.layer, &step.name, all), 0.0);
         let (before, share) = overall(all, step.number);
         let last = Mutex::new(Instant::now());
         let outbox = Mutex::new(self.outbox.clone());

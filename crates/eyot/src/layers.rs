@@ -1,5 +1,6 @@
 //! What a layer that a recipe names is.
 
+use crate::recipe::{Step, Work};
 use eyot_core::LayerSpec;
 use eyot_core::layer::known;
 use std::borrow::Cow;
@@ -7,9 +8,13 @@ use std::borrow::Cow;
 const KNOWN: [LayerSpec; 7] =
     [known::HEIGHT, known::WATER, known::SEDIMENT, known::LIMESTONE, known::WETNESS, known::GROWTH, known::CARBON];
 
-/// The specification of a layer that a generator makes: a known one, or a plain number without bounds.
-pub(crate) fn spec(name: &str, step: &str) -> LayerSpec {
-    KNOWN.into_iter().find(|s| s.name == name).unwrap_or_else(|| LayerSpec {
+/// The specification of a layer that a generator makes: what a process of the recipe takes it for, a known one, or a plain
+/// number without bounds.
+pub(crate) fn spec(name: &str, step: &str, all: &[Step]) -> LayerSpec {
+    let uses = all.iter().flat_map(|s| if let Work::Simulate(w) = &s.work { w.processes.as_slice() } else { &[] });
+    let theirs =
+        uses.filter_map(|u| (u.entry.make)(u.parameters.clone()).ok()).flat_map(|p| p.layers()).map(|(s, _)| s);
+    theirs.chain(KNOWN).find(|s| s.name == name).unwrap_or_else(|| LayerSpec {
         name: Cow::Owned(name.to_owned()),
         meaning: Cow::Owned(format!("Made by the step `{step}` of the recipe")),
         ..LayerSpec::new("", "1", "", (f32::MIN, f32::MAX))
