@@ -36,7 +36,7 @@ pub struct Wetness {
 
 impl Default for Wetness {
     fn default() -> Self {
-        Self { river: 1.0, memory: 20.0 }
+        Self { river: 10.0, memory: 20.0 }
     }
 }
 
