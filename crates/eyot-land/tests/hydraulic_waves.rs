@@ -326,6 +326,16 @@ fn noise_does_not_grow_below_the_bound_and_does_above() {
     assert!(surface > 1e3);
 }
 
+#[test]
+fn a_step_of_more_than_a_thousand_parts_is_refused() {
+    let p = Hydraulic { time_step: 1000.0, wave_depth: 10_000.0, ..still() };
+    let mut w = world(4, 4, 1.0, Rim::CLOSED);
+    let refused = CpuEngine::default().simulate(&mut w, &once(&p), Span { from: 0, steps: 1 }, &Control::none());
+    let message = refused.unwrap_err().to_string();
+    assert!(message.contains("hydraulic.time_step") && message.contains("sub-steps"), "{message}");
+    assert_eq!(w.step, 0);
+}
+
 /// A number within the range that the schema gives for a parameter, evenly spread over the orders of magnitude.
 fn within_range(field: &str, u: f64) -> f32 {
     let schema = (PROCESSES.iter().find(|e| e.name == "hydraulic").unwrap().schema)();
