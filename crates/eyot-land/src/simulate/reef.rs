@@ -377,9 +377,13 @@ impl Rule for Grow {
         // The counter forgets in about fifty turns.
         let now = (rate / p.growth.max(R::of(1e-9))).min(one);
         let counter = (memory + R::of(0.02) * (now - memory)).flushed();
+        // What height and limestone really gain and lose after rounding is what the ledger says.
+        let risen = h + grown;
+        let sunk = risen - p.sink;
+        let taller = stone + (risen - h);
         (
-            [(h + grown) - p.sink, stone + grown, counter, left.flushed(), floor - p.sink],
-            [grown, p.sink, old - stone, grown],
+            [sunk, taller, counter, left.flushed(), floor - p.sink],
+            [risen - h, risen - sunk, old - stone, taller - stone],
         )
     }
 }

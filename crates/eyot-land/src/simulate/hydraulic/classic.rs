@@ -5,6 +5,7 @@
 //! negative, and equation (7) as `s1(x) = s(x - v t)` with bilinear interpolation, at most one cell far. The trace does
 //! not conserve sediment; the ledger's account `ground.traced` says how much it made or lost.
 
+use super::signed::spare;
 use super::{ErodeParams, FluxParams};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
@@ -121,12 +122,17 @@ impl Rule for ClassicErode {
         let dug = at_sea.pick(zero, dug);
         let settled = at_sea.pick(load, settled);
 
+        // As in the signed form: the load takes what the ground really gave.
+        let new_height = (h - dug) + settled.min(spare(h, load));
+        let new_load = (load + (h - new_height)).flushed();
+
         let kept = wet * at_sea.pick(zero, p.keep);
         let fallen = at_sea.pick(zero, p.rain * p.dt);
+        let new_water = (kept + fallen).flushed();
         let lost = wet - kept;
         (
-            [(h - dug) + settled, (kept + fallen).flushed(), ((load + dug) - settled).flushed(), vx, vy],
-            [fallen, at_sea.pick(zero, lost), at_sea.pick(lost, zero), wet - moved],
+            [new_height, new_water, new_load, vx, vy],
+            [new_water - kept, at_sea.pick(zero, lost), at_sea.pick(lost, zero), wet - moved],
         )
     }
 

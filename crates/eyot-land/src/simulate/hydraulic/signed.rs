@@ -117,10 +117,10 @@ impl Rule for Erode {
     const TALLIES: &'static [Tally] = &TALLIES;
     type Params = ErodeParams<()>;
     type Out<R: Real> = [R; 5];
-    type Sums<R: Real> = [R; 7];
+    type Sums<R: Real> = [R; 8];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 7]) {
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 8]) {
         let [height, water, sediment] = [0, 1, 2];
         let (zero, one) = (R::of(0.0), R::of(1.0));
         let (east, east_load) = edge_x(c, 0);
@@ -152,7 +152,8 @@ impl Rule for Erode {
         let capacity = p.capacity * (capped2 * sine2).sqrt() * (mean * p.ramp).min(one);
 
         // (7) Sediment moves with the water, then ground and water exchange it.
-        let load = (c.here(sediment) + p.dt * ((west_load - east_load) + (north_load - south_load))).positive();
+        let carried = c.here(sediment) + p.dt * ((west_load - east_load) + (north_load - south_load));
+        let load = carried.positive();
         let h = c.here(height);
         let lowest = c.at(height, 1, 0).min(c.at(height, -1, 0)).min(c.at(height, 0, 1).min(c.at(height, 0, -1)));
         let missing = capacity - load;
@@ -163,8 +164,9 @@ impl Rule for Erode {
         let at_sea = h.lt(p.sea);
         let dug = at_sea.pick(zero, dug);
         let settled = at_sea.pick(load, settled);
-        let new_height = (h - dug) + settled;
-        let new_load = ((load + dug) - settled).flushed();
+        let new_height = (h - dug) + settled.min(spare(h, load));
+        // The load takes what the ground really gave after rounding, so that nothing is made of it.
+        let new_load = (load + (h - new_height)).flushed();
 
         // (8) Evaporation and rain.
         let kept = wet * at_sea.pick(zero, p.keep);
@@ -173,19 +175,20 @@ impl Rule for Erode {
 
         let lost = wet - kept;
         let sums = [
-            fallen,
+            new_water - kept,
             at_sea.pick(zero, lost),
             at_sea.pick(lost, zero),
             wet - moved,
             wish - dug,
             flowing.pick(p.speed2_max.lt(speed2).one(), zero),
             zero,
+            load - carried,
         ];
         ([new_height, new_water, new_load, east, south], sums)
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 7]> {
+    fn leaving<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 8]> {
         let (flow, load) = match side {
             Side::West => negated(edge_x(c, -1)),
             Side::East => edge_x(c, 0),
@@ -193,11 +196,18 @@ impl Rule for Erode {
             Side::South => edge_y(c, 0),
         };
         let zero = R::of(0.0);
-        Some([zero, zero, p.dt * flow, zero, zero, zero, p.dt * load])
+        Some([zero, zero, p.dt * flow, zero, zero, zero, p.dt * load, zero])
     }
 }
 
-const TALLIES: [Tally; 7] = [
+/// The part of a load that may settle on ground of height `h`: all but what rounding may add to the height, so that the
+/// load, from which the rounded change is taken, never becomes negative.
+#[inline(always)]
+pub(super) fn spare<R: Real>(h: R, load: R) -> R {
+    (load - R::of(f32::EPSILON) * (h.abs() + load)).positive()
+}
+
+const TALLIES: [Tally; 8] = [
     Tally { account: "water.rain", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell" },
     Tally { account: "water.evaporated", unit: TallyUnit::Thickness, sign: -1, meaning: "Water that evaporated" },
     Tally {
@@ -229,6 +239,12 @@ const TALLIES: [Tally; 7] = [
         unit: TallyUnit::Thickness,
         sign: -1,
         meaning: "Sediment that left over an open rim",
+    },
+    Tally {
+        account: "ground.clamped",
+        unit: TallyUnit::Thickness,
+        sign: 1,
+        meaning: "Sediment added where rounding had made a load negative",
     },
 ];
 
