@@ -22,7 +22,7 @@ LAYERS = {
     "reef": ("height", "limestone", "growth", "carbon", "reef_floor"),
 }
 # Lowest and highest ground, m.
-RELIEF = {"classic": (0.0, 80.0), "signed": (-400.0, 600.0), "thermal": (0.0, 1000.0), "reef": (-120.0, 60.0)}
+RELIEF = {"classic": (0.0, 80.0), "signed": (-350.0, 650.0), "thermal": (0.0, 1000.0), "reef": (-140.0, 60.0)}
 
 
 class Hydraulic(NamedTuple):
@@ -69,11 +69,12 @@ class Reef(NamedTuple):
 
 def hydraulic(dx, dt, rain, evaporation, wave_depth, friction, max_speed, capacity, slopes, ramp_depth, dry, rate,
               dig_limit, sea):
+    share = F(1.0) - F(math.exp(F(-rate * dt)))  # Rounded as in Eyot.
     values = dict(
         push=dt * 9.81 * wave_depth / dx**2, friction=math.exp(-friction * dt), dt=dt, dx=dx, slope=0.5 / dx,
         fallen=rain * dt, keep=math.exp(-evaporation * dt), dry=dry, speed2_max=max_speed**2,
         sine2_min=slopes[0] ** 2, sine2_max=slopes[1] ** 2, capacity=capacity, ramp=1.0 / ramp_depth,
-        dig=-math.expm1(-rate * dt), settle=-math.expm1(-rate * dt), dig_limit=dig_limit, sea=sea)
+        dig=share, settle=share, dig_limit=dig_limit, sea=sea)
     return Hydraulic(**{k: F(v) for k, v in values.items()})
 
 
@@ -94,7 +95,7 @@ def hashed(x, y, salt):
     """A number in [0, 1) from two integers (the hash lowbias32)."""
     with np.errstate(over="ignore"):
         h = np.uint32(0x9E3779B1) * np.asarray(x, np.uint32) ^ np.uint32(0x85EBCA77) * np.asarray(y, np.uint32)
-        h = h ^ np.uint32(0xC2B2AE3D * salt & 0xFFFFFFFF)
+        h = h ^ np.uint32(0xC2B2AE3D * (salt + 1) & 0xFFFFFFFF)
         h = (h ^ (h >> np.uint32(16))) * np.uint32(0x21F0AAAD)
         h = (h ^ (h >> np.uint32(15))) * np.uint32(0x735A2D97)
         h = h ^ (h >> np.uint32(15))
@@ -102,11 +103,11 @@ def hashed(x, y, salt):
 
 
 def terrain(size):
-    """Value noise in 0..1: eight octaves with periods of 256 to 2 cells."""
+    """Value noise in 0..1: seven octaves with periods of 128 to 2 cells."""
     y, x = np.mgrid[0:size, 0:size]
     total = np.zeros((size, size))
-    for octave in range(8):
-        period = 256 >> octave
+    for octave in range(7):
+        period = 128 >> octave
         u, v = x % period / period, y % period / period
         u, v = u * u * (3.0 - 2.0 * u), v * v * (3.0 - 2.0 * v)
         i, j = x // period, y // period
@@ -114,7 +115,7 @@ def terrain(size):
         c, d = hashed(i, j + 1, octave), hashed(i + 1, j + 1, octave)
         north, south = a + (b - a) * u, c + (d - c) * u
         total += (north + (south - north) * v) * 0.5**octave
-    return total / (2.0 - 0.5**7)
+    return total / (2.0 - 0.5**6)
 
 
 def start_fields(case, size):

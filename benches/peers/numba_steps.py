@@ -269,6 +269,20 @@ def hold_open(p, c, h, x):
     c[x] = ONE if h[x] < p.sea else ZERO
 
 
+LOG2_E, LN2_HIGH, LN2_LOW, LOWEST = F(1.442695), F(0.6933594), F(-2.1219444e-4), F(-87.3)
+E6, E5, E4, E3, E2, E1 = F(1.9875692e-4), F(1.3981999e-3), F(8.333452e-3), F(4.1665796e-2), F(1.6666665e-1), F(0.5)
+
+
+@row_kernel
+def exp_negative(x):
+    """e^x for x <= 0 (Cephes). `math.exp` is a call for each cell, which made the whole loop three times slower."""
+    x = max(x, LOWEST)
+    k = np.floor(x * LOG2_E + HALF)
+    r = x - k * LN2_HIGH - k * LN2_LOW
+    m = (((((E6 * r + E5) * r + E4) * r + E3) * r + E2) * r + E1) * (r * r) + r + ONE
+    return m * np.int32((np.int32(k) + 127) << 23).view(np.float32)
+
+
 @row_kernel
 def grow_row(p, h, stone, memory, c, floor):
     """Exponential light; returns what grew, sank and was worn."""
@@ -277,10 +291,8 @@ def grow_row(p, h, stone, memory, c, floor):
         base = min(floor[x], h[x]) if stone[x] > ZERO else h[x]
         left = min(stone[x], h[x] - base)
         depth = p.sea - h[x]
-        rate = ZERO
-        # An exponential is a call, so only where corals live.
-        if p.shallow < depth < p.deep:
-            rate = p.growth * c[x] * c[x] * math.exp(-depth * p.per_light_depth)
+        lit = exp_negative(-max(depth, ZERO) * p.per_light_depth)
+        rate = p.growth * c[x] * c[x] * lit if depth > p.shallow and depth < p.deep else ZERO
         grown = min(rate * p.years, max(depth - p.shallow, ZERO))
         worn += stone[x] - left
         grown_sum += grown
