@@ -138,7 +138,7 @@ def read_fields(case, path):
     return dict(zip(names, values.reshape(len(names), size, size)))
 
 
-def main(peer, cases, set_threads=None):
+def main(peer, cases, set_threads=None, threading_layer=lambda: None):
     """Command line of a peer. `cases[name](fields, parameters)` makes an object with advance(steps), fields(), ledger()."""
     parser = argparse.ArgumentParser(description=f"Steps of Eyot's processes in {peer}")
     parser.add_argument("case", choices=cases)
@@ -175,9 +175,9 @@ def main(peer, cases, set_threads=None):
         times.append((time.perf_counter() - started) / steps)
     best, median = min(times), statistics.median(times)
     report = {
-        "peer": peer, "what": args.case, "size": args.size, "threads": args.threads, "steps": steps,
-        "repeats": args.repeats, "seconds_per_step": best, "seconds_per_step_median": median,
-        "cell_steps_per_second": args.size**2 / best, "cell_steps_per_second_median": args.size**2 / median,
+        "peer": peer, "what": args.case, "size": args.size, "threads": args.threads,
+        "threading_layer": threading_layer(), "steps": steps, "repeats": args.repeats, "seconds_per_step": best,
+        "seconds_per_step_median": median, "cell_steps_per_second": args.size**2 / best, "cell_steps_per_second_median": args.size**2 / median,
     }
     if args.json:
         print(json.dumps(report))

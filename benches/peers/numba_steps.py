@@ -404,4 +404,4 @@ class Reef(Case):
 
 if __name__ == "__main__":
     common.main("numba", {"classic": Classic, "signed": Signed, "thermal": Thermal, "reef": Reef},
-                numba.set_num_threads)
+                numba.set_num_threads, numba.threading_layer)

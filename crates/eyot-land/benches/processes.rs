@@ -14,6 +14,8 @@ use std::time::Duration;
 /// Steps of a sample: enough that setting up does not count, little enough for few seconds at 2048 x 2048.
 const STEPS: u64 = 16;
 
+type Case = (&'static str, fn() -> Box<dyn Process>);
+
 /// Rough hills from 60 m below the sea to 140 m above, on cells of 10 m, with shallow water everywhere.
 fn world(size: usize, process: &dyn Process) -> World {
     let grid = Grid::new(size, size, 10.0, Rim::CLOSED, &Limits::default()).expect("the grid is sound");
@@ -38,7 +40,7 @@ fn world(size: usize, process: &dyn Process) -> World {
 }
 
 fn processes(c: &mut Criterion) {
-    let cases: [(&str, fn() -> Box<dyn Process>); 4] = [
+    let cases: [Case; 4] = [
         ("hydraulic_signed", || Box::new(Hydraulic::default())),
         // Half a step, because the classic form is stable only that far.
         ("hydraulic_classic", || {
