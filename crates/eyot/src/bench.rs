@@ -1,18 +1,394 @@
-//! Measures how fast this machine works.
+//! Benchmarks that everyone can repeat: what `eyot bench` runs and what `benches/peers` compares with.
+//!
+//! A simulation is timed as users run it, in one call of the engine: every chain of steps leaves a time stamp, the first
+//! stretch warms up, and the following ones are samples. Start fields and parameters are those of
+//! `benches/peers/common.py`; `benches/peers/check.py` shows that start fields are equal to the bit and results agree.
+
+use eyot_core::engine::CpuEngine;
+use eyot_core::isa::Isa;
+use eyot_core::plan::Plan;
+use eyot_core::process::{Moment, Process, Scheduled, Site, Span};
+use eyot_core::{Cancel, Control, Error, Field, Grid, Limits, Result, Rim, World};
+use eyot_land::generate::GENERATORS;
+use eyot_land::simulate::hydraulic::FluxForm;
+use eyot_land::simulate::{Hydraulic, Reef, Thermal};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::str::FromStr;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 /// What to measure.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BenchOptions {
-    /// Columns and rows; a size that fits the machine if not given.
-    pub size: Option<u32>,
-    /// Threads; all cores if not given.
-    pub threads: Option<usize>,
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BenchSubject {
+    /// Hydraulic erosion: one step of all its rules.
+    Hydraulic,
+    /// Thermal erosion.
+    Thermal,
+    /// The generator `fbm`; a step is one field of eight octaves.
+    Noise,
+    /// Reef growth: carbon spreads once, then corals grow.
+    Reef,
 }
 
-/// Measures and returns a table as text.
+impl BenchSubject {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef];
+
+    /// Name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hydraulic => "hydraulic",
+            Self::Thermal => "thermal",
+            Self::Noise => "noise",
+            Self::Reef => "reef",
+        }
+    }
+}
+
+impl FromStr for BenchSubject {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        let known = Self::ALL.map(Self::name).join(", ");
+        let found = Self::ALL.into_iter().find(|s| s.name() == name);
+        found.ok_or_else(|| bad("what", format!("there is no benchmark `{name}`; there are: {known}")))
+    }
+}
+
+/// What to measure, and how.
+#[derive(Clone, Debug)]
+pub struct BenchOptions {
+    /// What to measure.
+    pub what: BenchSubject,
+    /// Cells along a side of the square grid.
+    pub size: usize,
+    /// Threads; at least 1.
+    pub threads: usize,
+    /// Instruction set; the best one if `None`.
+    pub isa: Option<Isa>,
+    /// Hydraulic erosion as published in 2007.
+    pub classic: bool,
+    /// Time to spend on samples, s; warming up comes on top.
+    pub seconds: f64,
+}
+
+impl Default for BenchOptions {
+    fn default() -> Self {
+        Self { what: BenchSubject::Hydraulic, size: 512, threads: 1, isa: None, classic: false, seconds: 5.0 }
+    }
+}
+
+/// What was measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BenchReport {
+    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise` or `reef`.
+    pub what: &'static str,
+    /// Cells along a side.
+    pub size: usize,
+    /// Threads.
+    pub threads: usize,
+    /// Instruction set.
+    pub isa: &'static str,
+    /// Steps that were timed.
+    pub steps: u64,
+    /// Samples that they were split into.
+    pub samples: usize,
+    /// Seconds a step in the best sample.
+    pub seconds_per_step: f64,
+    /// Seconds a step in the median sample.
+    pub seconds_per_step_median: f64,
+    /// Cells times steps a second in the best sample.
+    pub cell_steps_per_second: f64,
+    /// Cells times steps a second in the median sample.
+    pub cell_steps_per_second_median: f64,
+    /// Memory held for a cell while it runs: layers, scratch layers and second copies, padding included.
+    pub bytes_per_cell: f64,
+    /// What the passes of a step must read and write for a cell if each is on its own: one read or write per layer and
+    /// pass. What reaches memory is less, because a row stays in cache through several passes and steps.
+    pub bytes_moved_per_cell_step: f64,
+    /// Ledger of the whole run, warm-up included, in the accounts' units.
+    pub ledger: BTreeMap<String, f64>,
+}
+
+/// Runs a benchmark.
 ///
 /// # Errors
-/// Always, as long as there is nothing to measure.
-pub fn bench(_options: &BenchOptions) -> Result<String, String> {
-    Err("this version has no benchmark yet".to_owned())
+/// If an option is out of range, the processor lacks the instruction set, the grid exceeds the limits, or the generator
+/// is not there.
+pub fn run(options: &BenchOptions) -> Result<BenchReport> {
+    if options.threads == 0 {
+        return Err(bad("threads", "needs at least 1".into()));
+    }
+    if !(options.seconds > 0.0 && options.seconds <= 86_400.0) {
+        return Err(bad("seconds", format!("{} is not within 0..=86400", options.seconds)));
+    }
+    if let Some(isa) = options.isa.filter(|isa| !isa.is_available()) {
+        return Err(bad("isa", format!("this processor has no {}", isa.name())));
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()
+        .map_err(|e| bad("threads", e.to_string()))?;
+    pool.install(|| match options.what {
+        BenchSubject::Noise => noise(options),
+        _ => simulation(options),
+    })
+}
+
+/// Start fields and processes of a simulation benchmark; the same as the peers'.
+///
+/// # Errors
+/// If the grid is not sound.
+///
+/// # Panics
+/// If asked for noise, which is no simulation.
+pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
+    // Cell size, lowest and highest ground (m), process.
+    let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
+        (BenchSubject::Hydraulic, false) => (10.0, -350.0, 650.0, Box::new(Hydraulic::default())),
+        (BenchSubject::Hydraulic, true) => (1.0, 0.0, 80.0, Box::new(mei_2007())),
+        (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
+        // A year a step makes one spreading a growth; the default of ten years takes nine.
+        (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
+        (BenchSubject::Noise, _) => panic!("noise is no simulation"),
+    };
+    let grid = Grid::new(size, size, cell_m, Rim::CLOSED, &Limits::default())?;
+    let mut world = World::new(grid, 1);
+    for (spec, value) in process.layers() {
+        let field = &mut world.ensure(&spec, value).field;
+        for y in 0..size {
+            for x in 0..size {
+                match &*spec.name {
+                    "height" => field.set(x, y, (low + (high - low) * terrain(x as u32, y as u32)) as f32),
+                    "water" => field.set(x, y, (0.2 * hashed(x as u32, y as u32, 99)) as f32),
+                    _ => {}
+                }
+            }
+        }
+    }
+    Ok((world, vec![Scheduled { name: what.name(), process, every: 1 }]))
+}
+
+/// The parameters under which the published form is usually measured: cells of 1 m, no friction, no sea, and neither a
+/// ramp of the capacity with depth nor a limit to digging but the lowest neighbour.
+fn mei_2007() -> Hydraulic {
+    Hydraulic {
+        flux: FluxForm::Classic,
+        time_step: 0.02,
+        rain: 0.01,
+        evaporation: 0.015,
+        wave_depth: 1.0,
+        friction: 0.0,
+        max_speed: 50.0,
+        capacity: 0.1,
+        min_slope: 0.05,
+        max_slope: 1.0,
+        ramp_depth: 1e-4,
+        dry_depth: 1e-3,
+        dig: 0.5,
+        settle: 0.5,
+        dig_limit: 1.0,
+        sea: false,
+        ..Default::default()
+    }
+}
+
+/// Value noise within 0..1: seven octaves with periods of 128 to 2 cells.
+fn terrain(x: u32, y: u32) -> f64 {
+    let mut total = 0.0;
+    for octave in 0..7 {
+        let period = 128u32 >> octave;
+        let smooth = |t: u32| {
+            let t = f64::from(t % period) / f64::from(period);
+            t * t * (3.0 - 2.0 * t)
+        };
+        let (u, v, i, j) = (smooth(x), smooth(y), x / period, y / period);
+        let (a, b) = (hashed(i, j, octave), hashed(i + 1, j, octave));
+        let (c, d) = (hashed(i, j + 1, octave), hashed(i + 1, j + 1, octave));
+        let (north, south) = (a + (b - a) * u, c + (d - c) * u);
+        total += (north + (south - north) * v) * 0.5f64.powi(octave as i32);
+    }
+    total / (2.0 - 0.5f64.powi(6))
+}
+
+/// A number in [0, 1) from two integers (the hash `lowbias32`, as in `common.py`).
+fn hashed(x: u32, y: u32, salt: u32) -> f64 {
+    let h = x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ (salt + 1).wrapping_mul(0xc2b2_ae3d);
+    let h = (h ^ (h >> 16)).wrapping_mul(0x21f0_aaad);
+    let h = (h ^ (h >> 15)).wrapping_mul(0x735a_2d97);
+    f64::from(h ^ (h >> 15)) / 4_294_967_296.0
+}
+
+/// Samples that the time is split into.
+const SAMPLES: u32 = 8;
+
+fn simulation(options: &BenchOptions) -> Result<BenchReport> {
+    let (mut world, processes) = case(options.what, options.classic, options.size)?;
+    let (bytes_per_cell, bytes_moved_per_cell_step) = memory(&world, &processes);
+    let engine = CpuEngine { isa: options.isa.unwrap_or_else(Isa::best), ..CpuEngine::default() };
+
+    // Stamps at the ends of chains, thinned to one a sample, until there are enough; then the engine is asked to stop.
+    let sample = Duration::from_secs_f64(options.seconds) / SAMPLES;
+    let stamps: Mutex<Vec<(u64, Instant)>> = Mutex::default();
+    let cancel = Cancel::default();
+    let stamp = |done: u64, _: u64| {
+        let now = Instant::now();
+        let mut stamps = stamps.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        // The first chain touches all memory, so the warm-up begins after it.
+        if stamps.last().is_none_or(|(_, last)| now - *last >= sample) {
+            stamps.push((done, now));
+        }
+        // One stretch to warm up and one for each sample.
+        if stamps.len() > SAMPLES as usize + 1 {
+            cancel.raise();
+        }
+    };
+    let span = Span { from: 0, steps: Limits::default().max_steps };
+    match engine.simulate(&mut world, &processes, span, &Control::new(cancel.clone(), &stamp)) {
+        Ok(()) | Err(Error::Cancelled(_)) => {}
+        Err(e) => return Err(e),
+    }
+    let stamps = stamps.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let timed: Vec<(u64, f64)> =
+        stamps.windows(2).skip(1).map(|w| (w[1].0 - w[0].0, (w[1].1 - w[0].1).as_secs_f64())).collect();
+    let what = if options.what == BenchSubject::Hydraulic && options.classic {
+        "hydraulic classic"
+    } else {
+        options.what.name()
+    };
+    let mut report = report(what, options, engine.isa, &timed);
+    report.bytes_per_cell = bytes_per_cell;
+    report.bytes_moved_per_cell_step = bytes_moved_per_cell_step;
+    report.ledger = world.ledger.iter().map(|(name, a)| (name.to_owned(), a.amount)).collect();
+    Ok(report)
+}
+
+/// Bytes held for a cell, and bytes that the passes of a step read and write for it.
+///
+/// Held are the world's layers, the plan's scratch layers, and a second copy of each layer that some pass writes while
+/// it reads the layer's neighbouring cells: the engine's rule for what must be flipped.
+fn memory(world: &World, processes: &[Scheduled]) -> (f64, f64) {
+    let mut plan = Plan::default();
+    let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: world.sea_level_m };
+    processes.iter().for_each(|s| s.process.plan(&moment, &mut plan));
+    let mut flips: Vec<&str> = plan
+        .passes()
+        .flat_map(|p| p.writes().iter().filter(|w| p.reads().iter().any(|r| r.layer == **w && r.reach > 0)))
+        .copied()
+        .collect();
+    flips.sort_unstable();
+    flips.dedup();
+    let arrays = world.layers().len() + plan.scratch_layers().len() + flips.len();
+    let array = Field::new(world.grid.width, world.grid.height, 0.0).bytes() as f64 / world.grid.cells() as f64;
+    let moved: usize = plan.passes().map(|p| p.reads().len() + p.writes().len()).sum();
+    (array * arrays as f64, (moved * size_of::<f32>()) as f64)
+}
+
+fn noise(options: &BenchOptions) -> Result<BenchReport> {
+    let entry = GENERATORS.iter().find(|e| e.name == "fbm").ok_or_else(|| {
+        let known: Vec<&str> = GENERATORS.iter().map(|e| e.name).collect();
+        bad(
+            "what",
+            format!("noise needs the generator `fbm`, which is not registered; there are: {}", known.join(", ")),
+        )
+    })?;
+    let isa = Isa::best();
+    if let Some(asked) = options.isa.filter(|i| *i != isa) {
+        let name = asked.name();
+        return Err(bad("isa", format!("generators choose theirs when the program starts; set EYOT_ISA={name}")));
+    }
+    let mut parameters = (entry.defaults)();
+    if let Some(octaves) = parameters.get_mut("octaves") {
+        *octaves = serde_json::json!(8);
+    }
+    let generator = (entry.make)(parameters).map_err(|e| bad("what", format!("the generator `fbm` refuses: {e}")))?;
+    let grid = Grid::new(options.size, options.size, 10.0, Rim::CLOSED, &Limits::default())?;
+    let (world, base) = (World::new(grid, 1), Field::new(options.size, options.size, 0.0));
+    let control = Control::none();
+    let field = |seed: u64| {
+        let start = Instant::now();
+        let made = generator.generate(&Site { grid, seed, world: &world, control: &control }, &base)?;
+        std::hint::black_box(made.get(0, 0));
+        Ok::<_, Error>((start.elapsed().as_secs_f64(), made.bytes()))
+    };
+    let (once, bytes) = field(0)?;
+    // Fields of a sample: a single one may be too short for the clock.
+    let fields = (options.seconds / f64::from(SAMPLES) / once.max(1e-9)).clamp(1.0, 1e6) as u64;
+    let mut timed = Vec::new();
+    for sample in 0..u64::from(SAMPLES) {
+        let mut seconds = 0.0;
+        for i in 0..fields {
+            seconds += field(1 + sample * fields + i)?.0;
+        }
+        timed.push((fields, seconds));
+    }
+    let mut report = report(options.what.name(), options, isa, &timed);
+    report.bytes_per_cell = bytes as f64 / grid.cells() as f64;
+    report.bytes_moved_per_cell_step = size_of::<f32>() as f64;
+    Ok(report)
+}
+
+/// `timed`: steps and seconds of each sample.
+fn report(what: &'static str, options: &BenchOptions, isa: Isa, timed: &[(u64, f64)]) -> BenchReport {
+    let mut each: Vec<f64> = timed.iter().map(|&(steps, s)| s / steps.max(1) as f64).collect();
+    each.sort_unstable_by(f64::total_cmp);
+    let best = each.first().copied().unwrap_or(f64::NAN);
+    // The upper one of two middles: never better than it was.
+    let median = each.get(each.len() / 2).copied().unwrap_or(f64::NAN);
+    let cells = (options.size * options.size) as f64;
+    BenchReport {
+        what,
+        size: options.size,
+        threads: options.threads,
+        isa: isa.name(),
+        steps: timed.iter().map(|t| t.0).sum(),
+        samples: timed.len(),
+        seconds_per_step: best,
+        seconds_per_step_median: median,
+        cell_steps_per_second: cells / best,
+        cell_steps_per_second_median: cells / median,
+        bytes_per_cell: 0.0,
+        bytes_moved_per_cell_step: 0.0,
+        ledger: BTreeMap::new(),
+    }
+}
+
+fn bad(field: &str, reason: String) -> Error {
+    Error::BadParameter { owner: "bench".into(), field: field.into(), reason }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_simulation_reports_sound_numbers() {
+        for (what, classic, held, moved) in [
+            (BenchSubject::Hydraulic, false, 10, 21),
+            (BenchSubject::Hydraulic, true, 11, 26),
+            (BenchSubject::Thermal, false, 2, 2),
+            (BenchSubject::Reef, false, 6, 13),
+        ] {
+            let options = BenchOptions { what, classic, size: 64, seconds: 0.05, ..Default::default() };
+            let r = run(&options).unwrap();
+            assert_eq!(r.samples, SAMPLES as usize, "{what:?}");
+            assert!(r.seconds_per_step > 0.0 && r.seconds_per_step <= r.seconds_per_step_median);
+            let padding = Field::new(64, 64, 0.0).bytes() as f64 / (64.0 * 64.0);
+            assert!((r.bytes_per_cell - padding * f64::from(held)).abs() < 1e-9, "{what:?}: {}", r.bytes_per_cell);
+            assert_eq!(r.bytes_moved_per_cell_step, 4.0 * f64::from(moved), "{what:?}");
+            let json = serde_json::to_value(&r).unwrap();
+            assert!(json["cell_steps_per_second"].as_f64().unwrap() > 0.0);
+        }
+    }
+
+    #[test]
+    fn options_out_of_range_are_refused_by_name() {
+        let refused = |options: BenchOptions| run(&options).unwrap_err().to_string();
+        assert!(refused(BenchOptions { threads: 0, ..Default::default() }).contains("threads"));
+        assert!(refused(BenchOptions { seconds: f64::NAN, ..Default::default() }).contains("seconds"));
+        assert!(refused(BenchOptions { size: 0, ..Default::default() }).contains("grid"));
+        assert!("water".parse::<BenchSubject>().unwrap_err().to_string().contains("hydraulic"));
+    }
 }
