@@ -1,6 +1,8 @@
 //! What the command line takes.
 
 use clap::{Args, Parser, Subcommand};
+use eyot::bench::BenchSubject;
+use eyot::core::isa::Isa;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -205,13 +207,36 @@ pub(crate) struct Stats {
 }
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot bench hydraulic --size 2048
+  eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
+    /// What to measure: hydraulic, thermal, noise or reef
+    #[arg(value_name = "WHAT")]
+    pub(crate) what: BenchSubject,
     /// Cells along each side
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", default_value = "512", value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub(crate) size: Option<u32>,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) threads: Option<u16>,
+    /// Instruction set: scalar, baseline, avx2 or avx512 [default: the best that this processor has]
+    #[arg(long, value_name = "NAME", value_parser = isa)]
+    pub(crate) isa: Option<Isa>,
+    /// Hydraulic erosion as published in 2007 instead of Eyot's own form
+    #[arg(long)]
+    pub(crate) classic: bool,
+    /// Seconds to spend on measuring
+    #[arg(long, value_name = "S", default_value = "5")]
+    pub(crate) seconds: f64,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn isa(text: &str) -> Result<Isa, String> {
+    Isa::ALL.into_iter().find(|i| i.name() == text).ok_or_else(|| "choose scalar, baseline, avx2 or avx512".to_owned())
 }
 
 fn size(text: &str) -> Result<(u32, Option<u32>), String> {

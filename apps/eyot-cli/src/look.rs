@@ -2,7 +2,8 @@
 
 use crate::args::{Bench, Render, Stats};
 use crate::{Failure, print, report};
-use eyot::{Limits, View, ViewKind, store};
+use eyot::store::Subject;
+use eyot::{Limits, View, bench, store};
 use serde_json::Value;
 
 /// Draws a picture of a run or a height map.
@@ -22,7 +23,6 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     }
     let view = View {
         enabled: true,
-        kind: if args.relief { ViewKind::Relief } else { ViewKind::Perspective },
         size,
         azimuth: args.azimuth,
         elevation: args.elevation,
@@ -42,11 +42,20 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         };
         return Err(report::usage(&format!("`{}` has no layer `{layer}`", args.from.display()), &help));
     }
+    let subject = match &args.layer {
+        Some(layer) => Subject::Layer(layer),
+        None if args.relief => Subject::Relief,
+        None => Subject::View,
+    };
     let out = args.out.clone().unwrap_or_else(|| {
-        let name = args.layer.as_ref().map_or_else(|| "render.png".to_owned(), |l| format!("{l}_map.png"));
+        let name = match subject {
+            Subject::View => "render.png".to_owned(),
+            Subject::Relief => "render_relief.png".to_owned(),
+            Subject::Layer(l) => format!("{l}_map.png"),
+        };
         if args.from.is_dir() { args.from.join(name) } else { args.from.with_extension(format!("eyot.{name}")) }
     });
-    store::draw(&opened.world, &view, args.layer.as_deref(), &out).map_err(|e| report::run(&e))?;
+    store::draw(&opened.world, &view, subject, &out).map_err(|e| report::run(&e))?;
     print::line(&format!("wrote {}", out.display()))
 }
 
@@ -98,10 +107,38 @@ fn short(x: f64) -> String {
 }
 
 /// Measures how fast this machine works.
-pub(crate) fn bench(args: &Bench) -> Result<(), Failure> {
-    let options = eyot::bench::BenchOptions { size: args.size, threads: args.threads.map(usize::from) };
-    let text = eyot::bench::bench(&options).map_err(|e| Failure::Failed(report::plain(&e, None)))?;
-    print::line(&text)
+pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
+    let d = bench::BenchOptions::default();
+    let threads = args.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let options = bench::BenchOptions {
+        what: args.what,
+        size: args.size.map_or(d.size, |n| n as usize),
+        threads,
+        isa: args.isa,
+        classic: args.classic,
+        seconds: args.seconds,
+    };
+    let r = bench::run(&options).map_err(|e| report::usage(&e.to_string(), "see `eyot bench --help`"))?;
+    if args.json {
+        let json = serde_json::to_value(&r).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
+        return print::line(&format!("{json:#}"));
+    }
+    print::line(&format!("{}, {} x {} cells, {} threads, {}", r.what, r.size, r.size, r.threads, r.isa))?;
+    print::line(&format!(
+        "  {:>10.3} ms a step (best of {}; median {:.3} ms)",
+        1e3 * r.seconds_per_step,
+        r.samples,
+        1e3 * r.seconds_per_step_median
+    ))?;
+    print::line(&format!(
+        "  {:>10.0} million cell-steps/s (median {:.0})",
+        1e-6 * r.cell_steps_per_second,
+        1e-6 * r.cell_steps_per_second_median
+    ))?;
+    print::line(&format!(
+        "  {:>10.1} bytes held per cell, {} bytes read and written per cell and step",
+        r.bytes_per_cell, r.bytes_moved_per_cell_step
+    ))
 }
 
 fn open(path: &std::path::Path) -> Result<store::Opened, Failure> {

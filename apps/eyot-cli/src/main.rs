@@ -41,7 +41,7 @@ fn main() -> ExitCode {
         Verb::Schema => words::schema(),
         Verb::Render(a) => look::render(&a),
         Verb::Stats(a) => look::stats(&a),
-        Verb::Bench(a) => look::bench(&a),
+        Verb::Bench(a) => look::measure(&a),
     };
     match result {
         Ok(()) | Err(Failure::Closed) => ExitCode::SUCCESS,

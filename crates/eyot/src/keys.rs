@@ -168,8 +168,6 @@ pub enum ExportFormat {
     R32,
     /// glTF 2.0 binary: the terrain as a coloured mesh with levels of detail.
     Glb,
-    /// Picture of the land from above with shaded relief, PNG.
-    Relief,
     /// Picture of a layer in colours, PNG.
     Map,
 }
@@ -180,7 +178,7 @@ pub enum ExportFormat {
 pub struct Export {
     /// What the file holds.
     pub format: ExportFormat,
-    /// The layers, one file each. A mesh and a relief picture always show the height and do not need it.
+    /// The layers, one file each. A mesh always shows the height and does not need it.
     #[schemars(length(min = 1))]
     pub layers: Vec<String>,
     /// Start of the file name; the layer's name follows. The layer's name alone if empty.
@@ -204,25 +202,12 @@ impl Default for Export {
     }
 }
 
-/// What a preview picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum ViewKind {
-    /// The land as seen by a camera.
-    #[default]
-    Perspective,
-    /// The land from above with shaded relief.
-    Relief,
-}
-
-/// The preview picture of a finished run.
+/// The pictures of a finished run: `preview.png` as a camera sees it, and `relief.png` from above.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct View {
-    /// Whether the picture is made.
+    /// Whether the pictures are made.
     pub enabled: bool,
-    /// What it shows.
-    pub kind: ViewKind,
     /// Width and height of the picture in pixels.
     #[schemars(inner(range(min = 16, max = 16384)), extend("unit" = "1"))]
     pub size: [u32; 2],
@@ -253,7 +238,6 @@ impl Default for View {
     fn default() -> Self {
         Self {
             enabled: true,
-            kind: ViewKind::Perspective,
             size: [1280, 800],
             azimuth: None,
             elevation: None,

@@ -64,7 +64,7 @@ pub use error::RunError;
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
 pub use import::Import;
-pub use keys::{Export, ExportFormat, View, ViewKind};
+pub use keys::{Export, ExportFormat, View};
 pub use merge::Merge;
 pub use node::Span;
 pub use recipe::{GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, SimulateStep, Step, Work};

@@ -4,15 +4,15 @@ use crate::backend::io::{self, RasterFormat, checkpoint};
 use crate::backend::{self, mesh, render};
 use crate::error::RunError;
 use crate::event::Event;
-use crate::keys::{Export, ExportFormat, View, ViewKind};
+use crate::keys::{Export, ExportFormat, View};
 use crate::recipe::Recipe;
 use crate::state::State;
-use crate::store::{CHECKPOINT_FILE, REPORT_FILE, VIEW_FILE, WORLD_FILE};
+use crate::store::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, Subject, WORLD_FILE};
 use eyot_core::{Limits, World};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Writes everything that a finished run leaves: the world, the exports, the preview picture and the report. Each file
+/// Writes everything that a finished run leaves: the world, the exports, the pictures and the report. Each file
 /// appears whole or not at all; the checkpoint goes last, so that a failure here costs nothing.
 pub(crate) fn write_all(
     recipe: &Recipe,
@@ -35,9 +35,11 @@ pub(crate) fn write_all(
         write_export(recipe, world, export, out, limits, &mut begin)?;
     }
     if recipe.view.enabled && world.get("height").is_some() {
-        let path = begin(out.join(VIEW_FILE));
-        let picture = view(world, &recipe.view).map_err(file)?;
-        io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+        for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
+            let path = begin(out.join(name));
+            let picture = draw(world, &recipe.view, subject).map_err(file)?;
+            io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+        }
     }
     let path = begin(out.join(REPORT_FILE));
     let names: Vec<String> =
@@ -97,11 +99,6 @@ fn write_export(
             let levels = mesh::levels_of_detail(&terrain.mesh, &ratios);
             return io::write_terrain_glb(&path, &levels, &recipe.name).map_err(file);
         }
-        ExportFormat::Relief => {
-            let path = begin(out.join(&export.files()[0]));
-            let picture = relief(world, &recipe.view).map_err(file)?;
-            return io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file);
-        }
         ExportFormat::Map => {
             for (name, layer) in export.files().iter().zip(&export.layers) {
                 let path = begin(out.join(name));
@@ -118,18 +115,16 @@ fn write_export(
     Ok(())
 }
 
-/// Draws a picture as the options say; a layer's name makes a map of it.
-pub(crate) fn draw(world: &World, options: &View, layer: Option<&str>) -> eyot_core::Result<render::Picture> {
-    match layer {
-        Some(name) => render::layer_map(world, name, &render::MapOptions::default()),
-        None => view(world, options),
+/// Draws a picture as the options say.
+pub(crate) fn draw(world: &World, options: &View, subject: Subject<'_>) -> eyot_core::Result<render::Picture> {
+    match subject {
+        Subject::View => view(world, options),
+        Subject::Relief => relief(world, options),
+        Subject::Layer(name) => render::layer_map(world, name, &render::MapOptions::default()),
     }
 }
 
 fn view(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
-    if v.kind == ViewKind::Relief {
-        return relief(world, v);
-    }
     let d = render::ViewOptions::default();
     let options = render::ViewOptions {
         width: v.size[0] as usize,

@@ -15,8 +15,10 @@ use std::path::{Path, PathBuf};
 pub const WORLD_FILE: &str = "world.eyot";
 /// Where a stopped run can be continued from.
 pub const CHECKPOINT_FILE: &str = "checkpoint.eyot";
-/// The preview picture.
-pub const VIEW_FILE: &str = "view.png";
+/// The land as a camera sees it.
+pub const PREVIEW_FILE: &str = "preview.png";
+/// The land from above.
+pub const RELIEF_FILE: &str = "relief.png";
 /// What the run was and what it took.
 pub const REPORT_FILE: &str = "run.json";
 
@@ -86,12 +88,23 @@ fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
     Ok(Opened { world: saved.world, file: file.to_owned(), has_sea: true, notes })
 }
 
-/// Draws a world into a PNG file: the land, or a map of one layer.
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject<'a> {
+    /// The land as a camera sees it.
+    View,
+    /// The land from above, with shaded relief.
+    Relief,
+    /// A map of one layer.
+    Layer(&'a str),
+}
+
+/// Draws a world into a PNG file.
 ///
 /// # Errors
 /// If the layer is not there or the file cannot be written.
-pub fn draw(world: &World, options: &View, layer: Option<&str>, path: &Path) -> Result<(), RunError> {
-    let picture = outputs::draw(world, options, layer).map_err(|e| RunError::File(e.to_string()))?;
+pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path) -> Result<(), RunError> {
+    let picture = outputs::draw(world, options, subject).map_err(|e| RunError::File(e.to_string()))?;
     io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
 }
 

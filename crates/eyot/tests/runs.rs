@@ -43,7 +43,7 @@ fn a_run_tells_its_story_and_leaves_its_files() {
         std::fs::read_dir(&out).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
     files.sort();
     files.retain(|f| !f.ends_with(".json") || f == "run.json");
-    assert_eq!(files, ["height.r32", "rough.r32", "run.json", "view.png", "world.eyot"]);
+    assert_eq!(files, ["height.r32", "preview.png", "relief.png", "rough.r32", "run.json", "world.eyot"]);
     let report: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(out.join("run.json")).unwrap()).unwrap();
     assert_eq!(report["seed"], 5);

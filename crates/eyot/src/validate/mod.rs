@@ -270,7 +270,7 @@ impl Validator<'_> {
 impl Export {
     /// False for exports that always show the height.
     pub(crate) fn uses_layers(&self) -> bool {
-        !matches!(self.format, ExportFormat::Glb | ExportFormat::Relief)
+        self.format != ExportFormat::Glb
     }
 
     /// The names of the files that it writes.
@@ -278,7 +278,6 @@ impl Export {
         let p = &self.prefix;
         match self.format {
             ExportFormat::Glb => vec![format!("{p}terrain.glb")],
-            ExportFormat::Relief => vec![format!("{p}relief.png")],
             ExportFormat::Map => self.layers.iter().map(|l| format!("{p}{l}_map.png")).collect(),
             ExportFormat::Png16 => self.layers.iter().map(|l| format!("{p}{l}.png")).collect(),
             ExportFormat::GeoTiff => self.layers.iter().map(|l| format!("{p}{l}.tif")).collect(),
