@@ -175,15 +175,14 @@ impl Rule for ClassicAdvect {
         let (west, east) = (u.positive(), (-u).positive());
         let (north, south) = (v.positive(), (-v).positive());
         let (middle_x, middle_y) = (one - u.abs(), one - v.abs());
-        // Four of the nine weights are not zero: bilinear interpolation without a branch.
-        let traced = (row(c, -1, west, middle_x, east) * north + row(c, 1, west, middle_x, east) * south)
-            + row(c, 0, west, middle_x, east) * middle_y;
+        // Four of the nine weights are not zero: bilinear interpolation without a branch. Opposite cells are added first,
+        // so that mirrored and turned worlds stay so to the bit.
+        let sides = (c.at(0, -1, 0) * west + c.at(0, 1, 0) * east) * middle_y
+            + (c.at(0, 0, -1) * north + c.at(0, 0, 1) * south) * middle_x;
+        let corners = (c.at(0, -1, -1) * (west * north) + c.at(0, 1, 1) * (east * south))
+            + (c.at(0, 1, -1) * (east * north) + c.at(0, -1, 1) * (west * south));
+        let traced = c.here(0) * (middle_x * middle_y) + (sides + corners);
         let s = traced.flushed();
         ([s], [s - c.here(0)])
     }
-}
-
-#[inline(always)]
-fn row<R: Real>(c: &impl Cell<R>, dy: isize, west: R, middle: R, east: R) -> R {
-    (c.at(0, -1, dy) * west + c.at(0, 1, dy) * east) + c.at(0, 0, dy) * middle
 }
