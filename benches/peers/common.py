@@ -139,7 +139,10 @@ def read_fields(case, path):
 
 
 def main(peer, cases, set_threads=None, threading_layer=lambda: None):
-    """Command line of a peer. `cases[name](fields, parameters)` makes an object with advance(steps), fields(), ledger()."""
+    """Command line of a peer.
+
+    `cases[name](fields, parameters)` makes an object with advance(steps), fields() and ledger().
+    """
     parser = argparse.ArgumentParser(description=f"Steps of Eyot's processes in {peer}")
     parser.add_argument("case", choices=cases)
     parser.add_argument("--size", type=int, default=512, help="cells along a side")
@@ -177,7 +180,8 @@ def main(peer, cases, set_threads=None, threading_layer=lambda: None):
     report = {
         "peer": peer, "what": args.case, "size": args.size, "threads": args.threads,
         "threading_layer": threading_layer(), "steps": steps, "repeats": args.repeats, "seconds_per_step": best,
-        "seconds_per_step_median": median, "cell_steps_per_second": args.size**2 / best, "cell_steps_per_second_median": args.size**2 / median,
+        "seconds_per_step_median": median, "cell_steps_per_second": args.size**2 / best,
+        "cell_steps_per_second_median": args.size**2 / median,
     }
     if args.json:
         print(json.dumps(report))
