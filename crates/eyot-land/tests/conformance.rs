@@ -113,7 +113,7 @@ fn every_rule_prints_as_valid_wgsl() {
     }
     seen.sort_unstable();
     seen.dedup();
-    assert_eq!(seen.len(), 11, "{seen:?}");
+    assert_eq!(seen.len(), 12, "{seen:?}");
 }
 
 #[test]

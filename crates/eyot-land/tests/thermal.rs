@@ -250,8 +250,8 @@ fn the_inverted_form_leaves_cliffs_to_the_bit() {
     let ramp = |x: usize, _: usize| x as f32;
     let terraces = |x: usize, y: usize| 5.0 * ((x / 7) as f32 + (y / 6) as f32);
     let random = |x: usize, y: usize| 2.0 * (3.0 * noise(x, y)).floor() + 1000.0;
-    let cases: [(&str, &dyn Fn(usize, usize) -> f32); 3] =
-        [("ramp", &ramp), ("terraces", &terraces), ("random", &random)];
+    type Height<'a> = &'a dyn Fn(usize, usize) -> f32;
+    let cases: [(&str, Height<'_>); 3] = [("ramp", &ramp), ("terraces", &terraces), ("random", &random)];
     for (name, height) in cases {
         let before = world(grid(35, 30, 1.0, Rim::CLOSED), height);
         let mut after = before.clone();

@@ -3,11 +3,7 @@
 //! `peer_fields CASE SIZE STEPS FILE` with CASE = signed, classic, thermal or reef writes FILE (start) and FILE.eyot, the
 //! layers one after the other in the order of the process, and prints their names and the ledger in cell thicknesses.
 
-#[allow(dead_code, missing_docs, unreachable_pub)] // Only the cases are needed here.
-#[path = "../src/bench.rs"]
-mod bench;
-
-use bench::BenchSubject;
+use eyot::bench::{self, BenchSubject};
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::Span;
 use eyot_core::{Control, World};

@@ -219,21 +219,26 @@ impl Process for Reef {
                 });
             }
         }
-        let flag = |b: bool| if b { 1.0 } else { 0.0 };
-        plan.push::<Grow>(GrowParams {
+        let params = GrowParams {
             years,
             sea,
             growth: self.growth,
-            by_carbon: flag(self.limit == Limit::Carbon),
-            saturating: flag(self.light == Light::Saturating),
-            per_light_depth: 1.0 / self.light_depth,
-            attenuation: self.attenuation,
+            by_carbon: if self.limit == Limit::Carbon { 1.0 } else { 0.0 },
+            per_growth: 1.0 / self.growth.max(1e-9),
+            extinction: match self.light {
+                Light::Exponential => 1.0 / self.light_depth,
+                Light::Saturating => self.attenuation,
+            },
             relative_light: self.surface_light / self.saturation_light,
             shallow: self.shallow,
             deep: self.deep,
             uptake: self.uptake,
             sink: self.subsidence * years,
-        });
+        };
+        match self.light {
+            Light::Exponential => plan.push::<Grow<false>>(params),
+            Light::Saturating => plan.push::<Grow<true>>(params),
+        }
     }
 
     fn advance(&self, moment: &mut Moment) {
@@ -306,12 +311,10 @@ rule_params! {
         growth,
         /// 1 if carbon limits growth, 0 if not.
         by_carbon,
-        /// 1 for saturating light, 0 for exponential.
-        saturating,
-        /// `1 / light_depth`, 1/m.
-        per_light_depth,
-        /// Extinction, 1/m.
-        attenuation,
+        /// `1 / growth`, yr/m.
+        per_growth,
+        /// Extinction of light, or of growth, with depth, 1/m.
+        extinction,
         /// Light at the surface over the light that saturates, 1.
         relative_light,
         /// Shallow limit, m.
@@ -325,11 +328,11 @@ rule_params! {
     }
 }
 
-/// Equations (1), (2) and (4).
-pub struct Grow;
+/// Equations (1), (2) and (4), for exponential or for saturating light.
+pub struct Grow<const SATURATING: bool>;
 
-impl Rule for Grow {
-    const NAME: &'static str = "reef_grow";
+impl<const SATURATING: bool> Rule for Grow<SATURATING> {
+    const NAME: &'static str = if SATURATING { "reef_grow_saturating" } else { "reef_grow" };
     const READS: &'static [Read] =
         &[read("height", 0), read("limestone", 0), read("growth", 0), read("carbon", 0), read("reef_floor", 0)];
     const WRITES: &'static [&'static str] = &["height", "limestone", "growth", "carbon", "reef_floor"];
@@ -363,11 +366,14 @@ impl Rule for Grow {
 
         let depth = p.sea - h;
         let g = depth.max(R::of(0.01));
-        // tanh a = 1 - 2 / (e^(2 a) + 1); one exponential serves both laws.
-        let fall = (-(g * p.saturating.gt(R::of(0.5)).pick(p.attenuation, p.per_light_depth))).exp();
-        let a = p.relative_light * fall;
-        let tanh = one - R::of(2.0) / ((a + a).exp() + one);
-        let lit = p.saturating.gt(R::of(0.5)).pick(tanh, fall);
+        let fall = (-(g * p.extinction)).exp();
+        let lit = if SATURATING {
+            // tanh a = 1 - 2 / (e^(2 a) + 1)
+            let a = p.relative_light * fall;
+            one - R::of(2.0) / ((a + a).exp() + one)
+        } else {
+            fall
+        };
         let fed = p.by_carbon.gt(R::of(0.5)).pick(carbon * carbon, one);
         let inside = depth.gt(p.shallow).one() * depth.lt(p.deep).one();
         let rate = inside * p.growth * fed * lit;
@@ -375,7 +381,7 @@ impl Rule for Grow {
 
         let left = (carbon - p.by_carbon * grown * p.uptake / g).positive();
         // The counter forgets in about fifty turns.
-        let now = (rate / p.growth.max(R::of(1e-9))).min(one);
+        let now = (rate * p.per_growth).min(one);
         let counter = (memory + R::of(0.02) * (now - memory)).flushed();
         // What height and limestone really gain and lose after rounding is what the ledger says.
         let risen = h + grown;

@@ -160,8 +160,9 @@ impl Rule for Erode {
         let wish = p.dig * missing.positive();
         let dug = wish.min(p.dig_limit * (h - lowest).positive());
         let settled = p.settle * (-missing).positive();
-        // In the sea the river ends: its water joins the sea and all its load settles.
         let at_sea = h.lt(p.sea);
+        let refused = at_sea.pick(zero, wish - dug);
+        // In the sea the river ends: its water joins the sea and all its load settles.
         let dug = at_sea.pick(zero, dug);
         let settled = at_sea.pick(load, settled);
         let new_height = (h - dug) + settled.min(spare(h, load));
@@ -179,7 +180,7 @@ impl Rule for Erode {
             at_sea.pick(zero, lost),
             at_sea.pick(lost, zero),
             wet - moved,
-            wish - dug,
+            refused,
             flowing.pick(p.speed2_max.lt(speed2).one(), zero),
             zero,
             load - carried,
