@@ -1,0 +1,58 @@
+//! A crater: what is higher than a level is folded down, `h -> 2 level - h` (filter).
+
+use super::{check, fill};
+use eyot_core::process::{Generator, Site};
+use eyot_core::{Field, Result};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Folds the land above a level down, so that a summit becomes a crater or the lagoon of an atoll.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Crater {
+    /// The level as a share of the highest value; 1 leaves everything, 0.5 puts the floor of the crater at 0.
+    #[schemars(range(min = -2.0, max = 1.0), extend("unit" = "1"))]
+    pub level: f32,
+    /// The level in metres. 0 takes `level` instead.
+    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    pub level_m: f32,
+    /// Half the height of the zone below and above the level in which the crest is rounded, so that it is no razor's edge;
+    /// the crest sinks by half of this. 0 folds sharply.
+    #[schemars(range(min = 0.0, max = 2000.0), extend("unit" = "m"))]
+    pub crest_m: f32,
+}
+
+impl Default for Crater {
+    fn default() -> Self {
+        Self { level: 0.8, level_m: 0.0, crest_m: 0.0 }
+    }
+}
+
+/// `level - |h - level|`, the point of `|.|` replaced by a parabola that meets it with the same slope at +-crest.
+#[inline(always)]
+fn fold(h: f32, level: f32, crest: f32) -> f32 {
+    let d = (h - level).abs();
+    if d < crest {
+        level - 0.5 * (d * d / crest + crest)
+    } else if h > level {
+        2.0 * level - h
+    } else {
+        h
+    }
+}
+
+impl Generator for Crater {
+    fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
+        check("crater", self)?;
+        let level = if self.level_m == 0.0 { self.level * base.min_max().1 } else { self.level_m };
+        fill(&site.grid, site.control, |y, row| {
+            for (v, &h) in row.iter_mut().zip(base.row(y)) {
+                *v = fold(h, level, self.crest_m);
+            }
+        })
+    }
+
+    fn is_filter(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,146 @@
+//! Domain warp: `h(p) -> h(p + d(p))` with a displacement `d` made of two noises (filter).
+//!
+//! Between the cells the layer is interpolated: bilinear (stays within the layer's range, but creases at cell borders when the
+//! warp stretches the land), or Catmull-Rom (smooth; may overshoot beside a cliff by an eighth of its height). Beyond a closed
+//! or open rim the border cell goes on; a wrapping rim is a ring.
+
+use super::noise::{Basis, Noise, PIECE, PIECE_COLUMNS, Piece, Sum};
+use super::{check, fill, scale_m};
+use eyot_core::isa::Isa;
+use eyot_core::lanes::WIDTH;
+use eyot_core::process::{Generator, Site};
+use eyot_core::{Edge, Field, Grid, Result};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How a layer is read between its cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// From the nearest 2x2 cells.
+    Linear,
+    /// From the nearest 4x4 cells (Catmull-Rom).
+    #[default]
+    Cubic,
+}
+
+/// Bends the land: every place gets the value of another place nearby.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Warp {
+    /// Largest displacement, in feature sizes. Above 1 the land is torn to shreds.
+    #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
+    pub strength: f32,
+    /// The noise that displaces.
+    pub basis: Basis,
+    /// Octaves of the displacing noise.
+    #[schemars(range(min = 1, max = 16), extend("unit" = "1"))]
+    pub octaves: u32,
+    /// Size of the largest bends as a share of the grid's longer side.
+    #[schemars(range(min = 0.0001, max = 10.0), extend("unit" = "1"))]
+    pub scale: f32,
+    /// Size of the largest bends in metres. 0 takes `scale` instead.
+    #[schemars(range(min = 0.0, max = 1e7), extend("unit" = "m"))]
+    pub scale_m: f32,
+    /// How many times smaller the bends of an octave are than those of the one before.
+    #[schemars(range(min = 1.1, max = 4.0), extend("unit" = "1"))]
+    pub lacunarity: f32,
+    /// Displacement of an octave relative to the one before.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub gain: f32,
+    /// How the layer is read between its cells.
+    pub interpolation: Interpolation,
+}
+
+impl Default for Warp {
+    fn default() -> Self {
+        Self {
+            strength: 0.4,
+            basis: Basis::Simplex,
+            octaves: 4,
+            scale: 0.25,
+            scale_m: 0.0,
+            lacunarity: 2.0,
+            gain: 0.5,
+            interpolation: Interpolation::Cubic,
+        }
+    }
+}
+
+/// The cell before the place `cell + away` and the fraction after it.
+fn split(cell: usize, away: f32, cells: usize, edge: Edge) -> (isize, f32) {
+    let whole = away.floor();
+    let at = cell as isize + whole as isize;
+    // Beyond a wall everything is the border cell's value, so the place is brought back to it.
+    if edge != Edge::Wrap && at < 0 {
+        (0, 0.0)
+    } else if edge != Edge::Wrap && at >= cells as isize - 1 {
+        (cells as isize - 1, 0.0)
+    } else {
+        (at, away - whole)
+    }
+}
+
+fn linear(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
+    let columns = [0, 1].map(|i| g.wrap_x(x.0 + i));
+    let [a, b] = [0, 1].map(|j| {
+        let row = base.row(g.wrap_y(y.0 + j));
+        let [a, b] = columns.map(|c| row[c]);
+        a + x.1 * (b - a)
+    });
+    a + y.1 * (b - a)
+}
+
+/// Catmull-Rom through b and c, with a and d for the slopes.
+fn spline([a, b, c, d]: [f32; 4], t: f32) -> f32 {
+    b + 0.5 * t * ((c - a) + t * ((2.0 * a - 5.0 * b + 4.0 * c - d) + t * (3.0 * (b - c) + d - a)))
+}
+
+fn cubic(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
+    let columns = [-1, 0, 1, 2].map(|i| g.wrap_x(x.0 + i));
+    let lines = [-1, 0, 1, 2].map(|j| {
+        let row = base.row(g.wrap_y(y.0 + j));
+        spline(columns.map(|c| row[c]), x.1)
+    });
+    spline(lines, y.1)
+}
+
+impl Generator for Warp {
+    fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
+        check("warp", self)?;
+        let g = site.grid;
+        let noise = Noise {
+            basis: self.basis,
+            sum: Sum::Fbm,
+            octaves: self.octaves,
+            scale_m: scale_m(&g, self.scale, self.scale_m),
+            lacunarity: f64::from(self.lacunarity),
+            gain: f64::from(self.gain),
+            seed: site.seed,
+        };
+        let strength_m = f64::from(self.strength) * noise.scale_m;
+        let away = noise.displacement(self.octaves).map(|n| n.prepare(&g, Isa::best()));
+        let (per_x, per_y) = ((strength_m / g.cell_x_m) as f32, (strength_m / g.cell_y_m) as f32);
+        fill(&g, site.control, |y, row| {
+            for (x0, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
+                let mut shift: [Piece; 2] = [[[0.0; WIDTH]; PIECE]; 2];
+                for (noise, shift) in away.iter().zip(&mut shift) {
+                    noise.piece(x0, y, piece.len().div_ceil(WIDTH), None, shift);
+                }
+                let [dx, dy] = shift.each_ref().map(|s| s.as_flattened());
+                for (i, v) in piece.iter_mut().enumerate() {
+                    let x = split(x0 + i, dx[i] * per_x, g.width, g.rim.x);
+                    let y = split(y, dy[i] * per_y, g.height, g.rim.y);
+                    *v = match self.interpolation {
+                        Interpolation::Linear => linear(base, &g, x, y),
+                        Interpolation::Cubic => cubic(base, &g, x, y),
+                    };
+                }
+            }
+        })
+    }
+
+    fn is_filter(&self) -> bool {
+        true
+    }
+}
