@@ -16,7 +16,7 @@ pub mod noise;
 mod ramp;
 mod ridged;
 mod smooth;
-mod warp;
+pub mod warp;
 
 pub use cone::Cone;
 pub use constant::Constant;

@@ -47,7 +47,8 @@ pub struct Ridged {
 impl Default for Ridged {
     fn default() -> Self {
         Self {
-            basis: Basis::Simplex,
+            // Simplex noise is zero at all points of its lattice, so its crests run from point to point; with Perlin it shows less.
+            basis: Basis::Perlin,
             octaves: 8,
             scale: 0.35,
             scale_m: 0.0,

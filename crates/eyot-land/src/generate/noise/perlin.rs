@@ -4,12 +4,12 @@
 //! corner's gradient with the offset from it. With unit gradients the largest magnitude is sqrt(1/2), reached in the middle of
 //! a cell; [`SCALE`] makes it 1.
 
-use super::gradient::{COLUMN, Leg, ROW, dot, hash};
+use super::gradient::{COLUMN, ROW, dot, hash};
 use super::lattice::{Kernel, Octave};
 use eyot_core::real::{Bits, Real};
 
-/// sqrt 2, rounded down, so that no value lies outside -1..=1.
-pub(super) const SCALE: f32 = 1.414_213_4;
+/// One over the largest magnitude that unit gradients can give.
+pub(super) const SCALE: f32 = std::f32::consts::SQRT_2;
 
 /// Square lattice.
 pub(super) struct Perlin;
@@ -39,12 +39,11 @@ impl Kernel for Perlin {
             [hash(column, row), hash(column1, row), hash(column, row1), hash(column1, row1)]
         };
 
-        let (x0, y0) = (Leg::of(x), Leg::of(y));
-        let (x1, y1) = (x0.less_one(), y0.less_one());
+        let (x1, y1) = (x - R::of(1.0), y - R::of(1.0));
         let (s, t) = (fade(x), fade(y));
-        let n00 = dot(h[0], x0, y0);
-        let n10 = dot(h[1], x1, y0);
-        let n01 = dot(h[2], x0, y1);
+        let n00 = dot(h[0], x, y);
+        let n10 = dot(h[1], x1, y);
+        let n01 = dot(h[2], x, y1);
         let n11 = dot(h[3], x1, y1);
         let n0 = n00 + s * (n10 - n00);
         let n1 = n01 + s * (n11 - n01);
