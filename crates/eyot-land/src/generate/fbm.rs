@@ -29,7 +29,8 @@ pub struct Fbm {
     /// Height of an octave relative to the one before. 0.5 is the classic; larger is rougher, at 1 all are equally high.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
     pub gain: f32,
-    /// Height that nothing exceeds above and below the offset. Most land lies within half of it.
+    /// Height that nothing exceeds above and below the offset. With the default gain the
+    /// standard deviation is a third of it with simplex noise, a fifth with Perlin's.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub amplitude: f32,
     /// Added to the noise.

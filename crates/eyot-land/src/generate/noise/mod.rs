@@ -36,10 +36,10 @@ use std::marker::PhantomData;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Basis {
-    /// Triangles: the same in all directions, rounder hills.
+    /// Triangles: the same in all directions. One octave's standard deviation is 0.54 of the bound.
     #[default]
     Simplex,
-    /// Squares: somewhat faster, a little blockier.
+    /// Squares: a little blockier (directions differ by 4 %). One octave's standard deviation is 0.31 of the bound.
     Perlin,
 }
 
