@@ -55,9 +55,9 @@ pub struct Warp {
 impl Default for Warp {
     fn default() -> Self {
         Self {
-            strength: 0.4,
+            strength: 0.3,
             basis: Basis::Simplex,
-            octaves: 4,
+            octaves: 3,
             scale: 0.25,
             scale_m: 0.0,
             lacunarity: 2.0,
