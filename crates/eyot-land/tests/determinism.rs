@@ -25,9 +25,9 @@ fn all() -> Vec<Scheduled> {
     };
     vec![
         every(Box::new(Hydraulic { time_step: 0.2, rain: 0.01, springs: 0.01, ..Default::default() }), 1),
-        every(Box::new(Thermal::default()), 1),
-        every(Box::new(Wetness::default()), 2),
-        every(Box::new(Seabed::default()), 3),
+        every(Box::<Thermal>::default(), 1),
+        every(Box::<Wetness>::default(), 2),
+        every(Box::<Seabed>::default(), 3),
         every(Box::new(Thermal { inverted: true, ..Default::default() }), 4),
         every(Box::new(reef), 2),
         every(Box::new(Hydraulic { time_step: 0.1, flux: FluxForm::Classic, ..Default::default() }), 5),
