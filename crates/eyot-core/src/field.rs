@@ -64,7 +64,7 @@ impl Field {
             });
         }
         let mut f = Self::new(width, height, 0.0);
-        for (y, row) in values.chunks_exact(width).enumerate() {
+        for (y, row) in values.chunks_exact(width.max(1)).enumerate() {
             f.row_mut(y).copy_from_slice(row);
         }
         Ok(f)
@@ -140,7 +140,13 @@ impl Field {
     /// The rows from north to south, to change; disjoint, so that they may go to several threads.
     pub fn rows_mut(&mut self) -> impl Iterator<Item = &mut [f32]> + '_ {
         let (start, width) = (self.origin, self.width);
-        self.data[start..].chunks_mut(self.stride).take(self.height).map(move |r| &mut r[..width])
+        // A field without rows may end before its origin.
+        self.data
+            .get_mut(start..)
+            .unwrap_or_default()
+            .chunks_mut(self.stride)
+            .take(self.height)
+            .map(move |r| &mut r[..width])
     }
 
     /// All values, row by row.

@@ -90,6 +90,17 @@ impl<T: Number> Reference<T> {
                     r.set(&l.spec.name, x, y, T::of(v));
                 }
             }
+            // What an earlier run left on the faces beyond an open rim.
+            let (faces, at) = (l.field.outer_faces(), r.find(&l.spec.name));
+            let (west, north) = faces.split_at(r.grid.height);
+            for (y, v) in west.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceX) {
+                let i = r.index(-1, y as isize);
+                r.layers[at].values[i] = T::of(*v);
+            }
+            for (x, v) in north.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceY) {
+                let i = r.index(x as isize, -1);
+                r.layers[at].values[i] = T::of(*v);
+            }
         }
         r
     }

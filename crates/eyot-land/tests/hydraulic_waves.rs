@@ -141,6 +141,7 @@ fn sloshing_keeps_its_mass_and_never_goes_below_zero() {
         }
     }
     let error = (exact.sum("water") - mass).abs() / mass;
+    // Criterion 1e-12; measured 7e-16. No depth below zero; measured 0.
     println!("W2 f64 {error:e}, lowest {lowest:e}, clamped {:e}", exact.ledger["water.clamped"]);
     assert!(error <= 1e-12);
     assert!(lowest >= 0.0);
@@ -150,6 +151,7 @@ fn sloshing_keeps_its_mass_and_never_goes_below_zero() {
     let (m0, m1) = (before.get("water").unwrap().sum(), after.get("water").unwrap().sum());
     let area = after.grid.cell_area_m2();
     let clamped = after.ledger.amount("water.clamped");
+    // Criterion 1e-6; measured 4.2e-7, and 3e-9 of it is what the ledger calls clamped.
     println!("W2 f32 {:e}, clamped {:e} m3 of {:e}", (m1 - m0).abs() / m0, clamped, m0 * area);
     assert!((m1 - m0).abs() / m0 <= 1e-6);
     assert!(after.get("water").unwrap().min_max().0 >= 0.0);
@@ -213,10 +215,12 @@ fn standing_waves_have_the_analytic_period() {
             "W3 N={n}: period {period:.5} of 2L/c, first zero at {:.5}, amplitude {first:.5} {last:.5}",
             crossings[0]
         );
+        // Criterion 0.5 %; measured 0.024, 0.006 and 0.001 %.
         assert!((period - 1.0).abs() <= 0.005);
         // Flux starts at rest at time 0 and not half a step before, which makes the first quarter half a step shorter.
         let half_step = 0.25 * 0.9 / std::f64::consts::SQRT_2 / n as f64;
         assert!((crossings[0] + half_step - 0.25).abs() <= 0.001, "the first quarter too");
+        // Criterion 1 % in six periods; measured less than 0.002 %.
         assert!(1.0 - last / first <= 0.01 && last <= 1.01 * first);
     }
 }
@@ -229,6 +233,7 @@ fn classic_waves_run_sqrt_two_too_fast_after_the_first_reversal() {
     let period = (crossings[12] - crossings[0]) / 6.0;
     println!("W3 classic: first zero at {:.5}, period after it {period:.5}", crossings[0]);
     assert!((crossings[0] - 0.25).abs() <= 0.005, "until then it is right");
+    // Criterion 0.7072 +- 0.001; measured 0.70716.
     assert!((period - 0.7072).abs() <= 0.001);
 }
 
@@ -307,7 +312,7 @@ fn noise_does_not_grow_below_the_bound_and_does_above() {
     assert_eq!(signed.substeps(10.0, 10.0).0, 1);
     let (energy, surface) = noise_gain(Box::new(signed), push(dt), dt);
     println!("W4 signed: energy gain 1 {:+e}, surface {surface:.4}", energy - 1.0);
-    // Criterion: gain at most 1. Measured 1 + 4e-12 for the energy, 0.99 for the surface.
+    // Criterion: gain at most 1. Measured 1 + 1e-10 for the energy, 0.992 for the surface.
     assert!(energy <= 1.0 + 1e-9 && surface <= 1.0);
 
     // The classic form's bound is l / (2 c).
@@ -316,7 +321,7 @@ fn noise_does_not_grow_below_the_bound_and_does_above() {
     assert_eq!(classic.substeps(10.0, 10.0).0, 1);
     let (_, surface) = noise_gain(Box::new(classic), push(dt), dt);
     println!("W4 classic: surface {surface:.4}");
-    // Criterion: gain at most 1. Measured 0.25.
+    // Criterion: gain at most 1. Measured 0.27.
     assert!(surface <= 1.0);
 
     // The bound is the bound: a hundredth above it the same noise grows until nothing is left of the surface.
@@ -388,7 +393,7 @@ fn a_step_fifty_times_beyond_the_bound_stays_smooth() {
         let step = (0..30).flat_map(|y| (1..40).map(move |x| (x, y)));
         let roughest = step.map(|(x, y)| (level(x, y) - level(x - 1, y)).abs()).fold(0.0, f32::max);
         println!("W4 {flux:?} 50x: {} parts, roughest {roughest:e} m", p.substeps(10.0, 10.0).0);
-        // Measured 6e-5 m: the jump of 4 m has levelled out.
+        // Measured 4e-6 m: the jump of 4 m has levelled out.
         assert!(roughest < 1e-3);
         assert!((d.sum() / mass - 1.0).abs() < 1e-6);
     }
@@ -435,6 +440,7 @@ fn a_basin_passes_on_what_it_is_given() {
     w.ensure(&SPRINGS, 0.0);
     set(&mut w, "springs", |x, y| if (x, y) == (8, 8) { 1.0 } else { 0.0 });
     let share = outflow_over_supply(&spring, &mut w, "water.springs", 0.5 * 100.0);
+    // Criterion 1e-3 after 20 turnover times; measured 3e-8 for the spring and for rain.
     println!("W5 spring: outflow / supply - 1 = {:e}", share - 1.0);
     assert!((share - 1.0).abs() <= 1e-3);
 

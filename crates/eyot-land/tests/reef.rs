@@ -273,6 +273,16 @@ fn erosion_takes_limestone_before_the_ground_below() {
 }
 
 #[test]
+fn limestone_from_elsewhere_is_kept() {
+    let mut w = world(2, 1, 10.0, Rim::CLOSED, |x, _| [-10.0, 8.0][x]);
+    w.ensure(&LIMESTONE, 5.0);
+    run(&mut w, &Reef { growth: 0.0, ..lit() }, 3);
+    assert_eq!(w.get("limestone").unwrap().to_vec(), [5.0, 5.0]);
+    assert_eq!(w.get("reef_floor").unwrap().to_vec(), [-15.0, 3.0]);
+    assert_eq!(w.ledger.amount("limestone.worn"), 0.0);
+}
+
+#[test]
 fn rivers_wear_limestone_that_fell_dry() {
     let mut w = island(30, 10.0, Rim::OPEN, 20.0, 0.2);
     run(&mut w, &Reef { limit: Limit::Light, ..Default::default() }, 300);

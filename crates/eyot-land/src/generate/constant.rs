@@ -1,27 +1,23 @@
-//! The same height everywhere.
+//! The same value everywhere.
 
+use super::check;
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Field, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The same height everywhere.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// The same value everywhere: a sea floor to build on, or a number to merge with.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Constant {
-    /// The height (or whatever the layer holds).
-    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    /// The value, in the unit of the layer that it is made for; metres for heights.
+    #[schemars(range(min = -1e6, max = 1e6), extend("unit" = "m"))]
     pub value: f32,
-}
-
-impl Default for Constant {
-    fn default() -> Self {
-        Self { value: 0.0 }
-    }
 }
 
 impl Generator for Constant {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
+        check("constant", self)?;
         Ok(Field::new(site.grid.width, site.grid.height, self.value))
     }
 }

@@ -1,47 +1,59 @@
-//! Crater: what is above a level is folded down.
-//!
-//! # Equations
-//! 1. `h' = 2 l - h` where `h > l`, with a rounded crest: `h' = l - sqrt((h - l)^2 + r^2) + r` for `h > l`.
-//!
-//! # Source
-//! The island thesis, I4. Rounding is ours: a fold alone leaves a razor's edge.
+//! A crater: what is higher than a level is folded down, `h -> 2 level - h` (filter).
 
+use super::{check, fill};
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Field, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Folds down what is above a level: a volcano gets its crater. A filter.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Folds the land above a level down, so that a summit becomes a crater or the lagoon of an atoll.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Crater {
-    /// Level of the fold as a share of the highest point: 0.8 makes a crater, 0.4 a caldera.
-    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    /// The level as a share of the highest value; 1 leaves everything, 0.5 puts the floor of the crater at 0.
+    #[schemars(range(min = -2.0, max = 1.0), extend("unit" = "1"))]
     pub level: f32,
-    /// The crater is at most this deep, as a share of the level; below lies a flat floor.
-    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
-    pub depth: f32,
-    /// Rounding of the crest, as a share of the level.
-    #[schemars(range(min = 0.0, max = 0.5), extend("unit" = "1"))]
-    pub round: f32,
+    /// The level in metres. 0 takes `level` instead.
+    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    pub level_m: f32,
+    /// Half the height of the zone below and above the level in which the crest is rounded, so that it is no razor's edge;
+    /// the crest sinks by half of this. 0 folds sharply.
+    #[schemars(range(min = 0.0, max = 2000.0), extend("unit" = "m"))]
+    pub crest_m: f32,
+    /// The crater is at most this deep below the level; deeper down its floor is flat.
+    #[schemars(range(min = 0.0, max = 12000.0), extend("unit" = "m"))]
+    pub depth_m: f32,
 }
 
 impl Default for Crater {
     fn default() -> Self {
-        Self { level: 0.8, depth: 1.0, round: 0.01 }
+        Self { level: 0.8, level_m: 0.0, crest_m: 0.0, depth_m: 12000.0 }
+    }
+}
+
+/// `level - |h - level|`, the point of `|.|` replaced by a parabola that meets it with the same slope at +-crest.
+#[inline(always)]
+fn fold(h: f32, level: f32, crest: f32) -> f32 {
+    let d = (h - level).abs();
+    if d < crest {
+        level - 0.5 * (d * d / crest + crest)
+    } else if h > level {
+        2.0 * level - h
+    } else {
+        h
     }
 }
 
 impl Generator for Crater {
-    fn generate(&self, _site: &Site<'_>, base: &Field) -> Result<Field> {
-        let level = self.level * base.min_max().1;
-        let (floor, r) = (level * (1.0 - self.depth), (self.round * level).abs());
-        let mut out = base.clone();
-        out.map_in_place(|h| {
-            let above = h - level;
-            if above > 0.0 { (level - ((above * above + r * r).sqrt() - r)).max(floor.min(h)) } else { h }
-        });
-        Ok(out)
+    fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
+        check("crater", self)?;
+        let level = if self.level_m == 0.0 { self.level * base.min_max().1 } else { self.level_m };
+        fill(&site.grid, site.control, |y, row| {
+            for (v, &h) in row.iter_mut().zip(base.row(y)) {
+                let floor = if h > level { level - self.depth_m } else { f32::NEG_INFINITY };
+                *v = fold(h, level, self.crest_m).max(floor);
+            }
+        })
     }
 
     fn is_filter(&self) -> bool {

@@ -1,87 +1,78 @@
-//! Fractal noise: octaves of gradient noise, each finer and weaker than the one before.
-//!
-//! # Equations
-//! 1. `h = offset + amplitude sum_i gain^i n(x lacunarity^i / scale) / sum_i gain^i` over `octaves`.
-//!
-//! # Source
-//! The island thesis, I2 (simplex, lacunarity 2, gain 1/2); Perlin 1985.
+//! Fractal noise: `h = offset + amplitude sum gain^o noise_o / sum gain^o`; see [`super::noise`].
 
-use super::noise::{Basis, Octaves, Sum};
+use super::noise::{Basis, Noise, Sum};
+use super::{check, scale_m};
 use eyot_core::isa::Isa;
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Grid, Result};
+use eyot_core::{Field, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Fractal noise: hills of all sizes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Fractal noise: hills upon hills.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Fbm {
-    /// The noise of an octave.
+    /// The noise that is summed.
     pub basis: Basis,
-    /// Height of the sum where all octaves are at their top; typical heights are a third of it.
+    /// Noises that are summed. Few give smooth hills; octaves finer than the grid cost and change nothing.
+    #[schemars(range(min = 1, max = 16), extend("unit" = "1"))]
+    pub octaves: u32,
+    /// Size of the largest features as a share of the grid's longer side: about the distance from a hill to the next valley.
+    #[schemars(range(min = 0.0001, max = 10.0), extend("unit" = "1"))]
+    pub scale: f32,
+    /// Size of the largest features in metres. 0 takes `scale` instead.
+    #[schemars(range(min = 0.0, max = 1e7), extend("unit" = "m"))]
+    pub scale_m: f32,
+    /// How many times smaller the features of an octave are than those of the one before.
+    #[schemars(range(min = 1.1, max = 4.0), extend("unit" = "1"))]
+    pub lacunarity: f32,
+    /// Height of an octave relative to the one before. 0.5 is the classic; larger is rougher, at 1 all are equally high.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub gain: f32,
+    /// Height that nothing exceeds above and below the offset. With the default gain the
+    /// standard deviation is a third of it with simplex noise, a fifth with Perlin's.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub amplitude: f32,
-    /// Added everywhere.
+    /// Added to the noise.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub offset: f32,
-    /// Size of the largest hills as a share of the grid's longer side, so that the land stays the same at any resolution.
-    #[schemars(range(min = 0.0001, max = 100.0), extend("unit" = "1"))]
-    pub scale: f64,
-    /// Number of octaves. Few are smooth, many are rough; those finer than two cells only add noise.
-    #[schemars(range(min = 1, max = 24), extend("unit" = "1"))]
-    pub octaves: u32,
-    /// How much finer each octave is than the one before.
-    #[schemars(range(min = 1.1, max = 8.0), extend("unit" = "1"))]
-    pub lacunarity: f64,
-    /// How strong each octave is in terms of the one before. Above 0.6 land turns to spikes, below 0.4 to dunes.
-    #[schemars(range(min = 0.01, max = 1.0), extend("unit" = "1"))]
-    pub gain: f64,
+    /// Displaces the places at which the noise is looked up by up to this many feature sizes, which bends and folds the
+    /// hills. 0 leaves them straight, above 1 they turn to marble.
+    #[schemars(range(min = 0.0, max = 4.0), extend("unit" = "1"))]
+    pub warp: f32,
 }
 
 impl Default for Fbm {
     fn default() -> Self {
         Self {
             basis: Basis::Simplex,
-            amplitude: 500.0,
-            offset: 0.0,
-            scale: 0.3,
             octaves: 8,
+            scale: 0.25,
+            scale_m: 0.0,
             lacunarity: 2.0,
             gain: 0.5,
+            amplitude: 300.0,
+            offset: 0.0,
+            warp: 0.0,
         }
     }
 }
 
-/// Size of features given as a share of the grid's longer side, m.
-pub(super) fn feature_m(grid: &Grid, share: f64) -> f64 {
-    let (w, h) = grid.extent_m();
-    share * w.max(h)
-}
-
 impl Generator for Fbm {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        self.compute(site, Isa::best())
-    }
-}
-
-impl Fbm {
-    /// As [`Generator::generate`], with a given instruction set (which does not change a bit).
-    ///
-    /// # Errors
-    /// On a request to stop.
-    pub fn compute(&self, site: &Site<'_>, isa: Isa) -> Result<Field> {
-        let octaves = Octaves {
+        check("fbm", self)?;
+        let noise = Noise {
             basis: self.basis,
-            sum: Sum::Plain,
+            sum: Sum::Fbm,
             octaves: self.octaves,
-            lacunarity: self.lacunarity,
-            gain: self.gain,
-            feature_m: feature_m(&site.grid, self.scale),
+            scale_m: scale_m(&site.grid, self.scale, self.scale_m),
+            lacunarity: f64::from(self.lacunarity),
+            gain: f64::from(self.gain),
             seed: site.seed,
         };
-        let mut field = octaves.field(&site.grid, isa, site.control)?;
-        field.map_in_place(|v| self.offset + self.amplitude * v);
+        let strength_m = f64::from(self.warp) * noise.scale_m;
+        let mut field = noise.warped_field(strength_m, &site.grid, Isa::best(), site.control)?;
+        field.map_in_place(|n| self.offset + self.amplitude * n);
         Ok(field)
     }
 }

@@ -1,46 +1,63 @@
-//! A ramp: a plane that rises in one direction.
-//!
-//! # Equations
-//! 1. `h = low + (high - low) s` with `s` from 0 to 1 along the direction, over the grid's extent in that direction.
+//! A plane that rises in one direction, from `low` at one end of the grid to `high` at the other.
 
+use super::{check, fill};
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result, math};
+use eyot_core::real::Real;
+use eyot_core::{Field, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A plane that rises in one direction.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// An inclined plane: the valley floor that water runs down, or a mask that fades from side to side.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ramp {
-    /// Height where the ramp begins.
-    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
-    pub low: f32,
-    /// Height where it ends.
-    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
-    pub high: f32,
-    /// Compass direction in which it rises: 0 north, 90 east.
+    /// Compass direction in which the land rises: 0 north, 90 east. On a rim that wraps there is a cliff at the seam.
     #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "degree"))]
     pub direction: f32,
+    /// Value at the rim or corner where the ramp begins.
+    #[schemars(range(min = -1e6, max = 1e6), extend("unit" = "m"))]
+    pub low: f32,
+    /// Value at the rim or corner where it ends.
+    #[schemars(range(min = -1e6, max = 1e6), extend("unit" = "m"))]
+    pub high: f32,
 }
 
 impl Default for Ramp {
     fn default() -> Self {
-        Self { low: 0.0, high: 500.0, direction: 0.0 }
+        Self { direction: 0.0, low: 0.0, high: 100.0 }
+    }
+}
+
+/// Eastward and southward part of a step of length 1 in a compass direction; exact for multiples of 90 degrees.
+fn heading(degrees: f32) -> (f64, f64) {
+    let turn = degrees.rem_euclid(360.0);
+    let quarter = (turn / 90.0).floor();
+    let rest = (turn - 90.0 * quarter).to_radians();
+    let (s, c) = (f64::from(Real::sin(rest)), f64::from(Real::cos(rest)));
+    // Clockwise from north, y to the south.
+    match quarter as u32 % 4 {
+        0 => (s, -c),
+        1 => (c, s),
+        2 => (-s, c),
+        _ => (-c, -s),
     }
 }
 
 impl Generator for Ramp {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
+        check("ramp", self)?;
         let g = site.grid;
-        let (w, h) = g.extent_m();
-        let angle = self.direction.to_radians();
-        let (east, north) = (f64::from(math::sin(angle)), f64::from(math::cos(angle)));
-        let half = 0.5 * (w * east.abs() + h * north.abs());
-        Ok(Field::from_fn(g.width, g.height, |x, y| {
-            let along =
-                ((x as f64 + 0.5) * g.cell_x_m - 0.5 * w) * east - ((y as f64 + 0.5) * g.cell_y_m - 0.5 * h) * north;
-            let s = (0.5 * (along / half + 1.0)) as f32;
-            self.low + (self.high - self.low) * s
-        }))
+        let (w_m, h_m) = g.extent_m();
+        let (east, south) = heading(self.direction);
+        // Length of the grid's shadow on the direction, and the middle of the grid at one half.
+        let length = (east * w_m).abs() + (south * h_m).abs();
+        let (low, rise) = (f64::from(self.low), f64::from(self.high) - f64::from(self.low));
+        fill(&g, site.control, |y, row| {
+            let dy = (y as f64 + 0.5) * g.cell_y_m - 0.5 * h_m;
+            for (x, v) in row.iter_mut().enumerate() {
+                let dx = (x as f64 + 0.5) * g.cell_x_m - 0.5 * w_m;
+                *v = (low + rise * (0.5 + (dx * east + dy * south) / length)) as f32;
+            }
+        })
     }
 }

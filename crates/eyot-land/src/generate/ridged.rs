@@ -1,77 +1,82 @@
-//! Ridged noise: fractal noise folded at its zeros, so that it has crests.
-//!
-//! # Equations
-//! 1. `signal_i = w_i (1 - |n_i|)^2`, `w_0 = 1`, `w_i = clamp(sharpness signal_(i-1), 0, 1)`.
-//! 2. `h = offset + amplitude sum_i gain^i signal_i / sum_i gain^i`.
-//!
-//! # Source
-//! Musgrave's ridged multifractal in Ebert et al. 2003.
+//! Ridged multifractal noise: crests where a noise passes zero, finer crests on them; see [`super::noise`].
 
-use super::fbm::feature_m;
-use super::noise::{Basis, Octaves, Sum};
+use super::noise::{Basis, Noise, Sum};
+use super::{check, scale_m};
 use eyot_core::isa::Isa;
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Field, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Ridged noise: mountain chains with sharp crests.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Ridged multifractal noise: chains of mountains.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ridged {
-    /// The noise of an octave.
+    /// The noise that is folded.
     pub basis: Basis,
-    /// Height of the highest crests above the offset.
+    /// Noises that are summed. Octaves finer than the grid cost and change nothing.
+    #[schemars(range(min = 1, max = 16), extend("unit" = "1"))]
+    pub octaves: u32,
+    /// Size of the largest features as a share of the grid's longer side: about the distance between crests.
+    #[schemars(range(min = 0.0001, max = 10.0), extend("unit" = "1"))]
+    pub scale: f32,
+    /// Size of the largest features in metres. 0 takes `scale` instead.
+    #[schemars(range(min = 0.0, max = 1e7), extend("unit" = "m"))]
+    pub scale_m: f32,
+    /// How many times smaller the features of an octave are than those of the one before.
+    #[schemars(range(min = 1.1, max = 4.0), extend("unit" = "1"))]
+    pub lacunarity: f32,
+    /// Height of an octave relative to the one before. Larger is rougher.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub gain: f32,
+    /// How much an octave's crests call for the next octave: its weight is the octave before times this, at most 1. Low
+    /// values leave valleys and flanks smooth, high ones roughen everything. Default: Musgrave's.
+    #[schemars(range(min = 0.0, max = 16.0), extend("unit" = "1"))]
+    pub sharpness: f32,
+    /// Height of the highest crest possible above the offset.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub amplitude: f32,
-    /// Added everywhere.
+    /// Added to the noise: height of the deepest valley possible.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub offset: f32,
-    /// Distance of the largest chains as a share of the grid's longer side.
-    #[schemars(range(min = 0.0001, max = 100.0), extend("unit" = "1"))]
-    pub scale: f64,
-    /// Number of octaves.
-    #[schemars(range(min = 1, max = 24), extend("unit" = "1"))]
-    pub octaves: u32,
-    /// How much finer each octave is than the one before.
-    #[schemars(range(min = 1.1, max = 8.0), extend("unit" = "1"))]
-    pub lacunarity: f64,
-    /// How strong each octave is in terms of the one before.
-    #[schemars(range(min = 0.01, max = 1.0), extend("unit" = "1"))]
-    pub gain: f64,
-    /// How much a crest invites finer crests: 0 leaves valleys and crests alike, 2 is classic.
-    #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
-    pub sharpness: f32,
+    /// Displaces the places at which the noise is looked up by up to this many feature sizes, which bends the crests.
+    #[schemars(range(min = 0.0, max = 4.0), extend("unit" = "1"))]
+    pub warp: f32,
 }
 
 impl Default for Ridged {
     fn default() -> Self {
         Self {
-            basis: Basis::Simplex,
-            amplitude: 1000.0,
-            offset: 0.0,
-            scale: 0.35,
+            // Simplex noise is zero at all points of its lattice, so its crests run from point to point; with Perlin it shows less.
+            basis: Basis::Perlin,
             octaves: 8,
+            scale: 0.35,
+            scale_m: 0.0,
             lacunarity: 2.0,
             gain: 0.5,
             sharpness: 2.0,
+            amplitude: 1500.0,
+            offset: 0.0,
+            warp: 0.0,
         }
     }
 }
 
 impl Generator for Ridged {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        let octaves = Octaves {
+        check("ridged", self)?;
+        let noise = Noise {
             basis: self.basis,
-            sum: Sum::Ridged { sharpness: self.sharpness },
+            sum: Sum::Ridged(self.sharpness),
             octaves: self.octaves,
-            lacunarity: self.lacunarity,
-            gain: self.gain,
-            feature_m: feature_m(&site.grid, self.scale),
+            scale_m: scale_m(&site.grid, self.scale, self.scale_m),
+            lacunarity: f64::from(self.lacunarity),
+            gain: f64::from(self.gain),
             seed: site.seed,
         };
-        let mut field = octaves.field(&site.grid, Isa::best(), site.control)?;
-        field.map_in_place(|v| self.offset + self.amplitude * v);
+        let strength_m = f64::from(self.warp) * noise.scale_m;
+        let mut field = noise.warped_field(strength_m, &site.grid, Isa::best(), site.control)?;
+        field.map_in_place(|n| self.offset + self.amplitude * n);
         Ok(field)
     }
 }

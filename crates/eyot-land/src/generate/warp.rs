@@ -1,94 +1,146 @@
-//! Domain warp: moves the land sideways by a field of noise.
+//! Domain warp: `h(p) -> h(p + d(p))` with a displacement `d` made of two noises (filter).
 //!
-//! # Equations
-//! 1. `h'(x) = h(x + amplitude (n_1(x), n_2(x)))`, sampled with cubic convolution (Catmull-Rom) between cell centres.
+//! Between the cells the layer is interpolated: bilinear (stays within the layer's range, but creases at cell borders when the
+//! warp stretches the land), or Catmull-Rom (smooth; may overshoot beside a cliff by an eighth of its height). Beyond a closed
+//! or open rim the border cell goes on; a wrapping rim is a ring.
 
-use super::fbm::feature_m;
-use super::noise::{Basis, Octaves, Sum};
+use super::noise::{Basis, Noise, PIECE, PIECE_COLUMNS, Piece, Sum};
+use super::{check, fill, scale_m};
 use eyot_core::isa::Isa;
+use eyot_core::lanes::WIDTH;
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Grid, Result};
-use rayon::prelude::*;
+use eyot_core::{Edge, Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Moves the land sideways by noise: bent ridges, winding coasts. A filter.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// How a layer is read between its cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// From the nearest 2x2 cells.
+    Linear,
+    /// From the nearest 4x4 cells (Catmull-Rom).
+    #[default]
+    Cubic,
+}
+
+/// Bends the land: every place gets the value of another place nearby.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Warp {
-    /// Largest shift as a share of the grid's longer side.
-    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
-    pub amplitude: f64,
-    /// Size of the largest bends as a share of the grid's longer side.
-    #[schemars(range(min = 0.0001, max = 100.0), extend("unit" = "1"))]
-    pub scale: f64,
-    /// Number of octaves of the bends.
-    #[schemars(range(min = 1, max = 24), extend("unit" = "1"))]
+    /// Largest displacement, in feature sizes. Above 1 the land is torn to shreds.
+    #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
+    pub strength: f32,
+    /// The noise that displaces.
+    pub basis: Basis,
+    /// Octaves of the displacing noise.
+    #[schemars(range(min = 1, max = 16), extend("unit" = "1"))]
     pub octaves: u32,
-    /// How strong each octave is in terms of the one before.
-    #[schemars(range(min = 0.01, max = 1.0), extend("unit" = "1"))]
-    pub gain: f64,
+    /// Size of the largest bends as a share of the grid's longer side.
+    #[schemars(range(min = 0.0001, max = 10.0), extend("unit" = "1"))]
+    pub scale: f32,
+    /// Size of the largest bends in metres. 0 takes `scale` instead.
+    #[schemars(range(min = 0.0, max = 1e7), extend("unit" = "m"))]
+    pub scale_m: f32,
+    /// How many times smaller the bends of an octave are than those of the one before.
+    #[schemars(range(min = 1.1, max = 4.0), extend("unit" = "1"))]
+    pub lacunarity: f32,
+    /// Displacement of an octave relative to the one before.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub gain: f32,
+    /// How the layer is read between its cells.
+    pub interpolation: Interpolation,
 }
 
 impl Default for Warp {
     fn default() -> Self {
-        Self { amplitude: 0.05, scale: 0.25, octaves: 4, gain: 0.45 }
+        Self {
+            strength: 0.3,
+            basis: Basis::Simplex,
+            octaves: 3,
+            scale: 0.25,
+            scale_m: 0.0,
+            lacunarity: 2.0,
+            gain: 0.5,
+            interpolation: Interpolation::Cubic,
+        }
     }
+}
+
+/// The cell before the place `cell + away` and the fraction after it.
+fn split(cell: usize, away: f32, cells: usize, edge: Edge) -> (isize, f32) {
+    let whole = away.floor();
+    let at = cell as isize + whole as isize;
+    // Beyond a wall everything is the border cell's value, so the place is brought back to it.
+    if edge != Edge::Wrap && at < 0 {
+        (0, 0.0)
+    } else if edge != Edge::Wrap && at >= cells as isize - 1 {
+        (cells as isize - 1, 0.0)
+    } else {
+        (at, away - whole)
+    }
+}
+
+fn linear(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
+    let columns = [0, 1].map(|i| g.wrap_x(x.0 + i));
+    let [a, b] = [0, 1].map(|j| {
+        let row = base.row(g.wrap_y(y.0 + j));
+        let [a, b] = columns.map(|c| row[c]);
+        a + x.1 * (b - a)
+    });
+    a + y.1 * (b - a)
+}
+
+/// Catmull-Rom through b and c, with a and d for the slopes.
+fn spline([a, b, c, d]: [f32; 4], t: f32) -> f32 {
+    b + 0.5 * t * ((c - a) + t * ((2.0 * a - 5.0 * b + 4.0 * c - d) + t * (3.0 * (b - c) + d - a)))
+}
+
+fn cubic(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
+    let columns = [-1, 0, 1, 2].map(|i| g.wrap_x(x.0 + i));
+    let lines = [-1, 0, 1, 2].map(|j| {
+        let row = base.row(g.wrap_y(y.0 + j));
+        spline(columns.map(|c| row[c]), x.1)
+    });
+    spline(lines, y.1)
 }
 
 impl Generator for Warp {
     fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
-        let g = &site.grid;
-        let shift = |stream: u64| {
-            let octaves = Octaves {
-                basis: Basis::Simplex,
-                sum: Sum::Plain,
-                octaves: self.octaves,
-                lacunarity: 2.0,
-                gain: self.gain,
-                feature_m: feature_m(g, self.scale),
-                seed: eyot_core::rng::mix64(site.seed ^ stream),
-            };
-            octaves.field(g, Isa::best(), site.control)
+        check("warp", self)?;
+        let g = site.grid;
+        let noise = Noise {
+            basis: self.basis,
+            sum: Sum::Fbm,
+            octaves: self.octaves,
+            scale_m: scale_m(&g, self.scale, self.scale_m),
+            lacunarity: f64::from(self.lacunarity),
+            gain: f64::from(self.gain),
+            seed: site.seed,
         };
-        let (east, south) = (shift(1)?, shift(2)?);
-        let reach = feature_m(g, self.amplitude);
-        let (cells_x, cells_y) = ((reach / g.cell_x_m) as f32, (reach / g.cell_y_m) as f32);
-        let mut out = Field::new(g.width, g.height, 0.0);
-        let rows: Vec<&mut [f32]> = out.rows_mut().collect();
-        rows.into_par_iter().enumerate().for_each(|(y, row)| {
-            for (x, v) in row.iter_mut().enumerate() {
-                let (dx, dy) = (cells_x * east.get(x, y), cells_y * south.get(x, y));
-                *v = sample(base, g, x, y, dx, dy);
+        let strength_m = f64::from(self.strength) * noise.scale_m;
+        let away = noise.displacement(self.octaves).map(|n| n.prepare(&g, Isa::best()));
+        let (per_x, per_y) = ((strength_m / g.cell_x_m) as f32, (strength_m / g.cell_y_m) as f32);
+        fill(&g, site.control, |y, row| {
+            for (x0, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
+                let mut shift: [Piece; 2] = [[[0.0; WIDTH]; PIECE]; 2];
+                for (noise, shift) in away.iter().zip(&mut shift) {
+                    noise.piece(x0, y, piece.len().div_ceil(WIDTH), None, shift);
+                }
+                let [dx, dy] = shift.each_ref().map(|s| s.as_flattened());
+                for (i, v) in piece.iter_mut().enumerate() {
+                    let x = split(x0 + i, dx[i] * per_x, g.width, g.rim.x);
+                    let y = split(y, dy[i] * per_y, g.height, g.rim.y);
+                    *v = match self.interpolation {
+                        Interpolation::Linear => linear(base, &g, x, y),
+                        Interpolation::Cubic => cubic(base, &g, x, y),
+                    };
+                }
             }
-        });
-        Ok(out)
+        })
     }
 
     fn is_filter(&self) -> bool {
         true
     }
-}
-
-/// Value of the field (dx, dy) cells from the centre of (x, y).
-fn sample(f: &Field, g: &Grid, x: usize, y: usize, dx: f32, dy: f32) -> f32 {
-    let (i, j) = (dx.floor(), dy.floor());
-    let (wx, wy) = (weights(dx - i), weights(dy - j));
-    let (x0, y0) = (x as isize + i as isize - 1, y as isize + j as isize - 1);
-    let mut sum = 0.0;
-    for (k, wy) in wy.iter().enumerate() {
-        let row = f.row(g.wrap_y(y0 + k as isize));
-        let mut across = 0.0;
-        for (l, wx) in wx.iter().enumerate() {
-            across += wx * row[g.wrap_x(x0 + l as isize)];
-        }
-        sum += wy * across;
-    }
-    sum
-}
-
-/// Catmull-Rom weights of the four neighbours at `t` between the middle two.
-fn weights(t: f32) -> [f32; 4] {
-    let (t2, t3) = (t * t, t * t * t);
-    [-0.5 * t + t2 - 0.5 * t3, 1.0 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2.0 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3]
 }

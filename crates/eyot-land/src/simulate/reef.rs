@@ -136,6 +136,8 @@ impl Default for Reef {
     }
 }
 
+/// Start value of the layer below: the floor is not known yet, it lies as deep as the limestone is thick.
+const UNKNOWN: f32 = 12_000.0;
 /// Layer of the ground below the limestone.
 pub const REEF_FLOOR: LayerSpec =
     LayerSpec::new("reef_floor", "m", "Height of the ground below the reef limestone", (-12000.0, 12000.0));
@@ -170,7 +172,7 @@ fn curve(points: &[[f64; 2]], t: f64) -> f64 {
 
 impl Process for Reef {
     fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (GROWTH, 0.0), (CARBON, 1.0), (REEF_FLOOR, 0.0)]
+        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (GROWTH, 0.0), (CARBON, 1.0), (REEF_FLOOR, UNKNOWN)]
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
@@ -195,6 +197,15 @@ impl Process for Reef {
                     self.diffusivity, self.years_per_step
                 ),
             ));
+        }
+        // Limestone that came from a file or a generator rests on something too.
+        for row in 0..world.grid.height {
+            let height = world.layer("height")?.field.row(row).to_vec();
+            let stone = world.layer("limestone")?.field.row(row).to_vec();
+            let floor = world.layer_mut("reef_floor")?.field.row_mut(row);
+            for ((f, h), s) in floor.iter_mut().zip(height).zip(stone).filter(|((f, ..), _)| **f >= UNKNOWN) {
+                *f = h - s;
+            }
         }
         Ok(())
     }

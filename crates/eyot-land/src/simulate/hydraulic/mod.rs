@@ -23,7 +23,7 @@
 //! - The capacity has a ramp with depth; without it films erode everywhere and no rivers form.
 //! - Sediment moves with the flux and is conserved; tracing it back along the velocity loses nearly all of it.
 //! - The load changes by what the ground really changed by after rounding, not by the computed amount. At a height of 40 m
-//!   a float has steps of 4e-6 m; ten thousand roundings of that size made 4e-5 of the ground out of nothing, now 5e-10.
+//!   a float has steps of 4e-6 m; ten thousand roundings of that size made 4e-5 of the ground out of nothing, now 9e-10.
 //! - Digging is limited by the drop to the lowest neighbour, so that pits do not run away.
 //! - The pipe model is not shallow water: its wave speed does not depend on the depth.
 //!
