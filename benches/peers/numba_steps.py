@@ -87,9 +87,9 @@ def signed_erode_row(p, h_n, h, h_s, d, s, raw_x, raw_yn, raw_y, af_n, af, af_s,
         missing = capacity - load
         wish = p.dig * max(missing, ZERO)
         dug = min(wish, p.dig_limit * max(h[x] - lowest, ZERO))
-        limited += wish - dug
         settled = p.settle * max(-missing, ZERO)
         at_sea = h[x] < p.sea
+        limited += ZERO if at_sea else wish - dug
         dug = ZERO if at_sea else dug
         settled = load if at_sea else settled
         kept = ZERO if at_sea else wet * p.keep

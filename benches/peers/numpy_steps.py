@@ -92,8 +92,8 @@ class Signed(Case):
         missing = capacity - load
         wish = p.dig * positive(missing)
         dug = np.minimum(wish, p.dig_limit * positive(h - lowest))
-        self.count("hydraulic.dig_limited", wish - dug)
         at_sea = h < p.sea
+        self.count("hydraulic.dig_limited", np.where(at_sea, 0, wish - dug))
         dug = np.where(at_sea, 0, dug)
         settled = np.where(at_sea, load, p.settle * positive(-missing))
         kept = np.where(at_sea, 0, wet * p.keep)
