@@ -9,6 +9,10 @@ use std::path::Path;
 /// Large enough that a raster row is one call to the system.
 const BUFFER_BYTES: usize = 1 << 18;
 
+/// Names of temporary files begin and end like this.
+const PREFIX: &str = ".eyot-";
+const SUFFIX: &str = ".tmp";
+
 /// Writes a file so that at every moment, even through a crash or a full disk, `path` is the former file or the whole
 /// new one.
 ///
@@ -36,6 +40,8 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
     let temporary = builder().tempfile_in(folder).map_err(Error::io(folder, "write to the folder"))?;
     // From here on, dropping `name` removes the temporary file.
     let (file, name) = temporary.into_parts();
+    // Tells `remove_leftovers` that somebody is at work on it; where there are no locks, nothing is ever removed.
+    let _ = file.try_lock();
     let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
     write(&mut out)?;
     let file = out.into_inner().map_err(|e| Error::io(path, "write")(e.into_error()))?;
@@ -45,9 +51,26 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
     sync_folder(folder).map_err(Error::io(folder, "flush the folder"))
 }
 
+/// Removes temporary files of [`write_atomically`] whose writer was killed. A file that is still being written is locked by
+/// its writer and stays.
+pub fn remove_leftovers(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let ours = name.to_str().is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX));
+        if ours && entry.file_type().is_ok_and(|t| t.is_file()) {
+            let path = entry.path();
+            if File::options().write(true).open(&path).is_ok_and(|f| f.try_lock().is_ok()) {
+                // What cannot be removed is in nobody's way either.
+                let _ = fs::remove_file(&path);
+            }
+        }
+    }
+}
+
 fn builder() -> tempfile::Builder<'static, 'static> {
     let mut b = tempfile::Builder::new();
-    b.prefix(".eyot-").suffix(".tmp");
+    b.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -164,6 +187,23 @@ mod tests {
             let mode = fs::metadata(&path).unwrap().permissions().mode();
             assert_eq!(mode & 0o400, 0o400);
         }
+    }
+
+    #[test]
+    fn files_of_killed_writers_are_removed_and_those_at_work_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        for name in [".eyot-dead.tmp", ".eyot-other", "mine.tmp"] {
+            fs::write(folder.path().join(name), b"x").unwrap();
+        }
+        write_atomically(&path, |f| {
+            remove_leftovers(folder.path());
+            put(f, &path, b"whole")
+        })
+        .unwrap();
+        let mut left = names(folder.path());
+        left.sort();
+        assert_eq!(left, [".eyot-other", "a.bin", "mine.tmp"]);
     }
 
     #[test]

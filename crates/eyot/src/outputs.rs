@@ -22,6 +22,13 @@ pub(crate) fn write_all(
     limits: &Limits,
     tell: &dyn Fn(Event),
 ) -> Result<Vec<PathBuf>, RunError> {
+    // An older run's report must not vouch for a mixture of its files and these, nor its world pass for this one: the
+    // report goes last, so that at no moment there is a world without one that is not this run's.
+    if out.join(REPORT_FILE).exists() {
+        for old in [WORLD_FILE, REPORT_FILE].map(|f| out.join(f)).into_iter().filter(|f| f.exists()) {
+            std::fs::remove_file(&old).map_err(|source| RunError::Folder { path: old, source })?;
+        }
+    }
     let mut written = Vec::new();
     let mut begin = |path: PathBuf| {
         tell(Event::Writing { path: path.clone() });

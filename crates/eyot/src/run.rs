@@ -1,6 +1,6 @@
 //! A run: a thread that works, commands that go in and events that come out.
 
-use crate::backend::io::checkpoint;
+use crate::backend::io::{self, checkpoint};
 use crate::drive::Driver;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
@@ -8,7 +8,7 @@ use crate::lock::FolderLock;
 use crate::recipe::Recipe;
 use crate::registry::Registry;
 use crate::state::State;
-use crate::store::{CHECKPOINT_FILE, WORLD_FILE};
+use crate::store::{self, WORLD_FILE};
 use eyot_core::{Cancel, Limits, World};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -137,8 +137,7 @@ impl Run {
     pub fn start(recipe: Recipe, options: RunOptions) -> Result<Handle, RunError> {
         let lock = options.out.as_deref().map(prepare_folder).transpose()?;
         if let Some(out) = &options.out {
-            let left = out.join(CHECKPOINT_FILE);
-            if left.exists() {
+            while let Some(left) = store::unfinished(out) {
                 if !options.restart {
                     return Err(RunError::Unfinished { folder: out.clone() });
                 }
@@ -158,11 +157,10 @@ impl Run {
     /// If the folder holds no stopped run, the checkpoint is damaged, the recipe no longer passes its checks, or as
     /// [`Run::start`].
     pub fn resume(folder: &Path, registry: &Registry, options: RunOptions) -> Result<Handle, RunError> {
-        let path = folder.join(CHECKPOINT_FILE);
-        if !path.exists() {
+        let Some(path) = store::unfinished(folder) else {
             let finished = folder.join(WORLD_FILE).exists();
             return Err(RunError::NothingToResume { folder: folder.to_owned(), finished });
-        }
+        };
         let lock = prepare_folder(folder)?;
         let saved = checkpoint::load(&path, &options.limits).map_err(|e| RunError::File(e.to_string()))?;
         let state: State = serde_json::from_value(saved.state)
@@ -191,7 +189,9 @@ impl Run {
 
 fn prepare_folder(folder: &Path) -> Result<FolderLock, RunError> {
     std::fs::create_dir_all(folder).map_err(|source| RunError::Folder { path: folder.to_owned(), source })?;
-    FolderLock::take(folder)
+    let lock = FolderLock::take(folder)?;
+    io::remove_leftovers(folder);
+    Ok(lock)
 }
 
 fn launch(

@@ -22,6 +22,16 @@ pub const RELIEF_FILE: &str = "relief.png";
 /// What the run was and what it took.
 pub const REPORT_FILE: &str = "run.json";
 
+/// Where the run in a folder can be continued from, if it did not come to its end: its checkpoint, or the world of a run
+/// that was killed while it wrote its results. The report is what comes last.
+pub(crate) fn unfinished(folder: &Path) -> Option<PathBuf> {
+    let [checkpoint, world] = [CHECKPOINT_FILE, WORLD_FILE].map(|f| folder.join(f));
+    if checkpoint.exists() {
+        return Some(checkpoint);
+    }
+    (world.exists() && !folder.join(REPORT_FILE).exists()).then_some(world)
+}
+
 /// A world from a file.
 #[derive(Debug)]
 pub struct Opened {

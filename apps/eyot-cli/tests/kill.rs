@@ -1,0 +1,271 @@
+//! Runs that are killed: whenever it happens, going on leads to the bytes of a run in one piece.
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Every process, both forms of water, layers that come late, an open rim (whose fluxes leave through the last faces),
+/// cells that are not square, and processes that act in every third or fifth step only.
+const SHORE: &str = r#"
+name = "Shore"
+seed = 5
+sea_level = 40.0
+
+[grid]
+size = [150, 110]
+cell = [10.0, 12.0]
+rim = "open"
+
+[[step]]
+name = "hill"
+generate = "cone"
+height = 150.0
+radius = 0.6
+
+[[step]]
+name = "rough"
+generate = "fbm"
+amplitude = 60.0
+
+[[step]]
+name = "rain"
+simulate = ["hydraulic", "thermal", "seabed", "wetness", "reef"]
+steps = 2200
+thermal.every = 3
+wetness.every = 5
+reef.sea_level_rise = 0.004
+
+[[step]]
+name = "ash"
+generate = "fbm"
+amplitude = 5.0
+
+[[step]]
+name = "pipes"
+simulate = ["hydraulic", "thermal", "reef"]
+steps = 1200
+hydraulic.flux = "classic"
+thermal.every = 5
+
+[[export]]
+format = "r32"
+layers = ["height", "water", "limestone"]
+
+[view]
+size = [64, 48]
+"#;
+
+/// The long step cut to a moment, for kills that come after it.
+const SHORT: &[&str] = &["--set", "rain.steps=40", "--set", "pipes.steps=20"];
+
+/// Checkpoints come as often as the engine looks whether one is due.
+const OFTEN: &[&str] = &["--checkpoint-seconds", "0.02"];
+
+fn eyot(folder: &Path, args: &[&str]) -> Command {
+    let mut c = Command::new(env!("CARGO_BIN_EXE_eyot"));
+    c.args(args).current_dir(folder).stdin(Stdio::null());
+    c
+}
+
+fn finish(folder: &Path, args: &[&str]) -> Output {
+    let o = eyot(folder, args).output().expect("the command starts");
+    assert!(!String::from_utf8_lossy(&o.stderr).contains("panicked"), "{args:?}: {o:?}");
+    o
+}
+
+fn finish_well(folder: &Path, args: &[&str]) {
+    let o = finish(folder, args);
+    assert!(o.status.success(), "{args:?}: {}", String::from_utf8_lossy(&o.stderr));
+}
+
+/// What must not depend on how a run came to its end: the fingerprint, and the bytes of the exported files.
+fn result(out: &Path) -> (String, BTreeMap<String, Vec<u8>>) {
+    let text = std::fs::read_to_string(out.join("run.json")).expect("a report");
+    let report: Value = serde_json::from_str(&text).expect("whole JSON");
+    let files = report["outputs"].as_array().expect("outputs").iter().map(|o| o.as_str().expect("a name").to_owned());
+    let exported = |n: &String| n.ends_with(".r32") || n.ends_with(".png");
+    let bytes = files.filter(exported).map(|n| (n.clone(), std::fs::read(out.join(n)).expect("an output"))).collect();
+    (report["fingerprint"].as_str().expect("a fingerprint").to_owned(), bytes)
+}
+
+/// Nothing but results: no checkpoint, no lock, no half-written file.
+fn assert_tidy(out: &Path, what: &str) {
+    for entry in std::fs::read_dir(out).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(
+            !name.starts_with(".eyot-") && name != "checkpoint.eyot" && name != "eyot.lock",
+            "{what}: {name} was left behind"
+        );
+    }
+}
+
+/// Goes on where a killed run left off, or runs again if it left nothing, which the command has to say.
+/// True if there was something to go on from.
+fn go_on(folder: &Path, start: &[&str], threads: &str) -> bool {
+    let o = finish(folder, &["resume", "out", "--quiet", "--threads", threads]);
+    if o.status.success() {
+        return true;
+    }
+    let text = String::from_utf8_lossy(&o.stderr).into_owned();
+    assert_eq!(o.status.code(), Some(2), "{text}");
+    if text.contains("finished") {
+        assert!(folder.join("out/run.json").is_file(), "called finished without a report: {text}");
+        return true;
+    }
+    assert!(text.contains("holds no stopped run") || text.contains("is not a folder"), "{text}");
+    finish_well(folder, &[start, &["--quiet", "--threads", threads]].concat());
+    false
+}
+
+/// Starts a command and kills it after a time. True if it was still at work.
+fn kill_after(folder: &Path, args: &[&str], time: Duration) -> bool {
+    let mut child = eyot(folder, args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the command starts");
+    let begun = Instant::now();
+    while begun.elapsed() < time {
+        if child.try_wait().expect("a child").is_some() {
+            return false;
+        }
+        std::thread::sleep(Duration::from_millis(1).min(time.saturating_sub(begun.elapsed())));
+    }
+    kill(&mut child)
+}
+
+fn kill(child: &mut Child) -> bool {
+    // SIGKILL: nothing in the program can answer it.
+    child.kill().expect("a child that can be killed");
+    !child.wait().expect("a child").success()
+}
+
+/// Starts a command and kills it when it says for the `n`-th time that it writes a file. True if it was still at work.
+fn kill_while_writing(folder: &Path, args: &[&str], n: usize) -> bool {
+    let mut child = eyot(folder, &[args, &["--json"]].concat())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the command starts");
+    let lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
+    let mut seen = 0;
+    for line in lines {
+        seen += usize::from(line.expect("a line").starts_with("{\"event\":\"writing\""));
+        if seen == n {
+            return kill(&mut child);
+        }
+    }
+    child.wait().expect("a child");
+    false
+}
+
+/// Numbers in 0..1 from a seed, the same on every machine.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+fn place() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("shore.toml"), SHORE).unwrap();
+    folder
+}
+
+/// The result in one piece, and the time it took.
+fn in_one_piece(start: &[&str]) -> ((String, BTreeMap<String, Vec<u8>>), Duration) {
+    let folder = place();
+    let begun = Instant::now();
+    finish_well(folder.path(), &[start, &["--quiet", "--threads", "2"]].concat());
+    (result(&folder.path().join("out")), begun.elapsed())
+}
+
+#[test]
+fn a_run_killed_at_any_moment_goes_on_to_the_same_bytes() {
+    let start = [&["run", "shore.toml", "--out", "out"], OFTEN].concat();
+    let (whole, time) = in_one_piece(&start);
+    assert_eq!(whole.1.len(), 5, "three layers and two pictures");
+    let mut dice = Dice(20);
+    let (mut killed, mut resumed) = (0, 0);
+    for i in 0..20 {
+        let folder = place();
+        let moment = time.mul_f64((f64::from(i) + dice.roll()) / 20.0);
+        let was_killed = kill_after(folder.path(), &[&start[..], &["--quiet", "--threads", "2"]].concat(), moment);
+        let went_on = go_on(folder.path(), &start, ["1", "2", "3"][i as usize % 3]);
+        killed += usize::from(was_killed);
+        resumed += usize::from(was_killed && went_on);
+        let out = folder.path().join("out");
+        assert!(result(&out) == whole, "killed after {moment:?} of {time:?}: other bytes");
+        assert_tidy(&out, &format!("killed after {moment:?}"));
+    }
+    // Machines get slower and faster between the first run and these.
+    assert!(killed >= 10 && resumed >= 8, "{killed} of 20 runs were killed, {resumed} of them left a checkpoint");
+}
+
+#[test]
+fn a_run_killed_while_it_writes_its_results_goes_on_to_the_same_bytes() {
+    let start = [&["run", "shore.toml", "--out", "out"], SHORT].concat();
+    let (whole, _) = in_one_piece(&start);
+    // World, three layers, two pictures, the report: with a checkpoint to return to, and without.
+    for often in [OFTEN, &[]] {
+        let mut killed = 0;
+        for n in 1..=7 {
+            let folder = place();
+            killed += usize::from(kill_while_writing(folder.path(), &[&start, often].concat(), n));
+            go_on(folder.path(), &start, "2");
+            let out = folder.path().join("out");
+            assert!(result(&out) == whole, "killed at file {n}: other bytes");
+            assert_tidy(&out, &format!("killed at file {n}"));
+        }
+        assert!(killed >= 4, "only {killed} of 7 runs were killed");
+    }
+}
+
+#[test]
+fn a_run_killed_over_an_older_result_does_not_pass_for_finished() {
+    let start = [&["run", "shore.toml", "--out", "out"], SHORT].concat();
+    let other = [&start[..], &["--seed", "6"]].concat();
+    let (whole, _) = in_one_piece(&other);
+    for n in [1, 3, 6] {
+        let folder = place();
+        finish_well(folder.path(), &[&start[..], &["--quiet"]].concat());
+        if kill_while_writing(folder.path(), &other, n) {
+            go_on(folder.path(), &other, "2");
+        }
+        assert!(result(&folder.path().join("out")) == whole, "killed at file {n}: a mixture of two runs");
+    }
+}
+
+#[test]
+fn a_run_killed_again_and_again_goes_on_to_the_same_bytes() {
+    let start = [&["run", "shore.toml", "--out", "out"], OFTEN].concat();
+    let (whole, time) = in_one_piece(&start);
+    let folder = place();
+    let part = time.mul_f64(0.4);
+    kill_after(folder.path(), &[&start[..], &["--threads", "2"]].concat(), part);
+    for threads in ["1", "3"] {
+        let again = [&["resume", "out", "--threads", threads], OFTEN].concat();
+        kill_after(folder.path(), &again, part);
+    }
+    go_on(folder.path(), &start, "2");
+    let out = folder.path().join("out");
+    assert!(result(&out) == whole);
+    assert_tidy(&out, "killed three times");
+}
+
+#[test]
+fn half_written_files_and_locks_of_the_dead_are_in_nobodys_way() {
+    let start = [&["run", "shore.toml", "--out", "out"], SHORT].concat();
+    let (whole, _) = in_one_piece(&start);
+    let folder = place();
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join(".eyot-abcdef.tmp"), b"EYOTCKPT half a check").unwrap();
+    std::fs::write(out.join("eyot.lock"), "4194304\n").unwrap();
+    assert_eq!(finish(folder.path(), &["resume", "out"]).status.code(), Some(2));
+    finish_well(folder.path(), &[&start[..], &["--quiet"]].concat());
+    assert!(result(&out) == whole);
+    assert_tidy(&out, "files of a dead run");
+}
