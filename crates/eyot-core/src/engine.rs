@@ -19,12 +19,12 @@ use crate::grid::{Edge, Grid};
 use crate::isa::Isa;
 use crate::kernel::{ROWS, RowJob};
 use crate::lanes::WIDTH;
-use crate::layer::{Beyond, LayerSpec, Stagger};
+use crate::layer::{Beyond, Layer, LayerSpec, Stagger};
 use crate::limits::Limits;
-use crate::plan::Plan;
+use crate::plan::{Pass, Plan};
 use crate::process::{Moment, Scheduled, Span};
 use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Tally, TallyUnit};
-use crate::schedule::Schedule;
+use crate::schedule::{Buffer, Schedule};
 use crate::world::World;
 use rayon::prelude::*;
 
@@ -70,10 +70,10 @@ impl CpuEngine {
             }
             s.process.prepare(world)?;
         }
-        let mut arena = Arena::new(self, world, processes)?;
+        let mut arena = Arena::new(self.limits, world);
         let chain = self.chain_length(&world.grid);
         let mut done = 0;
-        let mut outcome = Ok(());
+        let mut outcome = control.check();
         while done < span.steps && outcome.is_ok() {
             let steps = chain.min(span.steps - done);
             let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
@@ -81,10 +81,12 @@ impl CpuEngine {
             for i in 0..steps {
                 plan_step(processes, span.from + done + i, &mut moment, &mut plan);
             }
-            arena.run(self, &plan)?;
-            (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
-            done += steps;
-            outcome = control.tick(done, span.steps);
+            outcome = arena.run(self, &plan);
+            if outcome.is_ok() {
+                (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
+                done += steps;
+                outcome = control.tick(done, span.steps);
+            }
         }
         arena.give_back(world);
         world.check_finite(&format!("step {}", world.step))?;
@@ -118,6 +120,7 @@ pub(crate) fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut M
 struct Arena {
     grid: Grid,
     seed: u64,
+    limits: Limits,
     specs: Vec<LayerSpec>,
     /// Layers of the world come first, scratch layers after them.
     world_layers: usize,
@@ -126,97 +129,111 @@ struct Arena {
     zeros: Field,
     dummy: Field,
     tallies: Vec<Tally>,
-    sums: Vec<f64>,
+    /// Of each tally, a sum per row.
+    sums: Vec<Vec<f64>>,
 }
 
 impl Arena {
-    /// Takes the world's fields and plans one step of everything to learn which other buffers are needed.
-    fn new(engine: &CpuEngine, world: &mut World, processes: &[Scheduled]) -> Result<Self> {
-        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-        let mut plan = Plan::default();
-        plan_step(processes, 0, &mut moment, &mut plan);
-        let mut specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
-        let world_layers = specs.len();
-        specs.extend(plan.scratch_layers().iter().cloned());
-        let schedule = Schedule::new(&plan, &specs, &vec![0; specs.len()])?;
-        let flips: Vec<bool> = (0..specs.len())
-            .map(|l| schedule.passes.iter().any(|p| p.writes.iter().any(|b| b.layer == l && b.copy == 1)))
-            .collect();
-
+    /// Takes the world's fields, which [`Arena::give_back`] puts back.
+    fn new(limits: Limits, world: &mut World) -> Self {
         let g = world.grid;
-        let extra = flips.iter().filter(|f| **f).count() + plan.scratch_layers().len();
-        let bytes = (g.width as u128 + 64) * (g.height as u128 + 2) * 4 * (world_layers + extra) as u128;
-        engine.limits.check_bytes("the layers of this simulation", bytes)?;
-
-        let mut stagger = 0;
-        let mut fresh = || {
-            stagger += 1;
-            Field::staggered(g.width, g.height, 0.0, 2 * stagger + 1)
-        };
-        let mut fields: Vec<[Option<Field>; 2]> = world
-            .layers_mut()
-            .iter_mut()
-            .map(|l| [Some(std::mem::replace(&mut l.field, Field::new(0, 0, 0.0))), None])
-            .collect();
-        fields.extend(plan.scratch_layers().iter().map(|_| [Some(fresh()), None]));
-        for (pair, flips) in fields.iter_mut().zip(&flips) {
-            if *flips {
-                pair[1] = Some(fresh());
-            }
-        }
-        let mut arena = Self {
-            grid: g,
-            seed: world.seed,
-            current: vec![0; specs.len()],
-            world_layers,
-            fields,
-            zeros: Field::new(g.width, 1, 0.0),
-            dummy: Field::new(g.width, MAX_WRITES, 0.0),
-            tallies: schedule.tallies.clone(),
-            sums: vec![0.0; schedule.tallies.len() * g.height],
-            specs,
-        };
-        for (l, spec) in arena.specs.iter().enumerate() {
-            let Some(field) = &mut arena.fields[l][0] else { continue };
-            let raw = field.raw();
+        let specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
+        let take = |l: &mut Layer| [Some(std::mem::replace(&mut l.field, Field::new(0, 0, 0.0))), None];
+        let mut fields: Vec<[Option<Field>; 2]> = world.layers_mut().iter_mut().map(take).collect();
+        for (pair, spec) in fields.iter_mut().zip(&specs) {
+            let Some(raw) = pair[0].as_mut().map(Field::raw) else { continue };
             for y in 0..g.height as isize {
                 // SAFETY: this thread owns the field.
                 unsafe { finish_row(raw.row(y), &g, spec, y) };
             }
         }
-        Ok(arena)
+        Self {
+            grid: g,
+            seed: world.seed,
+            limits,
+            current: vec![0; specs.len()],
+            world_layers: specs.len(),
+            fields,
+            zeros: Field::new(g.width, 1, 0.0),
+            dummy: Field::new(g.width, MAX_WRITES, 0.0),
+            tallies: Vec::new(),
+            sums: Vec::new(),
+            specs,
+        }
     }
 
+    /// Runs a plan: as one chain, or as several if its lag would leave the bands too low.
     fn run(&mut self, engine: &CpuEngine, plan: &Plan) -> Result<()> {
-        let schedule = Schedule::new(plan, &self.specs, &self.current)?;
-        debug_assert!(schedule.tallies.iter().all(|t| self.tallies.contains(t)));
-        let sum_index: Vec<usize> = schedule
-            .tallies
-            .iter()
-            .map(|t| self.tallies.iter().position(|k| k.account == t.account).unwrap_or(usize::MAX))
-            .collect();
+        for spec in plan.scratch_layers() {
+            if !self.specs.iter().any(|s| s.name == spec.name) {
+                self.specs.push(spec.clone());
+                self.fields.push([None, None]);
+                self.current.push(0);
+            }
+        }
+        let most_lag = (self.grid.height / (8 * rayon::current_num_threads())).clamp(4, 64);
+        let mut passes = &plan.passes[..];
+        while !passes.is_empty() {
+            let schedule = Schedule::new(passes, &self.specs, &self.current, most_lag)?;
+            let (now, later) = passes.split_at(schedule.passes.len());
+            self.provide(&schedule)?;
+            self.sweep(engine, now, &schedule);
+            self.current = schedule.current;
+            passes = later;
+        }
+        Ok(())
+    }
+
+    /// Makes what a schedule needs and is not there yet: scratch layers, second copies, sums.
+    fn provide(&mut self, schedule: &Schedule) -> Result<()> {
+        for t in &schedule.tallies {
+            if !self.tallies.iter().any(|k| k.account == t.account) {
+                self.tallies.push(*t);
+                self.sums.push(vec![0.0; self.grid.height]);
+            }
+        }
+        let mut missing: Vec<Buffer> = Vec::new();
+        for p in &schedule.passes {
+            for b in p.writes.iter().chain(p.reads.iter().map(|r| &r.0)) {
+                if self.fields[b.layer][b.copy].is_none() && !missing.contains(b) {
+                    missing.push(*b);
+                }
+            }
+        }
+        let held = self.fields.iter().flatten().flatten().count();
+        let cells = (self.grid.width as u128 + 64) * (self.grid.height as u128 + 2);
+        self.limits.check_bytes("the layers of this simulation", cells * 4 * (held + missing.len()) as u128)?;
+        for (i, b) in missing.into_iter().enumerate() {
+            // Odd staggers; the world's own fields have even ones.
+            let stagger = 2 * (held + i) + 1;
+            self.fields[b.layer][b.copy] = Some(Field::staggered(self.grid.width, self.grid.height, 0.0, stagger));
+        }
+        Ok(())
+    }
+
+    fn sweep(&mut self, engine: &CpuEngine, passes: &[Pass], schedule: &Schedule) {
         let raw: Vec<[Option<RawField>; 2]> = self
             .fields
             .iter_mut()
             .map(|pair| [pair[0].as_mut().map(Field::raw), pair[1].as_mut().map(Field::raw)])
             .collect();
+        // Schedules number the sums in their own order.
+        let ours = |t: &Tally| self.tallies.iter().position(|k| k.account == t.account);
+        let places: Vec<usize> = schedule.tallies.iter().filter_map(ours).collect();
+        let sums: Vec<SumsPointer> = places.into_iter().map(|i| SumsPointer(self.sums[i].as_mut_ptr())).collect();
         let sweep = Sweep {
             isa: engine.isa,
             grid: self.grid,
             seed: self.seed,
-            plan,
-            schedule: &schedule,
+            passes,
+            schedule,
             specs: &self.specs,
             raw: &raw,
             zeros: self.zeros.raw(),
             dummy: self.dummy.raw(),
-            sum_index: &sum_index,
-            tallies: self.tallies.len(),
-            sums: SumsPointer(self.sums.as_mut_ptr()),
+            sums: &sums,
         };
         sweep.run(engine.band);
-        self.current = schedule.current;
-        Ok(())
     }
 
     /// Puts the fields back into the world and the sums into its ledger.
@@ -227,8 +244,8 @@ impl Arena {
             }
         }
         let area = world.grid.cell_area_m2();
-        for (i, t) in self.tallies.iter().enumerate() {
-            let sum: f64 = self.sums.chunks_exact(self.tallies.len()).map(|row| row[i]).sum();
+        for (t, rows) in self.tallies.iter().zip(&self.sums) {
+            let sum: f64 = rows.iter().sum();
             let (amount, unit) = match t.unit {
                 TallyUnit::Thickness => (sum * area, "m3"),
                 TallyUnit::Count => (sum, "1"),
@@ -251,15 +268,14 @@ struct Sweep<'a> {
     isa: Isa,
     grid: Grid,
     seed: u64,
-    plan: &'a Plan,
+    passes: &'a [Pass],
     schedule: &'a Schedule,
     specs: &'a [LayerSpec],
     raw: &'a [[Option<RawField>; 2]],
     zeros: RawField,
     dummy: RawField,
-    sum_index: &'a [usize],
-    tallies: usize,
-    sums: SumsPointer,
+    /// For each of the schedule's tallies, a sum per row.
+    sums: &'a [SumsPointer],
 }
 
 impl Sweep<'_> {
@@ -330,7 +346,7 @@ impl Sweep<'_> {
     }
 
     fn row(&self, p: usize, y: isize) {
-        let (pass, scheduled) = (&self.plan.passes[p], &self.schedule.passes[p]);
+        let (pass, scheduled) = (&self.passes[p], &self.schedule.passes[p]);
         let (g, last) = (&self.grid, self.grid.height as isize - 1);
         let mut job = RowJob {
             rows: [[std::ptr::null(); ROWS]; MAX_READS],
@@ -372,14 +388,14 @@ impl Sweep<'_> {
         }
         if y >= 0 {
             for (i, &sum) in scheduled.sums.iter().enumerate() {
-                // SAFETY: `sums` holds `tallies` numbers for each row, and this row belongs to this call.
-                unsafe { *self.sums.0.add(y as usize * self.tallies + self.sum_index[sum]) += job.sums[i] };
+                // SAFETY: there is a number for each row, and this row belongs to this call.
+                unsafe { *self.sums[sum].0.add(y as usize) += job.sums[i] };
             }
         }
     }
 
     fn buffer(&self, layer: usize, copy: usize) -> RawField {
-        // The arena made a second copy for every layer that any step of these processes flips.
+        // `Arena::provide` made what the schedule names.
         self.raw[layer][copy].unwrap_or_else(|| unreachable!("layer {layer} has no copy {copy}"))
     }
 

@@ -257,6 +257,16 @@ impl Graph {
         self.outputs.iter_mut().chain(&mut self.sums).for_each(|id| *id = renamed[*id as usize]);
     }
 
+    /// Arithmetic operations of a cell: everything but constants, parameters, reads, coordinates and reinterpreted bits. A
+    /// comparison with its choice counts as one.
+    pub fn operations(&self) -> usize {
+        let free = |op: &&Op| {
+            use Op::*;
+            !matches!(op, Const(_) | BitsConst(_) | Param(_) | Read(..) | X | Y | Uniform(_) | FromBits(_) | ToBits(_))
+        };
+        self.nodes.iter().filter(free).count()
+    }
+
     /// Farthest offset at which the layer in `slot` is read.
     pub fn reach(&self, slot: Slot) -> usize {
         let far = |op: &Op| match *op {

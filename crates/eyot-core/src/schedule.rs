@@ -15,7 +15,7 @@
 
 use crate::error::{Error, Result};
 use crate::layer::LayerSpec;
-use crate::plan::Plan;
+use crate::plan::Pass;
 use crate::rule::Tally;
 
 /// A layer's buffer: which layer, which of its two copies.
@@ -46,8 +46,9 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
-    /// Schedules `plan` over `layers`, whose values are in the copies `current`.
-    pub(crate) fn new(plan: &Plan, layers: &[LayerSpec], current: &[usize]) -> Result<Self> {
+    /// Schedules `passes` over `layers`, whose values are in the copies `current`: all of them, or those before the first
+    /// whose lag would exceed `most_lag`, but at least one.
+    pub(crate) fn new(passes: &[Pass], layers: &[LayerSpec], current: &[usize], most_lag: usize) -> Result<Self> {
         let mut s = Self { current: current.to_vec(), ..Self::default() };
         let find = |name: &str| {
             layers.iter().position(|l| l.name == name).ok_or_else(|| Error::NoLayer {
@@ -55,7 +56,7 @@ impl Schedule {
                 present: layers.iter().map(|l| &*l.name).collect::<Vec<_>>().join(", "),
             })
         };
-        for pass in &plan.passes {
+        for pass in passes {
             let mut reads = Vec::with_capacity(pass.reads().len());
             for r in pass.reads() {
                 let layer = find(r.layer)?;
@@ -76,6 +77,9 @@ impl Schedule {
                 if let Some(d) = read_after_write.chain(write_after_read).chain(write_after_write).max() {
                     lag = lag.max(q.lag + d);
                 }
+            }
+            if lag > most_lag && !s.passes.is_empty() {
+                break;
             }
             let sums = pass.rule.tallies().iter().map(|t| s.tally(t)).collect();
             for b in &writes {

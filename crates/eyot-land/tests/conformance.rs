@@ -25,6 +25,9 @@ fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         ("thermal inverted", vec![one(Thermal { inverted: true, ..Default::default() })]),
         ("seabed", vec![one(Seabed::default())]),
         ("reef", vec![one(Reef { years_per_step: 1.0, diffusivity: 3.0, sea_level_rise: 0.01, ..Default::default() })]),
+        ("reef, plain diffusion", vec![one(Reef { years_per_step: 1.0, diffusivity: 0.5, ..Default::default() })]),
+        // So many stages that the engine cuts the step into several chains.
+        ("reef, 23 stages", vec![one(Reef { years_per_step: 10.0, diffusivity: 30.0, ..Default::default() })]),
         ("reef in light", vec![one(Reef { limit: Limit::Light, light: Light::Saturating, ..Default::default() })]),
         ("wetness", vec![one(Wetness::default())]),
         (
@@ -113,7 +116,7 @@ fn every_rule_prints_as_valid_wgsl() {
     }
     seen.sort_unstable();
     seen.dedup();
-    assert_eq!(seen.len(), 12, "{seen:?}");
+    assert_eq!(seen.len(), 13, "{seen:?}");
 }
 
 #[test]

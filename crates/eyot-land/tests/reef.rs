@@ -379,3 +379,36 @@ fn a_sinking_island_becomes_an_atoll() {
     println!("G1 atoll: centre at {centre:.1} m, lagoon down to {deepest:.1} m, crest at {} m", p.shallow);
     assert!(centre > 4.0 * p.shallow && deepest > 40.0);
 }
+
+// ---------------------------------------------------------------------------------------------------------- Diffusion
+
+/// A cosine of carbon in deep still water decays as e^(-D k^2 t), in plain steps and in stages, and stays smooth and within
+/// its bounds however long the step.
+#[test]
+fn carbon_diffuses_at_the_stated_rate() {
+    let (n, cell) = (64, 10.0);
+    let k = 2.0 * std::f64::consts::PI / (n as f64 * cell);
+    // Diffusion numbers per step of 0.2, 4 and 266 (1, 5 and 33 stages). The scheme is of first order in time: in the last
+    // case the cosine decays by a factor 3.6 in a single step.
+    for (years, steps, tolerance) in [(1.0f32, 200, 0.002), (20.0, 10, 0.005), (1331.0, 1, 0.1)] {
+        let p = Reef { growth: 0.0, diffusivity: 10.0, years_per_step: years, open_sea: 1000.0, ..Default::default() };
+        let mut w = world(n, n, cell, Rim::WRAP, |_, _| -30.0);
+        go(&mut w, &[scheduled(p.clone())], 0, 0);
+        let wave = |x: usize| (k * (x as f64 + 0.5) * cell).cos();
+        w.put(&eyot_core::layer::known::CARBON, Field::from_fn(n, n, |x, _| (0.5 + 0.4 * wave(x)) as f32)).unwrap();
+        run(&mut w, &p, steps);
+        let decay = (-10.0 * k * k * f64::from(years) * steps as f64).exp();
+        let carbon = w.get("carbon").unwrap();
+        for x in 0..n {
+            let (got, want) = (f64::from(carbon.get(x, 7)), 0.5 + 0.4 * decay * wave(x));
+            assert!((got - want).abs() < tolerance, "{years} yr: {got}, exactly {want}");
+        }
+        // White noise never leaves its bounds nor gets rougher.
+        w.put(&eyot_core::layer::known::CARBON, Field::from_fn(n, n, noise)).unwrap();
+        let rough = |f: &Field| (0..n - 1).map(|x| (f.get(x + 1, 9) - f.get(x, 9)).abs()).fold(0.0, f32::max);
+        let before = rough(w.get("carbon").unwrap());
+        run(&mut w, &p, 1);
+        let after = w.get("carbon").unwrap();
+        assert!(rough(after) <= before && after.iter().all(|v| (0.0..=1.0).contains(&v)));
+    }
+}

@@ -108,6 +108,8 @@ pub struct BenchReport {
     /// What the passes of a step must read and write for a cell if each is on its own: one read or write per layer and
     /// pass. What reaches memory is less, because a row stays in cache through several passes and steps.
     pub bytes_moved_per_cell_step: f64,
+    /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; 0 for noise.
+    pub operations_per_cell_step: usize,
     /// Ledger of the whole run, warm-up included, in the accounts' units.
     pub ledger: BTreeMap<String, f64>,
 }
@@ -226,7 +228,7 @@ const SAMPLES: u32 = 8;
 
 fn simulation(options: &BenchOptions) -> Result<BenchReport> {
     let (mut world, processes) = case(options.what, options.classic, options.size)?;
-    let (bytes_per_cell, bytes_moved_per_cell_step) = memory(&world, &processes);
+    let (bytes_per_cell, bytes_moved_per_cell_step, operations) = work(&world, &processes);
     let engine = CpuEngine { isa: options.isa.unwrap_or_else(Isa::best), ..CpuEngine::default() };
 
     // Stamps at the ends of chains, thinned to one a sample, until there are enough; then the engine is asked to stop.
@@ -261,15 +263,16 @@ fn simulation(options: &BenchOptions) -> Result<BenchReport> {
     let mut report = report(what, options, engine.isa, &timed);
     report.bytes_per_cell = bytes_per_cell;
     report.bytes_moved_per_cell_step = bytes_moved_per_cell_step;
+    report.operations_per_cell_step = operations;
     report.ledger = world.ledger.iter().map(|(name, a)| (name.to_owned(), a.amount)).collect();
     Ok(report)
 }
 
-/// Bytes held for a cell, and bytes that the passes of a step read and write for it.
+/// Bytes held for a cell, bytes that the passes of a step read and write for it, and arithmetic operations.
 ///
 /// Held are the world's layers, the plan's scratch layers, and a second copy of each layer that some pass writes while
 /// it reads the layer's neighbouring cells: the engine's rule for what must be flipped.
-fn memory(world: &World, processes: &[Scheduled]) -> (f64, f64) {
+fn work(world: &World, processes: &[Scheduled]) -> (f64, f64, usize) {
     let mut plan = Plan::default();
     let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: world.sea_level_m };
     processes.iter().for_each(|s| s.process.plan(&moment, &mut plan));
@@ -283,7 +286,8 @@ fn memory(world: &World, processes: &[Scheduled]) -> (f64, f64) {
     let arrays = world.layers().len() + plan.scratch_layers().len() + flips.len();
     let array = Field::new(world.grid.width, world.grid.height, 0.0).bytes() as f64 / world.grid.cells() as f64;
     let moved: usize = plan.passes().map(|p| p.reads().len() + p.writes().len()).sum();
-    (array * arrays as f64, (moved * size_of::<f32>()) as f64)
+    let operations = plan.passes().map(|p| p.graph().operations()).sum();
+    (array * arrays as f64, (moved * size_of::<f32>()) as f64, operations)
 }
 
 fn noise(options: &BenchOptions) -> Result<BenchReport> {
@@ -351,6 +355,7 @@ fn report(what: &'static str, options: &BenchOptions, isa: Isa, timed: &[(u64, f
         cell_steps_per_second_median: cells / median,
         bytes_per_cell: 0.0,
         bytes_moved_per_cell_step: 0.0,
+        operations_per_cell_step: 0,
         ledger: BTreeMap::new(),
     }
 }

@@ -22,7 +22,7 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Hydraulic>("hydraulic", &["mei2007", "obrien1995"]),
     Entry::<dyn Process>::process::<Thermal>("thermal", &["musgrave1989", "olsen2004"]),
     Entry::<dyn Process>::process::<Seabed>("seabed", &[]),
-    Entry::<dyn Process>::process::<Reef>("reef", &["bosscher1992", "darwin1842"]),
+    Entry::<dyn Process>::process::<Reef>("reef", &["bosscher1992", "darwin1842", "meyer2014"]),
     Entry::<dyn Process>::process::<Wetness>("wetness", &[]),
 ];
 

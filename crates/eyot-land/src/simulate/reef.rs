@@ -25,7 +25,8 @@
 //! Reads and writes `height`, `limestone` (m), `carbon`, `growth` (1), `reef_floor` (m).
 //!
 //! # Limits
-//! Diffusion is stable for `diffusivity T (1 / dx^2 + 1 / dy^2) <= 1/2`; longer steps are cut into parts.
+//! Diffusion by plain steps is stable for `diffusivity T (1 / dx^2 + 1 / dy^2) <= 1/2`; longer steps take several stages of the
+//! scheme RKL1, whose number grows with the root of that sum (Meyer, Balsara and Aslam 2014).
 //!
 //! # Conserves
 //! Growth and subsidence are in the ledger (`ground.reef`, `ground.subsided`).
@@ -35,7 +36,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
-use eyot_core::{Edge, Error, LayerSpec, Result, World, rule_params};
+use eyot_core::{Edge, Error, Grid, LayerSpec, Result, World, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -142,6 +143,9 @@ const UNKNOWN: f32 = 12_000.0;
 pub const REEF_FLOOR: LayerSpec =
     LayerSpec::new("reef_floor", "m", "Height of the ground below the reef limestone", (-12000.0, 12000.0));
 
+const CARBON_BEFORE: LayerSpec =
+    LayerSpec::new("carbon_before", "1", "Carbon one stage of diffusion before", (0.0, 1.0));
+
 impl Reef {
     /// Change of the sea's level over turn number `turn`, m.
     pub fn sea_level_change(&self, turn: u64) -> f64 {
@@ -150,12 +154,16 @@ impl Reef {
         f64::from(self.sea_level_rise) * years + curve(&self.sea_level_curve, t1) - curve(&self.sea_level_curve, t0)
     }
 
-    /// Parts into which the diffusion of a step is cut, and the numbers of diffusion to the east and to the south.
-    fn diffusion(&self, moment: &Moment) -> (u32, f32, f32) {
+    /// Stages of a step's diffusion, and the diffusion numbers of the whole step to the east and to the south.
+    ///
+    /// `s` stages of the scheme RKL1 are monotone up to `(s^2 + s) / 2` times the longest plain step, whose numbers sum to
+    /// 1/2. Odd numbers damp checkerboards best.
+    fn diffusion(&self, grid: &Grid) -> (u32, f32, f32) {
         let dt = f64::from(self.diffusivity) * f64::from(self.years_per_step);
-        let (x, y) = (dt / moment.grid.cell_x_m.powi(2), dt / moment.grid.cell_y_m.powi(2));
-        let parts = ((x + y) / 0.48).ceil();
-        (parts as u32, (x / parts.max(1.0)) as f32, (y / parts.max(1.0)) as f32)
+        let (x, y) = (dt / grid.cell_x_m.powi(2), dt / grid.cell_y_m.powi(2));
+        let plain_steps = (x + y) / 0.48;
+        let stages = (((1.0 + 8.0 * plain_steps).sqrt() - 1.0) / 2.0 - 1e-6).ceil().max(1.0) as u32;
+        (stages | 1, x as f32, y as f32)
     }
 }
 
@@ -187,13 +195,12 @@ impl Process for Reef {
             return Err(bad("sea_level_curve", "needs finite numbers with years in rising order".into()));
         }
         let (x, y) = (world.grid.cell_x_m, world.grid.cell_y_m);
-        let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: 0.0 };
-        let (parts, ..) = self.diffusion(&moment);
-        if parts > 1000 {
+        let (stages, ..) = self.diffusion(&world.grid);
+        if stages > 301 {
             return Err(bad(
                 "diffusivity",
                 format!(
-                    "{} m2/yr over {} yr needs {parts} sub-steps on cells of {x} x {y} m; lower it or years_per_step",
+                    "{} m2/yr over {} yr needs {stages} stages on cells of {x} x {y} m; lower it or years_per_step",
                     self.diffusivity, self.years_per_step
                 ),
             ));
@@ -214,20 +221,30 @@ impl Process for Reef {
         let sea = moment.sea_level_m as f32;
         let years = self.years_per_step;
         if self.limit == Limit::Carbon && self.diffusivity > 0.0 {
-            let (parts, x, y) = self.diffusion(moment);
+            let (stages, x, y) = self.diffusion(&moment.grid);
             let edge = |e: Edge| if e == Edge::Wrap { -1e9 } else { 0.5 };
             let g = &moment.grid;
-            for _ in 0..parts {
-                plan.push::<Spread>(SpreadParams {
-                    x,
-                    y,
+            let w = 2.0 / (stages * (stages + 1)) as f32;
+            for j in 1..=stages {
+                let j = j as f32;
+                let ahead = (2.0 * j - 1.0) / j;
+                let params = SpreadParams {
+                    x: ahead * w * x,
+                    y: ahead * w * y,
+                    ahead,
                     sea,
                     open_sea: self.open_sea,
                     rim_x: edge(g.rim.x),
                     rim_y: edge(g.rim.y),
                     last_x: g.width as f32 - 1.0,
                     last_y: g.height as f32 - 1.0,
-                });
+                };
+                if stages == 1 {
+                    plan.push::<Spread>(params);
+                } else {
+                    plan.scratch(&CARBON_BEFORE);
+                    plan.push::<SpreadStage>(params);
+                }
             }
         }
         let params = GrowParams {
@@ -264,6 +281,8 @@ rule_params! {
         x,
         /// Diffusion number to the north and south, 1.
         y,
+        /// Weight of the last stage, `(2 j - 1) / j`; the one before has 1 minus this.
+        ahead,
         /// Level of the sea, m.
         sea,
         /// Depth of the open sea, m.
@@ -292,17 +311,49 @@ impl Rule for Spread {
 
     #[inline(always)]
     fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
-        let (zero, one) = (R::of(0.0), R::of(1.0));
         let o = c.here(0);
-        let x = gain(p, c, 1, 0) + gain(p, c, -1, 0);
-        let y = gain(p, c, 0, 1) + gain(p, c, 0, -1);
-        let spread = (o + (p.x * x + p.y * y)).clamp(zero, one);
-        let depth = p.sea - c.here(1);
-        let inland = c.x().min(p.last_x - c.x()).lt(p.rim_x).pick(zero, one)
-            * c.y().min(p.last_y - c.y()).lt(p.rim_y).pick(zero, one);
-        let held = inland.lt(R::of(0.5)).pick(one, depth.gt(p.open_sea).pick(one, spread));
-        ([depth.gt(zero).pick(held.flushed(), zero)], [])
+        ([hold(p, c, o + spread(p, c))], [])
     }
+}
+
+/// Equation (3) in stages: `O_j = a_j O_(j-1) + (1 - a_j) O_(j-2) + a_j w D lap O_(j-1)` with `a_j = (2 j - 1) / j` and
+/// `w = 2 / (s^2 + s)`, the scheme RKL1 of Meyer, Balsara and Aslam 2014.
+pub struct SpreadStage;
+
+impl Rule for SpreadStage {
+    const NAME: &'static str = "reef_spread_stage";
+    const READS: &'static [Read] = &[read("carbon", 1), read("height", 1), read("carbon_before", 0)];
+    const WRITES: &'static [&'static str] = &["carbon", "carbon_before"];
+    type Params = SpreadParams<()>;
+    type Out<R: Real> = [R; 2];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 0]) {
+        let (o, before) = (c.here(0), c.here(2));
+        let mixed = p.ahead * o + (R::of(1.0) - p.ahead) * before;
+        ([hold(p, c, mixed + spread(p, c)), o], [])
+    }
+}
+
+/// What diffusion adds to a cell.
+#[inline(always)]
+fn spread<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> R {
+    let x = gain(p, c, 1, 0) + gain(p, c, -1, 0);
+    let y = gain(p, c, 0, 1) + gain(p, c, 0, -1);
+    p.x * x + p.y * y
+}
+
+/// The new value, where neither land nor the open sea decide.
+#[inline(always)]
+fn hold<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>, new: R) -> R {
+    let (zero, one) = (R::of(0.0), R::of(1.0));
+    let depth = p.sea - c.here(1);
+    let inland = c.x().min(p.last_x - c.x()).lt(p.rim_x).pick(zero, one)
+        * c.y().min(p.last_y - c.y()).lt(p.rim_y).pick(zero, one);
+    let open = inland.lt(R::of(0.5)).pick(one, depth.gt(p.open_sea).one());
+    let held = open.gt(R::of(0.5)).pick(one, new.clamp(zero, one));
+    depth.gt(zero).pick(held.flushed(), zero)
 }
 
 /// Difference to a neighbour that is under the sea, else 0.
