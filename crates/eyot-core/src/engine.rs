@@ -13,7 +13,7 @@
 #![allow(unsafe_code)]
 
 use crate::control::Control;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::field::{Field, RawField};
 use crate::grid::{Edge, Grid};
 use crate::isa::Isa;
@@ -64,6 +64,14 @@ impl CpuEngine {
         span: Span,
         control: &Control<'_>,
     ) -> Result<()> {
+        // Rows are reached by address, so a world that does not fit its grid must not get further than this.
+        world.grid.checked(&self.limits)?;
+        for l in world.layers() {
+            let (expected, found) = (world.grid.cells(), l.field.width() * l.field.height());
+            if (l.field.width(), l.field.height()) != (world.grid.width, world.grid.height) {
+                return Err(Error::Shape { what: format!("layer `{}`", l.spec.name), expected, found });
+            }
+        }
         for s in processes {
             for (spec, value) in s.process.layers() {
                 world.ensure(&spec, value);
@@ -142,7 +150,9 @@ impl Arena {
         let mut fields: Vec<[Option<Field>; 2]> = world.layers_mut().iter_mut().map(take).collect();
         for (pair, spec) in fields.iter_mut().zip(&specs) {
             let Some(raw) = pair[0].as_mut().map(Field::raw) else { continue };
-            for y in 0..g.height as isize {
+            // Faces north of an open rim are a row of their own.
+            let first = if spec.stagger == Stagger::FaceY && g.rim.y == Edge::Open { -1 } else { 0 };
+            for y in first..g.height as isize {
                 // SAFETY: this thread owns the field.
                 unsafe { finish_row(raw.row(y), &g, spec, y) };
             }
@@ -165,6 +175,11 @@ impl Arena {
     /// Runs a plan: as one chain, or as several if its lag would leave the bands too low.
     fn run(&mut self, engine: &CpuEngine, plan: &Plan) -> Result<()> {
         for spec in plan.scratch_layers() {
+            debug_assert!(
+                self.specs.iter().skip(self.world_layers).all(|s| s.name != spec.name || s == spec),
+                "two kinds of scratch layer `{}`",
+                spec.name
+            );
             if !self.specs.iter().any(|s| s.name == spec.name) {
                 self.specs.push(spec.clone());
                 self.fields.push([None, None]);

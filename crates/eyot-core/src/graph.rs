@@ -5,10 +5,12 @@
 
 use crate::real::{Bits, Real};
 use crate::rng;
-use crate::rule::{Cell, ParamSet, Rule, Slot};
+use crate::rule::{Cell, ParamSet, Rule, Side, Slot};
+use std::any::TypeId;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Mutex;
 
 /// Number of a node in its graph; operands always have smaller numbers.
 pub type Id = u32;
@@ -328,6 +330,46 @@ impl Graph {
         let pick = |ids: &[Id]| ids.iter().map(|&i| f32::from_bits(v[i as usize])).collect();
         (pick(&self.outputs), pick(&self.sums))
     }
+}
+
+/// Records a rule once per type and compares what it does with what it declares.
+///
+/// # Panics
+/// If it reads a slot or reaches farther than declared, or gives back other numbers of values.
+pub(crate) fn check<U: Rule>() {
+    static CHECKED: Mutex<Vec<TypeId>> = Mutex::new(Vec::new());
+    let mut checked = CHECKED.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if checked.contains(&TypeId::of::<U>()) {
+        return;
+    }
+    let record = |run: &dyn Fn(&<U::Params as ParamSet>::Of<Node>) -> [usize; 2]| {
+        BUILDER.with_borrow_mut(|b| *b = Builder::default());
+        let params = U::Params::build(|_| Node(push(Op::Param(0))));
+        let [values, sums] = run(&params);
+        assert!(values == U::WRITES.len() && sums == U::TALLIES.len(), "rule `{}` gives {values} values", U::NAME);
+        for op in BUILDER.with_borrow_mut(std::mem::take).nodes {
+            if let Op::Read(slot, dx, dy) = op {
+                let reach = dx.unsigned_abs().max(dy.unsigned_abs()) as usize;
+                let declared = U::READS.get(slot as usize);
+                assert!(
+                    declared.is_some_and(|r| reach <= r.reach),
+                    "rule `{}` reads slot {slot} at ({dx}, {dy}), but declares {declared:?}",
+                    U::NAME
+                );
+            }
+        }
+    };
+    record(&|p| {
+        let (out, sums) = U::cell(p, &Recorder);
+        [out.as_ref().len(), sums.as_ref().len()]
+    });
+    for side in Side::ALL {
+        record(&|p| {
+            let sums = U::leaving(p, &Recorder, side);
+            [U::WRITES.len(), sums.map_or(U::TALLIES.len(), |s| s.as_ref().len())]
+        });
+    }
+    checked.push(TypeId::of::<U>());
 }
 
 /// The operands of an operation, `None` where it has fewer than four.

@@ -1,5 +1,7 @@
 //! Instruction sets: the same kernels are compiled for each, and the best one is chosen when the program runs.
 
+// Reason for the exception: functions compiled for an instruction set may only be called where the processor has it.
+
 use crate::lanes::{LaneBlock, Lanes};
 
 /// How a row of cells is computed. Every choice gives the same bits.

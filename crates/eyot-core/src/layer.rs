@@ -87,7 +87,7 @@ pub struct Layer {
 pub mod known {
     use super::LayerSpec;
 
-    /// Solid ground: bedrock and loose material together, without limestone.
+    /// Solid ground: bedrock, loose material and reef limestone together.
     pub const HEIGHT: LayerSpec =
         LayerSpec::new("height", "m", "Height of the solid ground, reef limestone included", (-12000.0, 12000.0));
     /// Standing and flowing fresh water.

@@ -1,6 +1,6 @@
 //! Plans: lists of passes, with the layers that each reads (and how far) and writes.
 
-use crate::graph::Graph;
+use crate::graph::{self, Graph};
 use crate::isa::Isa;
 use crate::kernel::{self, RowJob};
 use crate::layer::LayerSpec;
@@ -26,7 +26,8 @@ impl Plan {
     /// Adds a pass of rule `U`.
     ///
     /// # Panics
-    /// If the rule declares more reads, writes, sums or reach than an engine handles: a mistake in the rule.
+    /// If the rule declares more reads, writes, sums or reach than an engine handles, or does not keep to what it declares:
+    /// mistakes in the rule, which would otherwise reach memory that is not its own.
     pub fn push<U: Rule>(&mut self, params: <U::Params as ParamSet>::Of<f32>)
     where
         <U::Params as ParamSet>::Of<f32>: Send + Sync,
@@ -41,6 +42,7 @@ impl Plan {
                 i += 1;
             }
         }
+        graph::check::<U>();
         self.passes.push(Pass { rule: Box::new(Typed::<U> { params, rule: PhantomData }), step: self.step });
     }
 

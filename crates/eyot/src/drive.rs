@@ -218,7 +218,8 @@ impl Driver {
             }
             let (begun, first) = (Instant::now(), self.world.step);
             let control = Control::new(self.cancel.clone(), &|_, _| {});
-            let result = CpuEngine::default().simulate(
+            let engine = CpuEngine { limits: self.options.limits, ..CpuEngine::default() };
+            let result = engine.simulate(
                 &mut self.world,
                 &scheduled,
                 Span { from: self.state.done, steps },

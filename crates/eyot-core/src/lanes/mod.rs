@@ -1,11 +1,11 @@
 //! Lanes: sixteen cells side by side.
 //!
-//! [`Lanes`] is a plain array, which LLVM turns into vectors of whatever the target has (SSE2, NEON). The x86 types in
-//! [`x86`] name the registers of AVX2 and AVX-512. Sixteen lanes were faster than eight also with AVX2: two registers a
+//! [`Lanes`] is a plain array, which LLVM turns into vectors of whatever the target has (SSE2, NEON). The types in
+//! `x86` name the registers of AVX2 and AVX-512. Sixteen lanes were faster than eight also with AVX2: two registers a
 //! value hide latency. All types give the same bits.
 
 #[cfg(target_arch = "x86_64")]
-pub mod x86;
+pub(crate) mod x86;
 
 use crate::real::{Bits, Real, WHOLE};
 use std::ops::{Add, Div, Mul, Neg, Sub};

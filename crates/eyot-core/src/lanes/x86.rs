@@ -6,7 +6,7 @@
 //! the conformance tests compare them.
 
 // Reason for the exception: processor intrinsics. Values of these types only exist inside functions compiled for the
-// instruction set (`kernel`, `for_each_lanes!`), which run only after the processor was asked.
+// instruction set (`isa::run_lanes`), which run only after the processor was asked.
 #![allow(unsafe_code)]
 
 use super::{LaneBlock, WIDTH};
@@ -16,16 +16,16 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Sixteen `f32` in two AVX2 registers.
 #[derive(Clone, Copy)]
-pub struct Avx2(__m256, __m256);
+pub(crate) struct Avx2(__m256, __m256);
 /// Sixteen `u32` in two AVX2 registers.
 #[derive(Clone, Copy)]
-pub struct Avx2Bits(__m256i, __m256i);
+pub(crate) struct Avx2Bits(__m256i, __m256i);
 /// Sixteen `f32` in one AVX-512 register.
 #[derive(Clone, Copy)]
-pub struct Avx512(__m512);
+pub(crate) struct Avx512(__m512);
 /// Sixteen `u32` in one AVX-512 register.
 #[derive(Clone, Copy)]
-pub struct Avx512Bits(__m512i);
+pub(crate) struct Avx512Bits(__m512i);
 
 macro_rules! binary {
     ($($trait:ident $method:ident $i256:ident $i512:ident),*) => {$(

@@ -9,6 +9,10 @@
 //! # Layers
 //! Reads `flux_x`, `flux_y` (m/s); reads and writes `wetness` (1).
 //!
+//! # Differences
+//! It reads the fluxes of the signed form; where hydraulic erosion runs in the classic form there are none, and nothing
+//! gets wet.
+//!
 //! # Limits
 //! Always within 0..=1.
 
