@@ -33,7 +33,7 @@ amplitude = 60.0
 [[step]]
 name = "rain"
 simulate = ["hydraulic", "thermal", "seabed", "wetness", "reef"]
-steps = 2200
+steps = 1600
 thermal.every = 3
 wetness.every = 5
 reef.sea_level_rise = 0.004
@@ -46,7 +46,7 @@ amplitude = 5.0
 [[step]]
 name = "pipes"
 simulate = ["hydraulic", "thermal", "reef"]
-steps = 1200
+steps = 900
 hydraulic.flux = "classic"
 thermal.every = 5
 
@@ -190,9 +190,18 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_bytes() {
     let mut dice = Dice(20);
     let (mut killed, mut resumed) = (0, 0);
     for i in 0..20 {
-        let folder = place();
-        let moment = time.mul_f64((f64::from(i) + dice.roll()) / 20.0);
-        let was_killed = kill_after(folder.path(), &[&start[..], &["--quiet", "--threads", "2"]].concat(), moment);
+        let mut moment = time.mul_f64((f64::from(i) + dice.roll()) / 20.0);
+        let mut folder = place();
+        let first = [&start[..], &["--quiet", "--threads", "2"]].concat();
+        let mut was_killed = kill_after(folder.path(), &first, moment);
+        // Machines get faster when another test ends.
+        for _ in 0..3 {
+            if !was_killed {
+                moment = moment.mul_f64(0.7);
+                folder = place();
+                was_killed = kill_after(folder.path(), &first, moment);
+            }
+        }
         let went_on = go_on(folder.path(), &start, ["1", "2", "3"][i as usize % 3]);
         killed += usize::from(was_killed);
         resumed += usize::from(was_killed && went_on);
@@ -200,8 +209,7 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_bytes() {
         assert!(result(&out) == whole, "killed after {moment:?} of {time:?}: other bytes");
         assert_tidy(&out, &format!("killed after {moment:?}"));
     }
-    // Machines get slower and faster between the first run and these.
-    assert!(killed >= 10 && resumed >= 8, "{killed} of 20 runs were killed, {resumed} of them left a checkpoint");
+    assert!(killed >= 18 && resumed >= 8, "{killed} of 20 runs were killed, {resumed} of them left a checkpoint");
 }
 
 #[test]
