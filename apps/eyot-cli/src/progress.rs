@@ -114,11 +114,9 @@ impl Bars {
             }
             Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set, e.step)),
             Event::Warning { message } => self.say(&format!("warning: {message}")),
-            Event::Done { outputs, fingerprint, seconds } => {
+            Event::Writing { path } => self.say(&format!("  writing {}", path.display())),
+            Event::Done { fingerprint, seconds, .. } => {
                 self.end_all();
-                for path in outputs {
-                    self.say(&format!("  wrote {}", path.display()));
-                }
                 self.say(&format!("done in {} (fingerprint {fingerprint})", time(*seconds)));
             }
             Event::Stopped { .. } | Event::Failed { .. } => self.end_all(),

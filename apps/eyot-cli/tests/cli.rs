@@ -25,7 +25,7 @@ fn a_run_from_recipe_to_picture() {
     std::fs::write(f.join("small.toml"), SMALL).unwrap();
     assert!(said(f, &["check", "small.toml"], 0).contains("the recipe is sound"));
     let text = said(f, &["run", "small.toml", "--set", "hill.height=300", "--seed", "4", "--threads", "1"], 0);
-    assert!(text.contains("wrote small/height.r32") && text.contains("fingerprint"), "{text}");
+    assert!(text.contains("writing small/height.r32") && text.contains("fingerprint"), "{text}");
     assert_eq!(said(f, &["run", "small.toml", "--out", "quiet", "--quiet"], 0), "");
     assert!(said(f, &["stats", "small"], 0).contains("24 x 24 cells"));
     let stats: serde_json::Value = serde_json::from_str(&said(f, &["stats", "small", "--json"], 0)).unwrap();

@@ -72,6 +72,7 @@ impl CpuEngine {
                 return Err(Error::Shape { what: format!("layer `{}`", l.spec.name), expected, found });
             }
         }
+        processes.iter().try_for_each(|s| s.process.check(&world.grid))?;
         for s in processes {
             for (spec, value) in s.process.layers() {
                 world.ensure(&spec, value);

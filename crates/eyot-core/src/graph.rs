@@ -342,10 +342,9 @@ pub(crate) fn check<U: Rule>() {
     if checked.contains(&TypeId::of::<U>()) {
         return;
     }
-    let record = |run: &dyn Fn(&<U::Params as ParamSet>::Of<Node>) -> [usize; 2]| {
+    let record = |run: &dyn Fn() -> [usize; 2]| {
         BUILDER.with_borrow_mut(|b| *b = Builder::default());
-        let params = U::Params::build(|_| Node(push(Op::Param(0))));
-        let [values, sums] = run(&params);
+        let [values, sums] = run();
         assert!(values == U::WRITES.len() && sums == U::TALLIES.len(), "rule `{}` gives {values} values", U::NAME);
         for op in BUILDER.with_borrow_mut(std::mem::take).nodes {
             if let Op::Read(slot, dx, dy) = op {
@@ -359,13 +358,14 @@ pub(crate) fn check<U: Rule>() {
             }
         }
     };
-    record(&|p| {
-        let (out, sums) = U::cell(p, &Recorder);
+    let params = || U::Params::build(|_| Node(push(Op::Param(0))));
+    record(&|| {
+        let (out, sums) = U::cell(&params(), &Recorder);
         [out.as_ref().len(), sums.as_ref().len()]
     });
     for side in Side::ALL {
-        record(&|p| {
-            let sums = U::leaving(p, &Recorder, side);
+        record(&|| {
+            let sums = U::leaving(&params(), &Recorder, side);
             [U::WRITES.len(), sums.map_or(U::TALLIES.len(), |s| s.as_ref().len())]
         });
     }

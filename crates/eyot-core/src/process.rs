@@ -30,6 +30,14 @@ pub trait Process: Send + Sync {
     /// Layers that the process reads or writes, with the value that a missing one starts from.
     fn layers(&self) -> Vec<(LayerSpec, f32)>;
 
+    /// Finds parameters that cannot work together or on this grid, before anything runs.
+    ///
+    /// # Errors
+    /// The first such parameter, by name.
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        Ok(())
+    }
+
     /// Makes layers that need more than a constant start value; called once before the first step, after the layers of
     /// [`Process::layers`] exist. Must change nothing on a world that has been prepared before.
     ///

@@ -29,6 +29,39 @@ impl Picture {
         self.pixels[y * self.width + x]
     }
 
+    /// The picture with square pixels, given what its pixels measure across and down: the side with the longer pixels is
+    /// stretched, linearly between the pixels.
+    pub(crate) fn square(self, pixel_m: [f32; 2]) -> Self {
+        let [across, down] = pixel_m;
+        let (width, height) = if across > down {
+            ((self.width as f32 * across / down).round() as usize, self.height)
+        } else {
+            (self.width, (self.height as f32 * down / across).round() as usize)
+        };
+        // Extreme cells would make extreme pictures.
+        if (width, height) == (self.width, self.height) || width.max(height) > 16384 {
+            return self;
+        }
+        let place = |i: usize, new: usize, old: usize| {
+            let at = ((i as f32 + 0.5) * old as f32 / new as f32 - 0.5).clamp(0.0, (old - 1) as f32);
+            (at as usize, (at as usize + 1).min(old - 1), at.fract())
+        };
+        let mut out = Self::new(width, height, [0; 3]);
+        for y in 0..height {
+            let (y0, y1, v) = place(y, height, self.height);
+            for x in 0..width {
+                let (x0, x1, u) = place(x, width, self.width);
+                let corner = |x: usize, y: usize| self.pixels[y * self.width + x].map(f32::from);
+                let (a, b, c, d) = (corner(x0, y0), corner(x1, y0), corner(x0, y1), corner(x1, y1));
+                out.pixels[y * width + x] = std::array::from_fn(|k| {
+                    let (north, south) = (a[k] + u * (b[k] - a[k]), c[k] + u * (d[k] - c[k]));
+                    (north + v * (south - north)).round() as u8
+                });
+            }
+        }
+        out
+    }
+
     /// The bytes of all pixels, as image encoders take them.
     pub fn bytes(&self) -> &[u8] {
         self.pixels.as_flattened()

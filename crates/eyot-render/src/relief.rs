@@ -114,7 +114,7 @@ pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
             *out = quantise(tone_map(scale(c, 0.76)), x, y);
         }
     });
-    Ok(Picture { width: w, height: h, pixels })
+    Ok(Picture { width: w, height: h, pixels }.square(cell))
 }
 
 /// Colour of the sea from above: the bottom while it can be seen, then tints by depth.

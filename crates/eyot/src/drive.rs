@@ -219,12 +219,7 @@ impl Driver {
             let (begun, first) = (Instant::now(), self.world.step);
             let control = Control::new(self.cancel.clone(), &|_, _| {});
             let engine = CpuEngine { limits: self.options.limits, ..CpuEngine::default() };
-            let result = engine.simulate(
-                &mut self.world,
-                &scheduled,
-                Span { from: self.state.done, steps },
-                &control,
-            );
+            let result = engine.simulate(&mut self.world, &scheduled, Span { from: self.state.done, steps }, &control);
             let did = self.world.step - first;
             self.state.done += did;
             self.allowance = self.allowance.map(|n| n.saturating_sub(did));

@@ -183,7 +183,7 @@ impl Process for Reef {
         vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (GROWTH, 0.0), (CARBON, 1.0), (REEF_FLOOR, UNKNOWN)]
     }
 
-    fn prepare(&self, world: &mut World) -> Result<()> {
+    fn check(&self, grid: &Grid) -> Result<()> {
         let bad =
             |field: &str, reason: String| Error::BadParameter { owner: "reef".into(), field: field.into(), reason };
         if self.shallow >= self.deep {
@@ -194,8 +194,8 @@ impl Process for Reef {
         {
             return Err(bad("sea_level_curve", "needs finite numbers with years in rising order".into()));
         }
-        let (x, y) = (world.grid.cell_x_m, world.grid.cell_y_m);
-        let (stages, ..) = self.diffusion(&world.grid);
+        let (x, y) = (grid.cell_x_m, grid.cell_y_m);
+        let (stages, ..) = self.diffusion(grid);
         if stages > 301 {
             return Err(bad(
                 "diffusivity",
@@ -205,6 +205,10 @@ impl Process for Reef {
                 ),
             ));
         }
+        Ok(())
+    }
+
+    fn prepare(&self, world: &mut World) -> Result<()> {
         // Limestone that came from a file or a generator rests on something too.
         for row in 0..world.grid.height {
             let height = world.layer("height")?.field.row(row).to_vec();

@@ -31,9 +31,10 @@ pub(crate) fn recipe(
     for flag in &overrides.set {
         set::apply(&mut doc, flag, registry, &mut sources, &mut out);
     }
-    let mut v = Validator { registry, limits, folder: &source.folder, out, layers: Vec::new() };
+    let mut v = Validator { registry, limits, folder: &source.folder, out, layers: Vec::new(), grid: None };
     let document: keys::Document = v.keys_of(&doc, "recipe", &["grid", "step", "export", "view"]);
     let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
+    v.grid = grid;
     let steps = v.steps(&doc, document.seed);
     let exports = v.exports(doc.get("export"));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
@@ -63,6 +64,8 @@ struct Validator<'a> {
     out: Vec<Diagnostic>,
     /// Layers that exist after the steps checked so far.
     layers: Vec<String>,
+    /// The grid, once it has been checked and is sound.
+    grid: Option<Grid>,
 }
 
 impl Validator<'_> {
@@ -222,6 +225,13 @@ impl Validator<'_> {
                     let problem = self.no_layer(layer, span);
                     self.out.push(problem);
                 }
+            }
+            let narrow = self.grid.is_some_and(|g| g.width < 2 || g.height < 2);
+            if narrow && export.enabled && export.format == ExportFormat::Glb {
+                self.out.push(
+                    Diagnostic::at(place("format"), "a mesh needs at least 2 x 2 cells", "this format")
+                        .help("choose a larger [grid], or leave out this export"),
+                );
             }
             for file in export.files().into_iter().filter(|_| export.enabled) {
                 if !files.insert(file.clone()) {

@@ -33,6 +33,7 @@ impl Validator<'_> {
             if let Some(named) = item.get("name").filter(|n| n.text().is_some()) {
                 self.name(named, &mut names);
             }
+            let made_before = self.layers.len();
             let step = match (item.get("generate"), item.get("simulate")) {
                 (Some(_), None) => self.generate(item, i + 1, seed),
                 (None, Some(_)) => self.simulate(item, i + 1),
@@ -56,6 +57,10 @@ impl Validator<'_> {
                     None
                 }
             };
+            if step.as_ref().is_some_and(|s| !s.enabled) {
+                // A step that does not run makes no layers.
+                self.layers.truncate(made_before);
+            }
             steps.extend(step);
         }
         steps
@@ -281,6 +286,16 @@ impl Validator<'_> {
         let parameters = without(node, &SCHEDULE_KEYS);
         match (entry.make)(parameters.clone()) {
             Ok(process) => {
+                if let Some(Err(e)) = self.grid.filter(|_| schedule.enabled).map(|g| process.check(&g)) {
+                    let (message, field) = match &e {
+                        eyot_core::Error::BadParameter { field, .. } => (e.to_string(), node.get(field)),
+                        _ => (e.to_string(), None),
+                    };
+                    let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
+                    let help = format!("`eyot describe {}` says what its parameters mean", entry.name);
+                    self.out.push(Diagnostic::at(span, message, "this does not work").help(help));
+                    return None;
+                }
                 if schedule.enabled {
                     for (spec, _) in process.layers() {
                         if !self.layers.iter().any(|l| *l == *spec.name) {

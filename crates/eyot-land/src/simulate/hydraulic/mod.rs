@@ -46,7 +46,7 @@ use eyot_core::layer::known::{HEIGHT, SEDIMENT, WATER};
 use eyot_core::math;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process};
-use eyot_core::{Error, LayerSpec, Result, Stagger, World};
+use eyot_core::{Error, Grid, LayerSpec, Result, Stagger, World};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -211,16 +211,8 @@ impl Process for Hydraulic {
         layers
     }
 
-    fn prepare(&self, world: &mut World) -> Result<()> {
-        if self.springs > 0.0 && world.get("springs").is_none() {
-            return Err(Error::BadParameter {
-                owner: "hydraulic".into(),
-                field: "springs".into(),
-                reason: "needs the layer `springs`; make it before with a generate step that has layer = \"springs\""
-                    .into(),
-            });
-        }
-        let (x, y) = (world.grid.cell_x_m, world.grid.cell_y_m);
+    fn check(&self, grid: &Grid) -> Result<()> {
+        let (x, y) = (grid.cell_x_m, grid.cell_y_m);
         let (parts, _) = self.substeps(x, y);
         if parts > MAX_PARTS {
             return Err(Error::BadParameter {
@@ -231,6 +223,18 @@ impl Process for Hydraulic {
                      wave_depth, or choose larger cells",
                     self.time_step
                 ),
+            });
+        }
+        Ok(())
+    }
+
+    fn prepare(&self, world: &mut World) -> Result<()> {
+        if self.springs > 0.0 && world.get("springs").is_none() {
+            return Err(Error::BadParameter {
+                owner: "hydraulic".into(),
+                field: "springs".into(),
+                reason: "needs the layer `springs`; make it before with a generate step that has layer = \"springs\""
+                    .into(),
             });
         }
         Ok(())
