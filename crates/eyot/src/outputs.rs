@@ -39,6 +39,10 @@ pub(crate) fn write_all(
     let path = begin(out.join(WORLD_FILE));
     checkpoint::save(&path, world, &recipe.source.text, &value).map_err(file)?;
     for export in recipe.exports.iter().filter(|e| e.enabled) {
+        for layer in export.layers.iter().filter(|l| export.uses_layers() && world.get(l).is_none()) {
+            let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
+            tell(Event::Warning { message });
+        }
         write_export(recipe, world, export, out, limits, &mut begin)?;
     }
     if recipe.view.enabled && world.get("height").is_some() {
@@ -107,7 +111,7 @@ fn write_export(
             return io::write_terrain_glb(&path, &levels, &recipe.name).map_err(file);
         }
         ExportFormat::Map => {
-            for (name, layer) in export.files().iter().zip(&export.layers) {
+            for (name, layer) in export.files().iter().zip(&export.layers).filter(|(_, l)| world.get(l).is_some()) {
                 let path = begin(out.join(name));
                 let picture = render::layer_map(world, layer, &render::MapOptions::default()).map_err(file)?;
                 io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
@@ -115,7 +119,7 @@ fn write_export(
             return Ok(());
         }
     };
-    for (name, layer) in export.files().iter().zip(&export.layers) {
+    for (name, layer) in export.files().iter().zip(&export.layers).filter(|(_, l)| world.get(l).is_some()) {
         let path = begin(out.join(name));
         io::write_layer(&path, world, world.layer(layer).map_err(file)?, raster).map_err(file)?;
     }

@@ -31,7 +31,15 @@ pub(crate) fn recipe(
     for flag in &overrides.set {
         set::apply(&mut doc, flag, registry, &mut sources, &mut out);
     }
-    let mut v = Validator { registry, limits, folder: &source.folder, out, layers: Vec::new(), grid: None };
+    let mut v = Validator {
+        registry,
+        limits,
+        folder: &source.folder,
+        out,
+        layers: Vec::new(),
+        resting: Vec::new(),
+        grid: None,
+    };
     let document: keys::Document = v.keys_of(&doc, "recipe", &["grid", "step", "export", "view"]);
     let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
     v.grid = grid;
@@ -64,6 +72,8 @@ struct Validator<'a> {
     out: Vec<Diagnostic>,
     /// Layers that exist after the steps checked so far.
     layers: Vec<String>,
+    /// Layers that steps and processes would make that are switched off.
+    resting: Vec<String>,
     /// The grid, once it has been checked and is sound.
     grid: Option<Grid>,
 }
@@ -217,7 +227,7 @@ impl Validator<'_> {
                 self.out.push(Diagnostic::at(place("prefix"), message, "this prefix").help(help));
             }
             for (i, layer) in export.layers.iter().enumerate().filter(|_| export.uses_layers()) {
-                if sure && export.enabled && !self.layers.contains(layer) {
+                if sure && export.enabled && !self.layers.contains(layer) && !self.resting.contains(layer) {
                     let span = item
                         .get("layers")
                         .and_then(|l| l.elements().get(i))

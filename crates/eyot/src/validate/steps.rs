@@ -59,7 +59,8 @@ impl Validator<'_> {
             };
             if step.as_ref().is_some_and(|s| !s.enabled) {
                 // A step that does not run makes no layers.
-                self.layers.truncate(made_before);
+                let rest = self.layers.split_off(made_before);
+                self.resting.extend(rest);
             }
             steps.extend(step);
         }
@@ -296,11 +297,11 @@ impl Validator<'_> {
                     self.out.push(Diagnostic::at(span, message, "this does not work").help(help));
                     return None;
                 }
-                if schedule.enabled {
-                    for (spec, _) in process.layers() {
-                        if !self.layers.iter().any(|l| *l == *spec.name) {
-                            self.layers.push(spec.name.into_owned());
-                        }
+                for (spec, _) in process.layers() {
+                    if !schedule.enabled {
+                        self.resting.push(spec.name.into_owned());
+                    } else if !self.layers.iter().any(|l| *l == *spec.name) {
+                        self.layers.push(spec.name.into_owned());
                     }
                 }
                 Some(ProcessUse { entry, parameters, every: schedule.every, enabled: schedule.enabled })
