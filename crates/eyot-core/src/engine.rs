@@ -80,7 +80,10 @@ impl CpuEngine {
             s.process.prepare(world)?;
         }
         let mut arena = Arena::new(self.limits, world);
-        let chain = self.chain_length(&world.grid);
+        let mut first = Plan::default();
+        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        plan_step(processes, 0, &mut moment, &mut first);
+        let chain = self.chain_length(&world.grid, first.passes.len());
         let mut done = 0;
         let mut outcome = control.check();
         while done < span.steps && outcome.is_ok() {
@@ -102,11 +105,14 @@ impl CpuEngine {
         outcome
     }
 
-    fn chain_length(&self, grid: &Grid) -> u64 {
+    /// Steps of a chain for plans of so many passes a step.
+    fn chain_length(&self, grid: &Grid, passes: usize) -> u64 {
+        let passes = passes.max(1) as u64;
         match self.chain {
-            // Measured (docs/performance.md): two steps when all layers fit the last cache, four when they do not.
-            0 if grid.cells() <= 1 << 19 => 2,
-            0 => 4,
+            // Measured (docs/performance.md): for two passes a step, two steps when all layers fit the last cache and four
+            // when they do not; a single pass needs twice as many to keep its rows in cache as long.
+            0 if grid.cells() <= 1 << 19 => (4 / passes).max(2),
+            0 => (8 / passes).max(4),
             n => n as u64,
         }
     }

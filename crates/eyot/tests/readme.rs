@@ -14,3 +14,25 @@ fn recipes_in_the_readme_are_sound() {
         assert!(parsed.is_ok(), "{:?}", parsed.err());
     }
 }
+
+fn problems(recipe: &str, set: &[&str], size: Option<(u32, Option<u32>)>) -> String {
+    let text = eyot::RECIPES.iter().find(|r| r.name == recipe).unwrap().text;
+    let source = RecipeSource { name: recipe.into(), text: text.to_owned(), folder: ".".into() };
+    let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), size };
+    match Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()) {
+        Ok(_) => String::new(),
+        Err(p) => p.diagnostics.iter().map(|d| format!("{}\n", d.message)).collect(),
+    }
+}
+
+/// What a run would refuse after hours is found before it starts.
+#[test]
+fn parameters_that_cannot_work_are_found_by_the_check() {
+    assert!(problems("island", &["reef.shallow=100"], None).contains("must be less than deep"));
+    assert!(problems("island", &["reef.diffusivity=1000000", "reef.years_per_step=1000"], None).contains("stages"));
+    assert!(problems("island", &["hydraulic.time_step=1000"], None).contains("sub-steps"));
+    assert!(problems("island", &[], Some((1, None))).contains("2 x 2 cells"));
+    // Switched off, neither parameters nor exports matter.
+    assert_eq!(problems("island", &["reef.shallow=100", "reef.enabled=false"], None), "");
+    assert_eq!(problems("island", &["erosion.enabled=false"], None), "");
+}
