@@ -5,7 +5,7 @@
 //! negative, and equation (7) as `s1(x) = s(x - v t)` with bilinear interpolation, at most one cell far. The trace does
 //! not conserve sediment; the ledger's account `ground.traced` says how much it made or lost.
 
-use super::signed::spare;
+use super::signed::{WATER, head, spare};
 use super::{ErodeParams, FluxParams};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
@@ -42,12 +42,6 @@ impl Rule for ClassicFlux {
     }
 }
 
-/// Level of the surface, fresh or salt, m.
-#[inline(always)]
-fn head<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
-    c.at(0, dx, dy).max(p.sea) + c.at(1, dx, dy)
-}
-
 const WEST: usize = 3;
 const EAST: usize = 4;
 const NORTH: usize = 5;
@@ -68,22 +62,7 @@ impl Rule for ClassicErode {
         read("outflow_south", 1),
     ];
     const WRITES: &'static [&'static str] = &["height", "water", "sediment", "speed_x", "speed_y"];
-    const TALLIES: &'static [Tally] = &[
-        Tally { account: "water.rain", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell" },
-        Tally { account: "water.evaporated", unit: TallyUnit::Thickness, sign: -1, meaning: "Water that evaporated" },
-        Tally {
-            account: "water.drained",
-            unit: TallyUnit::Thickness,
-            sign: -1,
-            meaning: "Water that reached the sea or left over an open rim",
-        },
-        Tally {
-            account: "water.clamped",
-            unit: TallyUnit::Thickness,
-            sign: 1,
-            meaning: "Water added where rounding had made a depth negative",
-        },
-    ];
+    const TALLIES: &'static [Tally] = &WATER;
     type Params = ErodeParams<()>;
     type Out<R: Real> = [R; 5];
     type Sums<R: Real> = [R; 4];

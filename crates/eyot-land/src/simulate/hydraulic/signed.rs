@@ -54,7 +54,7 @@ impl Rule for Flux {
 
 /// Level of the surface, fresh or salt, m.
 #[inline(always)]
-fn head<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+pub(super) fn head<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
     let [height, water] = [0, 1];
     c.at(height, dx, dy).max(p.sea) + c.at(water, dx, dy)
 }
@@ -208,7 +208,8 @@ pub(super) fn spare<R: Real>(h: R, load: R) -> R {
     (load - R::of(f32::EPSILON) * (h.abs() + load)).positive()
 }
 
-const TALLIES: [Tally; 8] = [
+/// What both forms keep of the water.
+pub(super) const WATER: [Tally; 4] = [
     Tally { account: "water.rain", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell" },
     Tally { account: "water.evaporated", unit: TallyUnit::Thickness, sign: -1, meaning: "Water that evaporated" },
     Tally {
@@ -223,6 +224,13 @@ const TALLIES: [Tally; 8] = [
         sign: 1,
         meaning: "Water added where rounding had made a depth negative",
     },
+];
+
+const TALLIES: [Tally; 8] = [
+    WATER[0],
+    WATER[1],
+    WATER[2],
+    WATER[3],
     Tally {
         account: "hydraulic.dig_limited",
         unit: TallyUnit::Thickness,
