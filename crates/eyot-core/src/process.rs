@@ -201,10 +201,32 @@ pub fn defaults_of<P: Parameters>() -> Value {
 
 /// JSON Schema of `P`.
 pub fn schema_of<P: Parameters>() -> Schema {
-    schemars::generate::SchemaSettings::draft2020_12()
+    let mut schema = schemars::generate::SchemaSettings::draft2020_12()
         .with(|s| s.inline_subschemas = true)
         .into_generator()
-        .into_root_schema_for::<P>()
+        .into_root_schema_for::<P>();
+    // Parameters that several structs share stand in a struct of their own, whose defaults need not be those of `P`.
+    let defaults = defaults_of::<P>();
+    for (name, property) in schema.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten() {
+        if !defaults[name].is_null() {
+            property["default"] = defaults[name].clone();
+        }
+    }
+    schema
+}
+
+/// `P` from a table; what the table leaves out has the default of `P`.
+///
+/// # Errors
+/// If the table holds something else than the parameters of `P`.
+pub fn parameters_from<P: Parameters>(table: Value) -> Result<P, serde_json::Error> {
+    let (mut all, Value::Object(table)) = (defaults_of::<P>(), table) else {
+        return P::deserialize(Value::Null);
+    };
+    if let Some(all) = all.as_object_mut() {
+        all.extend(table);
+    }
+    serde_json::from_value(all)
 }
 
 impl Entry<dyn Process> {
@@ -217,7 +239,7 @@ impl Entry<dyn Process> {
             name,
             schema: schema_of::<P>,
             defaults: defaults_of::<P>,
-            make: |v| Ok(Box::new(serde_json::from_value::<P>(v)?)),
+            make: |v| Ok(Box::new(parameters_from::<P>(v)?)),
             cites,
         }
     }
@@ -233,7 +255,7 @@ impl Entry<dyn Generator> {
             name,
             schema: schema_of::<P>,
             defaults: defaults_of::<P>,
-            make: |v| Ok(Box::new(serde_json::from_value::<P>(v)?)),
+            make: |v| Ok(Box::new(parameters_from::<P>(v)?)),
             cites,
         }
     }

@@ -2,10 +2,12 @@
 use eyot_core::isa::Isa;
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Control, Field, Grid, Limits, Rim, World};
+use eyot_land::generate::fractal::{Fractal, Octaves};
 use eyot_land::generate::noise::{Basis, Noise, Sum};
 use eyot_land::generate::{Fbm, Ridged, Warp};
 
-const BASES: [Basis; 2] = [Basis::Simplex, Basis::Perlin];
+const BASES: [Basis; 6] =
+    [Basis::Simplex, Basis::Perlin, Basis::Value, Basis::WorleyF1, Basis::WorleyF2, Basis::WorleyF2F1];
 
 fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
     Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
@@ -18,6 +20,11 @@ fn field(noise: &Noise, grid: &Grid) -> Field {
 fn make(what: &dyn Generator, base: &Field, grid: Grid, seed: u64) -> Field {
     let (world, control) = (World::new(grid, seed), Control::none());
     what.generate(&Site::whole(grid, seed, &world, &control), base).unwrap()
+}
+
+/// Hills of the default size.
+fn fbm(noise: Octaves, warp: f32) -> Fbm {
+    Fbm { fractal: Fractal { noise, warp, ..Fbm::default().fractal } }
 }
 
 /// Mean and standard deviation.
@@ -177,11 +184,14 @@ fn a_finer_grid_shows_the_same_land() {
         let (flat, flat_fine) = (Field::new(256, 256, 0.0), Field::new(1024, 1024, 0.0));
         let mut worst = 0f64;
         for basis in BASES {
+            let of = |octaves| Octaves { basis, octaves, ..Octaves::default() };
+            let ridged = Ridged::default();
+            let crests = Octaves { basis, ..ridged.fractal.noise.clone() };
             let generators: [&dyn Generator; 4] = [
-                &Fbm { basis, ..Fbm::default() },
-                &Fbm { basis, octaves: 12, warp: 0.3, ..Fbm::default() },
-                &Ridged { basis, ..Ridged::default() },
-                &Fbm { basis, scale_m: 2000.0, lacunarity: 1.9, ..Fbm::default() },
+                &fbm(of(8), 0.0),
+                &fbm(of(12), 0.3),
+                &Ridged { fractal: Fractal { noise: crests, ..ridged.fractal.clone() }, ..ridged },
+                &fbm(Octaves { scale_m: 2000.0, lacunarity: 1.9, ..of(8) }, 0.0),
             ];
             for what in generators {
                 let (a, b) = (make(what, &flat, coarse, 3), coarsened(&make(what, &flat_fine, fine, 3)));
@@ -190,8 +200,8 @@ fn a_finer_grid_shows_the_same_land() {
                 assert!(relative < 0.03, "{relative}");
             }
             // A filter: its displacement is the same land, too.
-            let fbm = Fbm { basis, octaves: 5, ..Fbm::default() };
-            let warp = Warp { basis, ..Warp::default() };
+            let fbm = fbm(of(5), 0.0);
+            let warp = Warp { noise: of(3), ..Warp::default() };
             let a = make(&warp, &make(&fbm, &flat, coarse, 3), coarse, 4);
             let b = coarsened(&make(&warp, &make(&fbm, &flat_fine, fine, 3), fine, 4));
             let relative = distance(&a, &b) / spread(&b).1;
@@ -208,7 +218,8 @@ fn wrapping_rims_have_no_seam() {
     let g = grid(256, 192, 10.0, Rim::WRAP);
     for basis in BASES {
         for warp in [0.0, 0.5] {
-            let fbm = make(&Fbm { basis, warp, octaves: 4, ..Fbm::default() }, &Field::new(256, 192, 0.0), g, 8);
+            let noise = Octaves { basis, octaves: 4, ..Octaves::default() };
+            let fbm = make(&fbm(noise, warp), &Field::new(256, 192, 0.0), g, 8);
             let warped = make(&Warp::default(), &fbm, g, 8);
             for f in [fbm, warped] {
                 for along_x in [true, false] {
