@@ -217,6 +217,8 @@ pub fn schema_of<P: Parameters>() -> Schema {
 
 /// `P` from a table; what the table leaves out has the default of `P`.
 ///
+/// Unknown keys are found here and not by `serde`, which cannot tell them where structs share parameters by `flatten`.
+///
 /// # Errors
 /// If the table holds something else than the parameters of `P`.
 pub fn parameters_from<P: Parameters>(table: Value) -> Result<P, serde_json::Error> {
@@ -224,6 +226,10 @@ pub fn parameters_from<P: Parameters>(table: Value) -> Result<P, serde_json::Err
         return P::deserialize(Value::Null);
     };
     if let Some(all) = all.as_object_mut() {
+        if let Some(key) = table.keys().find(|k| !all.contains_key(*k)) {
+            let known: Vec<&str> = all.keys().map(String::as_str).collect();
+            return Err(serde::de::Error::custom(format!("unknown key `{key}`; there are {}", known.join(", "))));
+        }
         all.extend(table);
     }
     serde_json::from_value(all)

@@ -161,9 +161,10 @@ fn seeds_make_different_land() {
             [0, 1, 2, 1 << 40].map(|seed| field(&Noise { basis, scale_m: 16.0, seed, ..Noise::default() }, &g)).into();
         for (i, a) in fields.iter().enumerate() {
             for b in &fields[..i] {
-                let correlation = a.iter().zip(b.iter()).map(|(a, b)| f64::from(a * b)).sum::<f64>()
-                    / 65536.0
-                    / (spread(a).1 * spread(b).1);
+                let ((mean_a, deviation_a), (mean_b, deviation_b)) = (spread(a), spread(b));
+                let product = |(a, b): (f32, f32)| (f64::from(a) - mean_a) * (f64::from(b) - mean_b);
+                let correlation =
+                    a.iter().zip(b.iter()).map(product).sum::<f64>() / 65536.0 / (deviation_a * deviation_b);
                 assert!(correlation.abs() < 0.1, "{correlation}");
             }
         }
@@ -248,7 +249,8 @@ fn wrapping_rims_have_no_seam() {
 /// Far from the origin of a large grid the noise is as smooth as near it: the twelfth octave alone, 16384 cells east.
 #[test]
 fn large_grids_lose_no_precision() {
-    for basis in BASES {
+    // The distances of cellular noise have kinks.
+    for basis in [Basis::Simplex, Basis::Perlin, Basis::Value] {
         let g = grid(16384, 8, 1.0, Rim::CLOSED);
         // Features of 64 cells and smooth: second differences are small, and rounding would dominate them.
         let noise = Noise { basis, octaves: 1, scale_m: 64.0, ..Noise::default() };

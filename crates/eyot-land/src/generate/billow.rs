@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// Folded fractal noise: round hills with sharp valleys between them, like clouds or dunes.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Billow {
     /// The noise and its heights.
     #[serde(flatten)]

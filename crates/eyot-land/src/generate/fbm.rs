@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// Fractal noise: hills upon hills.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Fbm {
     /// The noise and its heights.
     #[serde(flatten)]

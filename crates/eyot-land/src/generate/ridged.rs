@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// Ridged multifractal noise: chains of mountains.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Ridged {
     /// The noise and its heights.
     #[serde(flatten)]
