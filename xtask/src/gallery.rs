@@ -2,7 +2,7 @@
 //! that they were made of.
 
 use crate::palette;
-use eyot::render::{self, MapOptions, Picture, ReliefOptions, Setting, ViewOptions};
+use eyot::render::{self, Picture, ReliefOptions, Setting, ViewOptions};
 use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
 use std::error::Error;
 use std::path::Path;
@@ -10,7 +10,8 @@ use std::path::Path;
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Land for filters and masks to work on.
-const LAND: &str = "[[step]]\ngenerate = \"ridged\"\namplitude = 1500.0\nscale = 0.45\nwarp = 0.1\n";
+const LAND: &str =
+    "[[step]]\ngenerate = \"fbm\"\namplitude = 1800.0\nscale = 0.6\noctaves = 6\ngain = 0.42\nwarp = 0.2\n";
 const HEAD: &str = "seed = 4\n[grid]\nsize = 240\ncell = 40.0\n";
 
 /// How a generator is shown.
@@ -31,6 +32,8 @@ fn shown(name: &str, filter: bool) -> Show {
         "ramp" => Show::Source(format!("{plain}direction = 30.0\nhigh = 2000.0\n")),
         "import" => Show::Source(format!("{plain}file = \"builtin:jacksboro.tif\"\n")),
         "smooth" => Show::Filter(format!("{plain}sigma_m = 200.0\n")),
+        "terraces" => Show::Filter(format!("{plain}count = 6\nsoftness = 0.3\n")),
+        "mask_height" => Show::Mask(format!("{plain}layer = \"mask\"\nfrom = 0.0\nto = 600.0\n")),
         "crater" => Show::Filter(format!("{plain}level = 0.55\ncrest_m = 40.0\n")),
         _ if name.starts_with("mask_") => Show::Mask(format!("{plain}layer = \"mask\"\n")),
         _ if filter => Show::Filter(plain),
@@ -43,7 +46,12 @@ fn world(steps: &str) -> Result<World> {
     let text = format!("{HEAD}{steps}");
     let source = RecipeSource { name: "gallery".into(), text, folder: ".".into() };
     let recipe = Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default())?;
-    Ok(Run::start(recipe, RunOptions::default())?.join()?.world)
+    let mut world = Run::start(recipe, RunOptions::default())?.join()?.world;
+    // Dry land, whatever its heights are.
+    if let Some(height) = world.get("height") {
+        world.sea_level_m = f64::from(height.min_max().0) - 1.0;
+    }
+    Ok(world)
 }
 
 fn view(world: &World, width: usize, height: usize) -> Result<Picture> {
@@ -73,15 +81,10 @@ fn picture(name: &str, filter: bool) -> Result<Picture> {
         Show::Mask(step) => {
             let world = world(&format!("{LAND}{step}"))?;
             let relief = ReliefOptions { min_size: 240, max_size: 240, sea: false, ..ReliefOptions::default() };
-            let map = MapOptions {
-                min_size: 240,
-                max_size: 240,
-                range: Some((0.0, 1.0)),
-                hillshade: 0.0,
-                legend: false,
-                ..MapOptions::default()
-            };
-            Ok(pair(&render::relief(&world, &relief)?, &render::layer_map(&world, "mask", &map)?))
+            let mask = &world.layer("mask")?.field;
+            let grey = mask.iter().map(|v| [(255.0 * v.clamp(0.0, 1.0)).round() as u8; 3]).collect();
+            let mask = Picture { width: mask.width(), height: mask.height(), pixels: grey };
+            Ok(pair(&render::relief(&world, &relief)?, &mask))
         }
     }
 }

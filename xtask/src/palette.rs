@@ -1,10 +1,10 @@
-//! Small PNG files: pictures in 128 colours, found by median cut (Heckbert 1982).
+//! Small PNG files: pictures in 96 colours, found by median cut (Heckbert 1982).
 
 use eyot::render::Picture;
 use std::error::Error;
 use std::path::Path;
 
-const COLOURS: usize = 128;
+const COLOURS: usize = 96;
 
 /// Colours with how often they occur, cut in halves along their widest channel until there are enough boxes.
 fn choose(pixels: &[[u8; 3]]) -> Vec<[u8; 3]> {

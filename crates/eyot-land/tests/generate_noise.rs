@@ -135,10 +135,22 @@ fn no_row_or_column_stands_out() {
 fn the_same_bytes_for_all_isas_and_threads() {
     for rim in [Rim::CLOSED, Rim::WRAP, Rim { x: eyot_core::Edge::Wrap, y: eyot_core::Edge::Open }] {
         for basis in BASES {
-            for (sum, warp_m) in [(Sum::Fbm, 0.0), (Sum::Ridged(2.0), 0.0), (Sum::Fbm, 90.0), (Sum::Ridged(3.0), 40.0)]
-            {
+            for (sum, warp_m) in [
+                (Sum::Fbm, 0.0),
+                (Sum::Ridged(2.0), 0.0),
+                (Sum::Fbm, 90.0),
+                (Sum::Ridged(3.0), 40.0),
+                (Sum::Billow, 0.0),
+            ] {
                 let g = Grid { width: 541, height: 67, cell_x_m: 3.0, cell_y_m: 4.0, rim };
-                let noise = Noise { basis, sum, scale_m: 300.0, octaves: 12, seed: 5, ..Noise::default() };
+                let noise = Noise {
+                    basis,
+                    sum,
+                    scale_m: 300.0,
+                    octaves: if basis == Basis::Simplex { 12 } else { 3 },
+                    seed: 5,
+                    ..Noise::default()
+                };
                 let reference = noise.warped_field(warp_m, &g, 0..67, Isa::Scalar, &Control::none()).unwrap();
                 for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
                     for threads in [1, 2, 3, 8] {
@@ -185,6 +197,8 @@ fn a_finer_grid_shows_the_same_land() {
         let (flat, flat_fine) = (Field::new(256, 256, 0.0), Field::new(1024, 1024, 0.0));
         let mut worst = 0f64;
         for basis in BASES {
+            // The kinks of cellular noise are rounded off by the mean over cells.
+            let most = if matches!(basis, Basis::Simplex | Basis::Perlin | Basis::Value) { 0.03 } else { 0.06 };
             let of = |octaves| Octaves { basis, octaves, ..Octaves::default() };
             let ridged = Ridged::default();
             let crests = Octaves { basis, ..ridged.fractal.noise.clone() };
@@ -198,7 +212,7 @@ fn a_finer_grid_shows_the_same_land() {
                 let (a, b) = (make(what, &flat, coarse, 3), coarsened(&make(what, &flat_fine, fine, 3)));
                 let relative = distance(&a, &b) / spread(&b).1;
                 worst = worst.max(relative);
-                assert!(relative < 0.03, "{relative}");
+                assert!(relative < most, "{basis:?}: {relative}");
             }
             // A filter: its displacement is the same land, too.
             let fbm = fbm(of(5), 0.0);
@@ -207,7 +221,7 @@ fn a_finer_grid_shows_the_same_land() {
             let b = coarsened(&make(&warp, &make(&fbm, &flat_fine, fine, 3), fine, 4));
             let relative = distance(&a, &b) / spread(&b).1;
             worst = worst.max(relative);
-            assert!(relative < 0.03, "warp: {relative}");
+            assert!(relative < most, "warp, {basis:?}: {relative}");
         }
         println!("{:?}: root mean square difference up to {worst:.4} of the relief", rim.x);
     }

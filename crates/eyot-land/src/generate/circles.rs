@@ -4,7 +4,7 @@
 //! strews as many discs as cover a place `cover` times on average, so their number grows fourfold from level to level.
 //!
 //! # Scale
-//! Radii are shares of the extent. Levels whose discs are no larger than two cells are left out.
+//! Radii are shares of the extent. Of levels whose discs are no larger than two cells only the mean remains, `cover f_l (1 - 4 / pi^2)`.
 
 use super::{check, fill, scale_m};
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
@@ -51,16 +51,19 @@ impl Default for Circles {
 /// cos(pi sqrt(q)) + 1 as a polynomial of q within 0..=1: its Taylor series, good to 2e-7.
 const BUMP: [f32; 10] = [
     2.0,
-    -4.934_802_2,
+    -4.934_802,
     4.058_712,
     -1.335_262_8,
     0.235_330_63,
-    -0.025_806_891,
+    -0.025_806_89,
     0.001_929_574_3,
     -0.000_104_638_1,
     4.303_07e-6,
     -1.387_895e-7,
 ];
+
+/// Mean of cos(pi d) + 1 over a disc: 1 - 4 / pi^2.
+const MEAN: f32 = 0.594_715_3;
 
 /// The part of a disc that lies in a row.
 struct Span<'a> {
@@ -172,18 +175,19 @@ impl Generator for Circles {
         self.check(&site.grid)?;
         let g = site.grid;
         let (mut radius_m, mut height) = (scale_m(&g, self.radius, self.radius_m), self.height);
-        let mut sizes = Vec::new();
+        let (mut sizes, mut ground) = (Vec::new(), self.offset);
         for level in 0..self.sizes {
-            if radius_m <= 2.0 * g.cell_x_m.max(g.cell_y_m) {
-                break;
+            if radius_m > 2.0 * g.cell_x_m.max(g.cell_y_m) {
+                sizes.push(Size::new(&g, radius_m, height, self.cover, site.seed, u64::from(level)));
+            } else {
+                ground += self.cover * 0.5 * height * MEAN;
             }
-            sizes.push(Size::new(&g, radius_m, height, self.cover, site.seed, u64::from(level)));
             radius_m *= 0.5;
             height *= self.gain;
         }
         let isa = Isa::best();
         fill(&g, site.rows.clone(), site.control, |y, row| {
-            row.fill(self.offset);
+            row.fill(ground);
             let y_m = (y as f64 + 0.5) * g.cell_y_m;
             sizes.iter().for_each(|s| s.row(&g, y_m, isa, row));
         })

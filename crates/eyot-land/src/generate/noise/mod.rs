@@ -48,7 +48,7 @@ pub enum Basis {
     Simplex,
     /// Squares: a little blockier (directions differ by 4 %). One octave's standard deviation is 0.31 of the bound.
     Perlin,
-    /// Random heights on squares: plump and irregular hills. One octave's standard deviation is 0.36 of the bound.
+    /// Random heights on squares: plump and irregular hills. One octave's standard deviation is 0.45 of the bound.
     Value,
     /// Distance to the nearest of strewn points: pits with sharp ridges between them.
     #[serde(rename = "worley_f1")]
