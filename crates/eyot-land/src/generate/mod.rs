@@ -10,6 +10,7 @@ use serde_json::Value;
 use std::ops::Range;
 
 mod billow;
+mod breach;
 mod circles;
 mod cone;
 mod constant;
@@ -17,6 +18,8 @@ mod crater;
 mod diamond_square;
 mod faulting;
 mod fbm;
+mod fill;
+mod flow;
 pub mod fractal;
 pub mod mask;
 pub mod noise;
@@ -31,6 +34,7 @@ pub mod warp;
 pub mod worley;
 
 pub use billow::Billow;
+pub use breach::Breach;
 pub use circles::Circles;
 pub use cone::Cone;
 pub use constant::Constant;
@@ -38,6 +42,8 @@ pub use crater::Crater;
 pub use diamond_square::DiamondSquare;
 pub use faulting::Faulting;
 pub use fbm::Fbm;
+pub use fill::Fill;
+pub use flow::Flow;
 pub use mask::{MaskCurvature, MaskHeight, MaskNoise, MaskSlope};
 pub use ramp::Ramp;
 pub use random_additions::RandomAdditions;
@@ -51,6 +57,7 @@ pub use worley::Worley;
 /// All generators that recipes can name.
 pub const GENERATORS: &[Entry<dyn Generator>] = &[
     Entry::<dyn Generator>::generator::<Billow>("billow", &["ebert2003", "perlin2002"]),
+    Entry::<dyn Generator>::generator::<Breach>("breach", &["lindsay2015", "lindsay2016"]),
     Entry::<dyn Generator>::generator::<Circles>("circles", &[]),
     Entry::<dyn Generator>::generator::<Cone>("cone", &[]),
     Entry::<dyn Generator>::generator::<Constant>("constant", &[]),
@@ -58,6 +65,8 @@ pub const GENERATORS: &[Entry<dyn Generator>] = &[
     Entry::<dyn Generator>::generator::<DiamondSquare>("diamond_square", &["fournier1982", "miller1986"]),
     Entry::<dyn Generator>::generator::<Faulting>("faulting", &["mandelbrot1975", "voss1985"]),
     Entry::<dyn Generator>::generator::<Fbm>("fbm", &["perlin1985", "perlin2001", "perlin2002", "ebert2003"]),
+    Entry::<dyn Generator>::generator::<Fill>("fill", &["barnes2014", "barnes2016", "cordonnier2019"]),
+    Entry::<dyn Generator>::generator::<Flow>("flow", &["ocallaghan1984", "barnes2014flats", "freeman1991"]),
     Entry::<dyn Generator>::generator::<MaskCurvature>("mask_curvature", &[]),
     Entry::<dyn Generator>::generator::<MaskHeight>("mask_height", &[]),
     Entry::<dyn Generator>::generator::<MaskNoise>("mask_noise", &["perlin2001"]),
