@@ -60,11 +60,6 @@ pub(crate) fn is_material(layer: &str) -> bool {
     MATERIALS.contains(&layer)
 }
 
-/// The names of the materials.
-pub(crate) fn material_names() -> impl Iterator<Item = &'static str> {
-    MATERIALS.into_iter()
-}
-
 /// What the root of a Zarr store says of its origin.
 pub(crate) fn origin(world: &World, name: &str, recipe: Option<&str>) -> Map<String, Value> {
     let mut m = Map::new();
