@@ -40,7 +40,8 @@ pub(crate) fn write_all(
     let path = begin(out.join(WORLD_FILE));
     checkpoint::save(&path, world, &recipe.source.text, &value).map_err(file)?;
     for export in recipe.exports.iter().filter(|e| e.enabled) {
-        let known = |l: &str| world.get(l).is_some() || (export.format == ExportFormat::Mask && exports::is_material(l));
+        let known =
+            |l: &str| world.get(l).is_some() || (export.format == ExportFormat::Mask && exports::is_material(l));
         for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
             let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
             tell(Event::Warning { message });

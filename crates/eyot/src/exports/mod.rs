@@ -118,8 +118,18 @@ impl Export {
         WriteOptions {
             scale: self.range.map(|[low, high]| (low, high)),
             byte_order: if self.bytes == Bytes::Big { ByteOrder::Big } else { ByteOrder::Little },
-            row_order: if self.first_row == FirstRow::South { RowOrder::SouthFirst } else { RowOrder::NorthFirst },
+            row_order: self.first_row.row_order(),
             nodata: None,
+        }
+    }
+}
+
+impl FirstRow {
+    /// The same in the words of the files.
+    pub(crate) fn row_order(self) -> RowOrder {
+        match self {
+            Self::North => RowOrder::NorthFirst,
+            Self::South => RowOrder::SouthFirst,
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::fit::{Samples, fit};
 use super::{Job, file, materials, write_layer, write_mesh};
-use crate::backend::io::{self, ByteOrder, RasterFormat, RowOrder, WriteOptions};
 use crate::backend;
+use crate::backend::io::{self, ByteOrder, RasterFormat, RowOrder, WriteOptions};
 use crate::error::RunError;
 use crate::keys::{Export, Preset};
 use eyot_core::{Georeference, World};

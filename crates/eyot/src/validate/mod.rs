@@ -267,7 +267,8 @@ impl Validator<'_> {
     fn presets(&mut self, presets: &[Preset], present: &[Export]) -> Vec<Export> {
         let mut more = Vec::new();
         for &preset in presets.iter().filter(|p| !present.iter().any(|e| e.enabled && e.preset == Some(**p))) {
-            let export = Export { preset: Some(preset), prefix: exports::free_prefix(preset, present), ..Export::default() };
+            let export =
+                Export { preset: Some(preset), prefix: exports::free_prefix(preset, present), ..Export::default() };
             if self.grid.is_some_and(|g| g.width < 2 || g.height < 2) && export.needs_two_cells() {
                 let message = format!("the preset `{}` needs at least 2 x 2 cells", preset.name());
                 self.out.push(Diagnostic::whole(message).help("choose a larger [grid]"));
