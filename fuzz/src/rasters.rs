@@ -7,7 +7,8 @@ use eyot::{Field, Georeference, Grid, Limits, Rim, World};
 use std::path::Path;
 
 pub(crate) const PNG_WORDS: &[&str] = &["IHDR", "IDAT", "IEND", "tEXt", "iTXt", "PLTE", "tRNS", "acTL", "fcTL"];
-pub(crate) const R32_WORDS: &[&str] = &["width", "height", "cell_m", "-1", "1e999", "null", "18446744073709551615", "\"", "{", "[["];
+pub(crate) const R32_WORDS: &[&str] =
+    &["width", "height", "cell_m", "-1", "1e999", "null", "18446744073709551615", "\"", "{", "[["];
 
 /// Any format that is told from its content.
 pub(crate) fn read(bytes: &[u8]) -> bool {

@@ -27,7 +27,8 @@ pub(crate) fn read(bytes: &[u8]) -> bool {
 fn with_checksum(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     let length = bytes.get(12..20).and_then(|b| usize::try_from(u64::from_le_bytes(b.try_into().ok()?)).ok());
-    let Some(end) = length.and_then(|n| n.checked_add(20)).filter(|e| e.checked_add(4).is_some_and(|e| e <= bytes.len()))
+    let Some(end) =
+        length.and_then(|n| n.checked_add(20)).filter(|e| e.checked_add(4).is_some_and(|e| e <= bytes.len()))
     else {
         return bytes;
     };

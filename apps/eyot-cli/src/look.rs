@@ -13,6 +13,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     let size = match args.size {
         None => d.size,
         Some((w, Some(h))) => [w, h],
+        Some((w, None)) if args.relief => [w, w],
         Some((w, None)) => [w, (w * 5 / 8).max(1)],
     };
     if !size.iter().all(|n| (16..=16384).contains(n)) {
@@ -44,9 +45,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     }
     let subject = match &args.layer {
         Some(layer) => Subject::Layer(layer),
-        None if args.relief => {
-            args.size.map_or(Subject::Relief, |(w, h)| Subject::ReliefAt(h.map_or(w, |h| w.max(h))))
-        }
+        None if args.relief => args.size.map_or(Subject::Relief, |(w, h)| Subject::ReliefAt(h.map_or(w, |h| w.max(h)))),
         None => Subject::View,
     };
     let out = args.out.clone().unwrap_or_else(|| {

@@ -6,7 +6,7 @@ use common::{assert_same, contents, eyot};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// Every process, both forms of water, layers that come late, an open rim (whose fluxes leave through the last faces),

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{assert_same, assert_said, contents, eyot};
+use common::{assert_said, assert_same, contents, eyot};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -181,7 +181,8 @@ fn a_full_disk_is_called_one_and_the_run_goes_on_when_there_is_room() {
     let said = String::from_utf8_lossy(&o.stdout).into_owned();
     let first = std::fs::read_to_string(folder.path().join("first")).unwrap();
     assert!(first.contains("make room") && !first.contains("panicked"), "{first}");
-    let (before, after) = said.split_once("rc 1\n").expect("the first run fails").1.split_once("rc 0\n").expect("then not");
+    let (before, after) =
+        said.split_once("rc 1\n").expect("the first run fails").1.split_once("rc 0\n").expect("then not");
     assert!(before.contains("world.eyot") && !before.contains("run.json") && !before.contains(".tmp"), "{said}");
     assert!(after.contains("run.json") && after.contains("terrain.glb"), "{said}");
 }

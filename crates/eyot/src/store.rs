@@ -115,16 +115,10 @@ pub enum Subject<'a> {
 ///
 /// # Errors
 /// If the layer is not there, the picture exceeds the limits, or the file cannot be written, which is found out first.
-pub fn draw(
-    world: &World,
-    options: &View,
-    subject: Subject<'_>,
-    path: &Path,
-    limits: &Limits,
-) -> Result<(), RunError> {
+pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, limits: &Limits) -> Result<(), RunError> {
     io::check_place(path).map_err(|e| RunError::File(e.to_string()))?;
-    let picture = outputs::draw(world, options, subject, limits, &Control::none())
-        .map_err(|e| RunError::File(e.to_string()))?;
+    let picture =
+        outputs::draw(world, options, subject, limits, &Control::none()).map_err(|e| RunError::File(e.to_string()))?;
     io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
 }
 

@@ -9,21 +9,21 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
 /// The command, to be started in a folder.
-pub fn eyot(folder: &Path, args: &[&str]) -> Command {
+pub(crate) fn eyot(folder: &Path, args: &[&str]) -> Command {
     let mut c = Command::new(env!("CARGO_BIN_EXE_eyot"));
     c.args(args).current_dir(folder).stdin(Stdio::null());
     c
 }
 
 /// Everything that a command said.
-pub fn text(o: &Output) -> String {
+pub(crate) fn text(o: &Output) -> String {
     // The report wraps long lines and begins each with a bar.
     let all = format!("{}{}", String::from_utf8_lossy(&o.stdout), String::from_utf8_lossy(&o.stderr));
     all.split_whitespace().filter(|w| *w != "|").collect::<Vec<_>>().join(" ")
 }
 
 /// Checks how a command ended, that it did not break, and that its words hold all of `answers`.
-pub fn assert_said(o: &Output, code: i32, answers: &[&str]) {
+pub(crate) fn assert_said(o: &Output, code: i32, answers: &[&str]) {
     let said = text(o);
     assert!(!said.contains("panicked"), "{said}");
     assert_eq!(o.status.code(), Some(code), "{said}");
@@ -33,7 +33,7 @@ pub fn assert_said(o: &Output, code: i32, answers: &[&str]) {
 }
 
 /// Every file of a folder; the report without what it says of time.
-pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let files = std::fs::read_dir(folder).expect("a folder").map(|e| e.expect("a file").path());
     files
         .map(|path| {
@@ -50,7 +50,7 @@ pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// Asserts that two folders hold the same files with the same bytes.
-pub fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>, what: &str) {
+pub(crate) fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>, what: &str) {
     assert!(a.keys().eq(b.keys()), "{what}: {:?} and {:?}", a.keys(), b.keys());
     for (name, bytes) in a {
         assert!(*bytes == b[name], "{what}: {name} differs");
@@ -58,7 +58,7 @@ pub fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>,
 }
 
 /// Starts a command with `--json` and gives it back when it has told `n` events of a kind.
-pub fn start_until(folder: &Path, args: &[&str], event: &str, n: usize) -> Child {
+pub(crate) fn start_until(folder: &Path, args: &[&str], event: &str, n: usize) -> Child {
     let mut child = eyot(folder, &[args, &["--json"]].concat())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -78,7 +78,7 @@ pub fn start_until(folder: &Path, args: &[&str], event: &str, n: usize) -> Child
 
 /// Sends a signal to a child.
 #[cfg(unix)]
-pub fn signal(child: &Child, name: &str) {
+pub(crate) fn signal(child: &Child, name: &str) {
     let sent = Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill");
     assert!(sent.success());
 }
