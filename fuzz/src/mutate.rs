@@ -26,9 +26,9 @@ impl Random {
 /// Numbers that headers dislike.
 const NASTY: [u32; 10] = [0, 1, 0x7f, 0xff, 0xffff, 0x1_0000, 200_000, 0x7fff_ffff, 0x8000_0000, u32::MAX];
 
-/// One to eight changes to `bytes`; `other` is another input to take pieces from.
+/// One to four changes to `bytes`; `other` is another input to take pieces from.
 pub fn damage(bytes: &mut Vec<u8>, other: &[u8], words: &[&str], r: &mut Random) {
-    let rounds = 1 << r.below(4);
+    let rounds = 1 << r.below(3);
     for _ in 0..rounds {
         // Headers and directories sit at the start; half of the damage goes there.
         let span = if r.below(2) == 0 { bytes.len().min(600) } else { bytes.len() };
