@@ -324,7 +324,7 @@ fn noise(options: &BenchOptions) -> Result<BenchReport> {
 pub fn drainage_case(size: usize) -> Result<(Grid, Vec<f32>)> {
     let grid = Grid::new(size, size, 30.0, Rim::OPEN, &Limits::default())?;
     let (world, control) = (World::new(grid, 1), Control::none());
-    let site = Site { grid, seed: 3, world: &world, control: &control };
+    let site = Site::whole(grid, 3, &world, &control);
     Ok((grid, fbm(10)?.generate(&site, &Field::new(size, size, 0.0))?.to_vec()))
 }
 

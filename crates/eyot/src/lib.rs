@@ -47,6 +47,7 @@ mod keys;
 mod layers;
 mod lock;
 pub mod merge;
+mod need;
 mod node;
 mod outputs;
 mod process_set;

@@ -8,6 +8,7 @@ use crate::backend::io::{self, About, ByteOrder, RasterFormat, RowOrder, Rows, W
 use crate::backend::{mesh, render};
 use crate::error::RunError;
 use crate::keys::{Bytes, Export, ExportFormat, FirstRow, Preset};
+use crate::outputs::stopped;
 use eyot_core::{Control, Limits, World};
 use materials::MATERIALS;
 use serde_json::{Map, Value, json};
@@ -36,7 +37,6 @@ pub(crate) struct Job<'a> {
 impl Job<'_> {
     /// The next file.
     fn file(&mut self, name: &str) -> Result<PathBuf, RunError> {
-        self.control.check().map_err(file)?;
         (self.begin)(self.out.join(name))
     }
 
@@ -245,7 +245,8 @@ pub(crate) fn write_mesh(job: &mut Job<'_>, name: &Path, export: &Export) -> Res
     }
     // Each level has a quarter of the triangles of the one before: half the detail along each axis.
     let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
-    let levels = mesh::levels_of_detail(&terrain.mesh, &ratios);
+    job.control.check().map_err(stopped)?;
+    let levels = mesh::levels_of_detail_controlled(&terrain.mesh, &ratios, job.control).map_err(stopped)?;
     io::write_terrain_glb(&path, &levels, job.name).map_err(file)
 }
 
