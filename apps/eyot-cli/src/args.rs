@@ -171,8 +171,8 @@ pub(crate) struct Render {
     /// From above, with shaded relief
     #[arg(long)]
     pub(crate) relief: bool,
-    /// Width x height of a view in pixels
-    #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = size)]
+    /// Width x height of a view in pixels; the longer side of a relief
+    #[arg(long, value_name = "WxH", conflicts_with = "layer", allow_negative_numbers = true, value_parser = size)]
     pub(crate) size: Option<(u32, Option<u32>)>,
     /// Where the camera stands, degrees clockwise from north
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, -360.0, 360.0))]

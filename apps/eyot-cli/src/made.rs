@@ -38,12 +38,11 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
     let g = recipe.grid;
     let (w_m, h_m) = g.extent_m();
     let mut text = format!(
-        "{}: {} x {} cells of {} x {} m ({:.2} x {:.2} km)\n",
+        "{}: {} x {} cells of {} ({:.2} x {:.2} km)\n",
         recipe.name,
         g.width,
         g.height,
-        g.cell_x_m,
-        g.cell_y_m,
+        print::cell(g.cell_x_m, g.cell_y_m),
         w_m / 1e3,
         h_m / 1e3
     );

@@ -44,7 +44,7 @@ mod png_write;
 mod r32;
 mod raster;
 
-pub use atomic::{remove_leftovers, write_atomically};
+pub use atomic::{check_place, remove_leftovers, write_atomically};
 pub use checkpoint::Checkpoint;
 pub use error::{Error, Result};
 pub use format::{RasterFormat, write_layer};

@@ -74,7 +74,7 @@ fn value_range(path: &Path, reader: &png::Reader<BufReader<File>>, options: &Rea
         None => Err(Error::format(
             path,
             "the file does not say which heights black and white stand for",
-            "give low_m and high_m",
+            "import it in a recipe: generate = \"import\" with low_m and high_m",
         )),
     }
 }

@@ -17,7 +17,7 @@ pub struct Import {
     /// The file, relative to the recipe's folder; `builtin:NAME` is one of the height maps that come with Eyot.
     #[schemars(length(min = 1))]
     pub file: String,
-    /// Height of black in a picture of whole numbers. Default: what the file says of itself, else its numbers as metres.
+    /// Height of black in a picture of whole numbers. Default: what the file says of itself; needed if it says nothing.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub low_m: Option<f64>,
     /// Height of white in a picture of whole numbers; see `low_m`.

@@ -45,6 +45,7 @@ mod keys;
 mod layers;
 mod lock;
 pub mod merge;
+mod need;
 mod node;
 mod outputs;
 mod process_set;

@@ -5,10 +5,12 @@ use crate::check;
 use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
 use crate::import;
 use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, View};
+use crate::need;
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Work};
 use crate::registry::Registry;
 use crate::set;
+use crate::store::Subject;
 use eyot_core::process::{Parameters, schema_of};
 use eyot_core::{Georeference, Grid, Limits, Rim};
 use serde_json::Value;
@@ -47,6 +49,7 @@ pub(crate) fn recipe(
     let exports = v.exports(doc.get("export"));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
     v.memory(doc.get("grid"), grid, &steps);
+    v.output_memory(&doc, grid, &exports, &view);
     if !v.out.is_empty() {
         return Err(Problems::new(sources, v.out));
     }
@@ -179,7 +182,9 @@ impl Validator<'_> {
 
     fn raster(&mut self, file: &str, span: Span) -> Option<crate::backend::io::Raster> {
         let path = self.file(file, &span)?;
-        match import::read(&path, &ReadOptions::default(), self.limits) {
+        // Only size and place count here, so a picture need not say which heights its greys are.
+        let any_heights = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), ..ReadOptions::default() };
+        match import::read(&path, &any_heights, self.limits) {
             Ok(r) => Some(r),
             Err(reason) => {
                 self.out.push(
@@ -283,6 +288,34 @@ impl Validator<'_> {
         if self.layers.len() > self.limits.max_layers {
             let message = format!("{} layers exceed the limit of {}", self.layers.len(), self.limits.max_layers);
             self.out.push(Diagnostic::whole(message));
+        }
+    }
+}
+
+impl Validator<'_> {
+    /// Pictures and meshes beside the finished world.
+    fn output_memory(&mut self, doc: &Node, grid: Option<Grid>, exports: &[Export], view: &View) {
+        let Some(grid) = grid.filter(|_| self.out.is_empty()) else { return };
+        let world = self.layers.len() as u128 * grid.cells() as u128 * 4;
+        let place = |n: Option<&Node>| n.or(doc.get("grid")).unwrap_or(doc).span.clone();
+        let pictures = [Subject::View, Subject::Relief].map(|s| need::picture(&grid, view, s));
+        if view.enabled
+            && let Err(e) = need::check_bytes(
+                "drawing the pictures of this world",
+                world + pictures[0].max(pictures[1]),
+                self.limits,
+                need::PICTURE_REMEDY,
+            )
+        {
+            self.out.push(Diagnostic::at(place(doc.get("view")), e.to_string(), "these pictures"));
+        }
+        for (i, export) in exports.iter().enumerate().filter(|(_, e)| e.enabled) {
+            let what = format!("making `{}`", export.files()[0]);
+            let bytes = world + need::export(&grid, export, self.limits);
+            if let Err(e) = need::check_bytes(&what, bytes, self.limits, need::EXPORT_REMEDY) {
+                let item = doc.get("export").and_then(|x| x.elements().get(i));
+                self.out.push(Diagnostic::at(place(item), e.to_string(), "this export"));
+            }
         }
     }
 }
