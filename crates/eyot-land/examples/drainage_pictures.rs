@@ -7,7 +7,7 @@ use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Control, Field, Grid, Limits, Rim, World};
 use eyot_land::drainage::{Land, RoutingRule};
-use eyot_land::generate::fractal::Fractal;
+use eyot_land::generate::fractal::{Fractal, Octaves};
 use eyot_land::generate::{Breach, Fbm};
 use std::error::Error;
 use std::path::Path;
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let jacksboro = eyot_io::read_raster(&tile, &eyot_io::ReadOptions::default(), &Limits::default())?.field;
     let grid = Grid::new(512, 512, 30.0, Rim::OPEN, &Limits::default())?;
     let world = World::new(grid, 1);
-    let noise = Fbm { fractal: Fractal { octaves: 9, ..Fractal::default() } };
+    let noise = Fbm { fractal: Fractal { noise: Octaves { octaves: 9, ..Octaves::default() }, ..Fractal::default() } };
     let fbm = noise.generate(&Site::whole(grid, 3, &world, &control), &Field::new(512, 512, 0.0))?;
     for (name, height, cell_m) in [("jacksboro", jacksboro, 90.0), ("fbm", fbm, 30.0)] {
         let grid = Grid::new(height.width(), height.height(), cell_m, Rim::OPEN, &Limits::default())?;

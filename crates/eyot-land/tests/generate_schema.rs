@@ -1,5 +1,4 @@
 //! Every generator says everything about its parameters, and holds users to it.
-use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::Site;
 use eyot_core::{Control, Error, Field, Grid, Limits, Rim, World};
 use eyot_land::generate::{Cone, GENERATORS};
