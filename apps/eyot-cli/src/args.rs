@@ -1,6 +1,6 @@
 //! What the command line takes.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use eyot::bench::BenchSubject;
 use eyot::core::isa::Isa;
 use std::path::PathBuf;
@@ -39,6 +39,8 @@ pub(crate) enum Verb {
     Check(Check),
     /// Explain a generator, a process or a table of the recipe
     Describe(Describe),
+    /// Print the literature and data that a recipe rests on
+    Cite(Cite),
     /// Print the JSON Schema of recipes, for editors
     Schema,
     /// Draw a picture of a finished run or of a height map
@@ -141,6 +143,29 @@ pub(crate) struct Check {
     pub(crate) recipe: String,
     #[command(flatten)]
     pub(crate) change: Change,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot cite island
+  eyot cite mine.toml --format bibtex > mine.bib")]
+pub(crate) struct Cite {
+    /// A recipe file, or the name of a built-in recipe
+    pub(crate) recipe: String,
+    /// A list to read, BibTeX, or CSL-JSON for reference managers
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: CiteFormat,
+    #[command(flatten)]
+    pub(crate) change: Change,
+}
+
+/// How citations are printed.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum CiteFormat {
+    Text,
+    Bibtex,
+    Json,
 }
 
 #[derive(Args)]

@@ -98,6 +98,8 @@ pub struct Entry<T: ?Sized> {
     pub defaults: fn() -> Value,
     /// Makes it; missing parameters take their defaults.
     pub make: fn(Value) -> Result<Box<T>, serde_json::Error>,
+    /// What it does, its equations and its source, as Markdown: the head of its source file, see [`about!`](crate::about!).
+    pub about: &'static str,
     /// Keys in `references.bib`.
     pub cites: &'static [&'static str],
 }
@@ -119,6 +121,7 @@ impl Entry<dyn Process> {
     /// The entry of a parameter struct that is a process.
     pub const fn process<P: Parameters + Process + 'static>(
         name: &'static str,
+        about: &'static str,
         cites: &'static [&'static str],
     ) -> Self {
         Self {
@@ -126,6 +129,7 @@ impl Entry<dyn Process> {
             schema: schema_of::<P>,
             defaults: defaults_of::<P>,
             make: |v| Ok(Box::new(serde_json::from_value::<P>(v)?)),
+            about,
             cites,
         }
     }
@@ -135,6 +139,7 @@ impl Entry<dyn Generator> {
     /// The entry of a parameter struct that is a generator.
     pub const fn generator<P: Parameters + Generator + 'static>(
         name: &'static str,
+        about: &'static str,
         cites: &'static [&'static str],
     ) -> Self {
         Self {
@@ -142,6 +147,7 @@ impl Entry<dyn Generator> {
             schema: schema_of::<P>,
             defaults: defaults_of::<P>,
             make: |v| Ok(Box::new(serde_json::from_value::<P>(v)?)),
+            about,
             cites,
         }
     }

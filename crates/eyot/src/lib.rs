@@ -35,6 +35,7 @@ mod backend;
 pub mod bench;
 mod builtin;
 mod check;
+mod cite;
 mod describe;
 mod diagnostic;
 mod drive;
@@ -58,7 +59,8 @@ pub mod store;
 mod validate;
 
 pub use builtin::{BuiltIn, RECIPES};
-pub use describe::{Description, ParameterInfo, describe};
+pub use cite::{Citation, Citations, all_citations, cite};
+pub use describe::{Choice, Description, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, nearest};
 pub use error::RunError;
 pub use event::{Command, Event, JournalEntry, Progress};

@@ -4,7 +4,7 @@
 //! at cells, so that a recipe on a finer grid shows the same land.
 
 use eyot_core::process::{Entry, Generator, Parameters, defaults_of, schema_of};
-use eyot_core::{Control, Error, Field, Grid, Result};
+use eyot_core::{Control, Error, Field, Grid, Result, about};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -29,14 +29,22 @@ pub use warp::Warp;
 
 /// All generators that recipes can name.
 pub const GENERATORS: &[Entry<dyn Generator>] = &[
-    Entry::<dyn Generator>::generator::<Cone>("cone", &[]),
-    Entry::<dyn Generator>::generator::<Constant>("constant", &[]),
-    Entry::<dyn Generator>::generator::<Crater>("crater", &[]),
-    Entry::<dyn Generator>::generator::<Fbm>("fbm", &["perlin1985", "perlin2001", "perlin2002", "ebert2003"]),
-    Entry::<dyn Generator>::generator::<Ramp>("ramp", &[]),
-    Entry::<dyn Generator>::generator::<Ridged>("ridged", &["musgrave1989", "ebert2003", "perlin2001", "perlin2002"]),
-    Entry::<dyn Generator>::generator::<Smooth>("smooth", &[]),
-    Entry::<dyn Generator>::generator::<Warp>("warp", &["ebert2003"]),
+    Entry::<dyn Generator>::generator::<Cone>("cone", about!("cone.rs"), &[]),
+    Entry::<dyn Generator>::generator::<Constant>("constant", about!("constant.rs"), &[]),
+    Entry::<dyn Generator>::generator::<Crater>("crater", about!("crater.rs"), &[]),
+    Entry::<dyn Generator>::generator::<Fbm>(
+        "fbm",
+        about!("fbm.rs"),
+        &["perlin1985", "perlin2001", "perlin2002", "gustavson2022", "ebert2003"],
+    ),
+    Entry::<dyn Generator>::generator::<Ramp>("ramp", about!("ramp.rs"), &[]),
+    Entry::<dyn Generator>::generator::<Ridged>(
+        "ridged",
+        about!("ridged.rs"),
+        &["musgrave1989", "ebert2003", "perlin2001", "perlin2002"],
+    ),
+    Entry::<dyn Generator>::generator::<Smooth>("smooth", about!("smooth.rs"), &[]),
+    Entry::<dyn Generator>::generator::<Warp>("warp", about!("warp.rs"), &["ebert2003"]),
 ];
 
 /// Rows that are handed out between two looks at the stop button.

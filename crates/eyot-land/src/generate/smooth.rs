@@ -1,8 +1,13 @@
 //! Gaussian smoothing (filter), one axis after the other.
 //!
-//! `h'(i) = h(i) + sum_k w_k ((h(i-k) - h(i)) + (h(i+k) - h(i)))`, with `w_k` proportional to `exp(-k^2 / 2 sigma^2)` up to four
-//! sigma. Written as exchanges between pairs of cells, it leaves a constant exactly as it is, and what one cell gives
-//! another one gets.
+//! # Equations
+//! 1. `h'(i) = h(i) + sum_k w_k ((h(i-k) - h(i)) + (h(i+k) - h(i)))` for `k` from 1 to `4 sigma`.
+//! 2. `w_k = exp(-k^2 / (2 sigma^2)) / (1 + 2 sum_j exp(-j^2 / (2 sigma^2)))`.
+//!
+//! Written as exchanges between pairs of cells, it leaves a constant exactly as it is, and what one cell gives another one gets.
+//!
+//! # Source
+//! The Gaussian kernel of image processing.
 //!
 //! # Rims
 //! Closed: the land is mirrored, so nothing is exchanged with the outside and the sum over the grid stays. Wrap: a ring, the sum

@@ -1,7 +1,7 @@
 //! Gradient noise in the plane and its sums over octaves.
 //!
 //! - [`Basis::Perlin`]: square lattice, quintic fade. [`Basis::Simplex`]: lattice of triangles, radial kernel.
-//!   Both have eight unit gradients chosen by an integer hash, are scaled so that no value lies outside -1..=1 (the bound
+//!   Both have unit gradients at angles chosen by an integer hash, are scaled so that no value lies outside -1..=1 (the bound
 //!   is reached only if all gradients around a point agree), and are zero at lattice points.
 //! - fBm: `sum gain^o n_o / sum gain^o`, so it stays within -1..=1 too.
 //! - ridged multifractal (Musgrave): `s_o = (1 - |n_o|)^2 w_o`, `w_0 = 1`, `w_(o+1) = clamp(sharpness s_o, 0, 1)`, summed and
