@@ -314,6 +314,20 @@ mod tests {
         Cli::command().debug_assert();
     }
 
+    /// The page of the book that lists the command's verbs and flags is written by hand.
+    #[test]
+    fn the_book_names_every_verb_and_flag() {
+        let page = include_str!("../../../docs/book/src/reference/command.md");
+        for verb in Cli::command().get_subcommands() {
+            let start = format!("| `eyot {}", verb.get_name());
+            let row =
+                page.lines().find(|l| l.starts_with(&start)).unwrap_or_else(|| panic!("reference/command.md: {start}"));
+            for flag in verb.get_arguments().filter_map(|a| a.get_long()) {
+                assert!(row.contains(&format!("`--{flag}")), "reference/command.md, `{}`: --{flag}", verb.get_name());
+            }
+        }
+    }
+
     #[test]
     fn sizes_and_bytes() {
         assert_eq!(size("512"), Ok((512, None)));

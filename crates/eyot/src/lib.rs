@@ -76,3 +76,8 @@ pub use schema::recipe_schema;
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The examples of the book are compiled and run like those of this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/book/src/tutorial/library.md")]
+struct Book;
