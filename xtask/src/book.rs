@@ -16,12 +16,25 @@ pub(crate) fn build(out: &Path) -> Result<(), String> {
         book.build()
     });
     built.map_err(failed)?;
+    copy_pictures(&root().join("docs/gallery"), &out.join("gallery"))?;
     let problems: Vec<String> = warnings.into_iter().chain(links::broken_in_site(&out)).collect();
     if problems.is_empty() {
         println!("{}", out.join("index.html").display());
         return Ok(());
     }
     Err(problems.join("\n"))
+}
+
+/// Copies the pictures of generators, which lie outside the book.
+fn copy_pictures(from: &Path, to: &Path) -> Result<(), String> {
+    let fail = |e: std::io::Error| format!("{}: {e}", to.display());
+    let Ok(pictures) = std::fs::read_dir(from) else { return Ok(()) };
+    std::fs::create_dir_all(to).map_err(fail)?;
+    for picture in pictures {
+        let picture = picture.map_err(fail)?;
+        std::fs::copy(picture.path(), to.join(picture.file_name())).map_err(fail)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -2,9 +2,9 @@
 //!
 //! A comment `<!-- made: NAME -->` in a chapter is replaced by what is made for it; generators and processes get a page each.
 
-use eyot::core::process::{Entry, Process};
+use eyot::core::LayerSpec;
 use eyot::{Citation, Description, ParameterInfo, Registry, all_citations, describe};
-use mdbook_driver::book::{Book, BookItem, Chapter};
+use mdbook_driver::book::{Book, BookItem, Chapter, SectionNumber};
 use mdbook_driver::errors::{Error, Result};
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
 use std::fmt::Write;
@@ -56,6 +56,7 @@ impl Maker {
                 "recipe" => self.tables()?,
                 "generators" => self.list(self.registry.generator_names(), "generators")?,
                 "processes" => self.list(self.registry.process_names(), "processes")?,
+                "layers" => self.layers()?,
                 "sources" => self.sources(),
                 _ => return Err(Error::msg(format!("{}: nothing is made for `{name}`", chapter.name))),
             };
@@ -102,10 +103,14 @@ impl Maker {
         folder: &str,
     ) -> Result<Vec<BookItem>> {
         let above = [parent.parent_names.clone(), vec![parent.name.clone()]].concat();
-        names
-            .map(|name| {
+        (1..)
+            .zip(names)
+            .map(|(i, name)| {
                 let path = format!("reference/{folder}/{name}.md");
-                Ok(BookItem::Chapter(Chapter::new(name, self.page(name)?, path, above.clone())))
+                let mut page = Chapter::new(name, self.page(name)?, path, above.clone());
+                // The place in the table of contents.
+                page.number = parent.number.as_ref().map(|n| SectionNumber::new([n.as_slice(), &[i]].concat()));
+                Ok(BookItem::Chapter(page))
             })
             .collect()
     }
@@ -113,10 +118,13 @@ impl Maker {
     /// The page of a generator or process.
     fn page(&self, name: &str) -> Result<String> {
         let d = self.describe(name)?;
-        let mut out = format!("# {name}\n\n{}\n\n## Parameters\n\n{}", paragraphs(&d), parameters(&d.parameters, 3)?);
-        if let Some(process) = self.registry.process(name) {
-            let note = "Written as `NAME.parameter` in the step; `every` and `enabled` say when it acts.";
-            writeln!(out, "{}\n\n{}", note.replace("NAME", name), layers(process)?)?;
+        let mut out = format!("# {name}\n\n{}\n\n", paragraphs(&d));
+        if crate::root().join(format!("docs/gallery/{name}.png")).exists() {
+            writeln!(out, "![What `{name}` does](../../gallery/{name}.png)\n")?;
+        }
+        writeln!(out, "## Parameters\n\n{}", parameters(&d.parameters, 3)?)?;
+        if d.kind == "process" {
+            writeln!(out, "Written as `{name}.parameter` in the step; `every` and `enabled` say when it acts.\n")?;
         }
         // The head of the source file has sections of its own; on this page they are one level lower.
         let about = d.about.lines().map(|l| if l.starts_with('#') { format!("#{l}\n") } else { format!("{l}\n") });
@@ -125,6 +133,32 @@ impl Maker {
         if !cited.is_empty() {
             writeln!(out, "## References\n")?;
             cited.iter().try_for_each(|c| writeln!(out, "- {}", c.text))?;
+        }
+        Ok(out)
+    }
+
+    /// All layers of all processes with default parameters, and who uses them.
+    fn layers(&self) -> Result<String> {
+        let mut layers: Vec<(LayerSpec, Vec<String>)> = Vec::new();
+        for entry in self.registry.processes() {
+            let user = format!("[`{0}`](processes/{0}.md)", entry.name);
+            for (spec, _) in (entry.make)((entry.defaults)())?.layers() {
+                match layers.iter_mut().find(|(s, _)| s.name == spec.name) {
+                    Some((_, users)) => users.push(user.clone()),
+                    None => layers.push((spec, vec![user.clone()])),
+                }
+            }
+        }
+        let mut out = "| layer | unit | meaning | used by |\n| --- | --- | --- | --- |\n".to_owned();
+        for (spec, users) in layers {
+            writeln!(
+                out,
+                "| `{}` | {} | {} | {} |",
+                spec.name,
+                cell(&spec.unit),
+                cell(&spec.meaning),
+                users.join(", ")
+            )?;
         }
         Ok(out)
     }
@@ -141,16 +175,16 @@ fn paragraphs(d: &Description) -> String {
 
 /// A table of parameters, and below it what their choices mean, under headings of a level.
 fn parameters(parameters: &[ParameterInfo], level: usize) -> Result<String> {
-    let mut out = "| name | takes | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n".to_owned();
+    let mut out = "| name | takes | default | meaning |\n| --- | --- | --- | --- |\n".to_owned();
     for p in parameters {
-        let default = if p.default.is_null() { String::new() } else { format!("`{}`", p.default) };
+        let takes = p.takes.strip_prefix("a number from ").unwrap_or(&p.takes);
         let unit = if p.unit == "1" { "" } else { &p.unit };
+        let default = if p.default.is_null() { String::new() } else { format!("`{}`", p.default) };
         writeln!(
             out,
-            "| `{}` | {} | {} | {} | {} |",
+            "| `{}` | {} | {} | {} |",
             p.name,
-            cell(&p.takes),
-            cell(unit),
+            cell(format!("{takes} {unit}").trim()),
             cell(&default),
             cell(&p.meaning)
         )?;
@@ -160,16 +194,6 @@ fn parameters(parameters: &[ParameterInfo], level: usize) -> Result<String> {
         p.choices.iter().try_for_each(|c| writeln!(out, "| `{}` | {} |", c.value, cell(&c.meaning)))?;
     }
     out.push('\n');
-    Ok(out)
-}
-
-/// The layers of a process with default parameters.
-fn layers(entry: &Entry<dyn Process>) -> Result<String> {
-    let process = (entry.make)((entry.defaults)())?;
-    let mut out = "## Its layers\n\n| layer | unit | meaning |\n| --- | --- | --- |\n".to_owned();
-    for (spec, _) in process.layers() {
-        writeln!(out, "| `{}` | {} | {} |", spec.name, cell(&spec.unit), cell(&spec.meaning))?;
-    }
     Ok(out)
 }
 
