@@ -1,7 +1,9 @@
 //! Chores of the workspace: `cargo xtask help`.
 
 mod book;
+mod gallery;
 mod links;
+mod palette;
 mod reference;
 mod warnings;
 
@@ -10,6 +12,7 @@ use std::process::ExitCode;
 
 const HELP: &str = "\
 cargo xtask book [FOLDER]   builds the book into FOLDER [default: target/book] and checks its links
+cargo xtask gallery         draws what each generator makes, into docs/gallery
 cargo test -p xtask         checks the invariants that ARCHITECTURE.md marks with a star, and the links of all documents
 .ci/commands FILE...        runs the commands that documents show
 .ci/run                     runs everything that continuous integration runs";
@@ -20,6 +23,7 @@ fn main() -> ExitCode {
     let result = match words.as_slice() {
         ["book"] => book::build(&root().join("target/book")),
         ["book", folder] => book::build(Path::new(folder)),
+        ["gallery"] => gallery::write().map_err(|e| e.to_string()),
         _ => {
             println!("{HELP}");
             Ok(())

@@ -192,6 +192,7 @@ fn text(entry: &Entry) -> String {
 fn csl(entry: &Entry) -> Value {
     let kind = match entry.entry_type.to_string().as_str() {
         "article" => "article-journal",
+        "incollection" => "chapter",
         "inproceedings" => "paper-conference",
         "book" => "book",
         "techreport" | "report" => "report",

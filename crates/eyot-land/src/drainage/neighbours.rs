@@ -24,7 +24,10 @@ impl Neighbours {
             height: grid.height,
             wrap_x: grid.rim.x == Edge::Wrap,
             wrap_y: grid.rim.y == Edge::Wrap,
-            distance_m: STEPS.map(|(dx, dy)| (dx as f64 * grid.cell_x_m).hypot(dy as f64 * grid.cell_y_m)),
+            distance_m: STEPS.map(|(dx, dy)| {
+                let (x, y) = (dx as f64 * grid.cell_x_m, dy as f64 * grid.cell_y_m);
+                (x * x + y * y).sqrt()
+            }),
         }
     }
 
@@ -58,6 +61,11 @@ impl Neighbours {
         let x = step(i % self.width, dx, self.width, self.wrap_x)?;
         let y = step(i / self.width, dy, self.height, self.wrap_y)?;
         Some(y * self.width + x).filter(|&j| j != i)
+    }
+
+    /// True if an axis is a ring.
+    pub fn wraps(&self) -> bool {
+        self.wrap_x || self.wrap_y
     }
 
     /// True if cell `i` has a neighbour on every side, so that nothing is cut off by the rim.
