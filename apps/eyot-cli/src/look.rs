@@ -145,11 +145,12 @@ fn open(path: &std::path::Path) -> Result<store::Opened, Failure> {
     let opened = store::open(path, &Limits::default()).map_err(|e| match &e {
         eyot::RunError::Folder { path, source } => report::usage(
             &format!("cannot open `{}`: {source}", path.display()),
-            "give the --out folder of a run, or a height map (.tif, .png, .r32)",
+            "give the --out folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)",
         ),
-        eyot::RunError::File(text) => {
-            report::usage(text, "give the --out folder of a run, or a height map (.tif, .png, .r32)")
-        }
+        eyot::RunError::File(text) => report::usage(
+            text,
+            "give the --out folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)",
+        ),
         _ => report::run(&e),
     })?;
     opened.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
