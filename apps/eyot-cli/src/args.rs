@@ -1,6 +1,6 @@
 //! What the command line takes.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use eyot::Preset;
 use eyot::bench::BenchSubject;
 use eyot::core::isa::Isa;
@@ -42,6 +42,8 @@ pub(crate) enum Verb {
     Check(Check),
     /// Explain a generator, a process or a table of the recipe
     Describe(Describe),
+    /// Print the literature and data that a recipe rests on
+    Cite(Cite),
     /// Print the JSON Schema of recipes, for editors
     Schema,
     /// Draw a picture of a finished run or of a height map
@@ -149,6 +151,29 @@ pub(crate) struct Check {
     pub(crate) recipe: String,
     #[command(flatten)]
     pub(crate) change: Change,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot cite island
+  eyot cite mine.toml --format bibtex > mine.bib")]
+pub(crate) struct Cite {
+    /// A recipe file, or the name of a built-in recipe
+    pub(crate) recipe: String,
+    /// A list to read, BibTeX, or CSL-JSON for reference managers
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: CiteFormat,
+    #[command(flatten)]
+    pub(crate) change: Change,
+}
+
+/// How citations are printed.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum CiteFormat {
+    Text,
+    Bibtex,
+    Json,
 }
 
 #[derive(Args)]
@@ -387,6 +412,20 @@ mod tests {
     #[test]
     fn the_command_is_sound() {
         Cli::command().debug_assert();
+    }
+
+    /// The page of the book that lists the command's verbs and flags is written by hand.
+    #[test]
+    fn the_book_names_every_verb_and_flag() {
+        let page = include_str!("../../../docs/book/src/reference/command.md");
+        for verb in Cli::command().get_subcommands() {
+            let start = format!("| `eyot {}", verb.get_name());
+            let row =
+                page.lines().find(|l| l.starts_with(&start)).unwrap_or_else(|| panic!("reference/command.md: {start}"));
+            for flag in verb.get_arguments().filter_map(|a| a.get_long()) {
+                assert!(row.contains(&format!("`--{flag}")), "reference/command.md, `{}`: --{flag}", verb.get_name());
+            }
+        }
     }
 
     #[test]

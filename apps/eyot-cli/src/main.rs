@@ -93,6 +93,7 @@ fn work(verb: Verb) -> Result<(), Failure> {
         Verb::New(a) => made::new(&a),
         Verb::Check(a) => made::check(&a),
         Verb::Describe(a) => words::describe(&a),
+        Verb::Cite(a) => made::cite(&a),
         Verb::Schema => words::schema(),
         Verb::Render(a) => look::render(&a),
         Verb::Stats(a) => look::stats(&a),

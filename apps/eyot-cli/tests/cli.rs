@@ -133,6 +133,22 @@ fn words_are_printed_and_parse() {
 }
 
 #[test]
+fn sources_follow_the_recipe_and_come_once() {
+    let here = Path::new(".");
+    let text = said(here, &["cite", "island"], 0);
+    let order = ["Eyot", "Perlin", "Xing Mei", "Jacob Olsen", "Bosscher"].map(|name| text.find(name).expect(name));
+    assert!(order.is_sorted(), "{text}");
+    assert_eq!(text.matches("An Image Synthesizer").count(), 1, "{text}");
+    assert!(!text.contains("Radar"), "{text}");
+    let off = said(here, &["cite", "island", "--set", "reef.enabled=false"], 0);
+    assert!(off.contains("Xing Mei") && !off.contains("Bosscher"), "{off}");
+    assert!(said(here, &["cite", "real", "--format", "bibtex"], 0).contains("@article{farr2007,"));
+    let items: serde_json::Value = serde_json::from_str(&said(here, &["cite", "real", "--format", "json"], 0)).unwrap();
+    assert_eq!((&items[0]["id"], &items[0]["type"]), (&"eyot".into(), &"software".into()));
+    assert_eq!(items[1]["author"][0]["literal"], "NASA");
+}
+
+#[test]
 fn a_reader_who_leaves_is_no_error() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_eyot"))
         .arg("schema")

@@ -206,6 +206,8 @@ pub struct Entry<T: ?Sized> {
     pub defaults: fn() -> Value,
     /// Makes it; missing parameters take their defaults.
     pub make: fn(Value) -> Result<Box<T>, serde_json::Error>,
+    /// What it does, its equations and its source, as Markdown: the head of its source file, see [`about!`](crate::about!).
+    pub about: &'static str,
     /// Keys in `references.bib`.
     pub cites: &'static [&'static str],
 }
@@ -255,6 +257,7 @@ impl Entry<dyn Process> {
     /// The entry of a parameter struct that is a process.
     pub const fn process<P: Parameters + Process + 'static>(
         name: &'static str,
+        about: &'static str,
         cites: &'static [&'static str],
     ) -> Self {
         Self {
@@ -262,6 +265,7 @@ impl Entry<dyn Process> {
             schema: schema_of::<P>,
             defaults: defaults_of::<P>,
             make: |v| Ok(Box::new(parameters_from::<P>(v)?)),
+            about,
             cites,
         }
     }
@@ -271,6 +275,7 @@ impl Entry<dyn Generator> {
     /// The entry of a parameter struct that is a generator.
     pub const fn generator<P: Parameters + Generator + 'static>(
         name: &'static str,
+        about: &'static str,
         cites: &'static [&'static str],
     ) -> Self {
         Self {
@@ -278,6 +283,7 @@ impl Entry<dyn Generator> {
             schema: schema_of::<P>,
             defaults: defaults_of::<P>,
             make: |v| Ok(Box::new(parameters_from::<P>(v)?)),
+            about,
             cites,
         }
     }

@@ -1,10 +1,21 @@
-//! The generator that reads a height map. It lives here because the land crate touches no files.
+//! A height map from a file: GeoTIFF, TIFF, PNG or raw floats.
+//!
+//! # Equations
+//! 1. A file with the grid's size is taken over to the bit.
+//! 2. Another size, per axis: `h(i) = mean over s of lerp(f, (i + (s + 1/2) / n) r - 1/2)` with `r` the file's cells per cell of the
+//!    grid and `n = max(1, ceil(r))` samples: averages where the file is finer, interpolates where it is coarser.
+//!
+//! # Source
+//! Linear interpolation.
+//!
+//! # Layers
+//! Cells without a value are filled from their neighbours. A grid that is taken `from` a file keeps its place on Earth.
 
 use crate::backend::io::{self, ReadOptions, Sample};
 use crate::builtin;
 use crate::keys::FirstRow;
 use eyot_core::process::{Entry, Generator, Site};
-use eyot_core::{Edge, Error, Field, Georeference, Grid, Limits, Result};
+use eyot_core::{Edge, Error, Field, Georeference, Grid, Limits, Result, about};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -42,8 +53,9 @@ pub struct Import {
     pub(crate) max_bytes: Option<u64>,
 }
 
-/// The registry line of [`Import`].
-pub(crate) const IMPORT: Entry<dyn Generator> = Entry::<dyn Generator>::generator::<Import>("import", &[]);
+/// The registry line of [`Import`]; it is here because the land crate touches no files.
+pub(crate) const IMPORT: Entry<dyn Generator> =
+    Entry::<dyn Generator>::generator::<Import>("import", about!("import.rs"), &[]);
 
 impl Generator for Import {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
@@ -83,7 +95,7 @@ pub(crate) fn read(file: &str, options: &ReadOptions, limits: &Limits) -> std::r
     let unpack = || -> std::io::Result<(tempfile::TempDir, PathBuf)> {
         let folder = tempfile::tempdir()?;
         let path = folder.path().join(name);
-        std::fs::write(&path, data)?;
+        std::fs::write(&path, data.bytes)?;
         Ok((folder, path))
     };
     let (_folder, path) =
@@ -121,7 +133,7 @@ pub(crate) fn resolve(file: &str, folder: &Path) -> std::result::Result<String, 
 }
 
 fn missing_builtin(name: &str) -> String {
-    let all: Vec<&str> = builtin::DATA.iter().map(|d| d.0).collect();
+    let all: Vec<&str> = builtin::DATA.iter().map(|d| d.name).collect();
     match crate::diagnostic::nearest(name, all.iter().copied()) {
         Some(n) => format!("did you mean `builtin:{n}`?"),
         None if all.is_empty() => "give the name of a file".to_owned(),

@@ -35,6 +35,7 @@ mod backend;
 pub mod bench;
 mod builtin;
 mod check;
+mod cite;
 pub mod convert;
 mod describe;
 mod diagnostic;
@@ -61,7 +62,8 @@ pub mod store;
 mod validate;
 
 pub use builtin::{BuiltIn, RECIPES};
-pub use describe::{Description, ParameterInfo, describe};
+pub use cite::{Citation, Citations, all_citations, cite};
+pub use describe::{Choice, Description, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, nearest};
 pub use error::RunError;
 pub use event::{Command, Event, JournalEntry, Progress};
@@ -77,3 +79,8 @@ pub use schema::recipe_schema;
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The examples of the book are compiled and run like those of this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/book/src/tutorial/library.md")]
+struct Book;

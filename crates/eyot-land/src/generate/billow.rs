@@ -1,4 +1,11 @@
-//! Billow: fractal noise of folded octaves, `sum gain^o (2 |noise_o| - 1)`; see [`super::noise`].
+//! Billow: fractal noise of folded octaves.
+//!
+//! # Equations
+//! `n_o` noise of octave `o` within -1..=1, `g` gain; octaves and bases as for `fbm`.
+//! 1. `h = offset + amplitude * sum(g^o (2 |n_o| - 1)) / sum(g^o)`: what was a zero crossing is a sharp valley.
+//!
+//! # Source
+//! Turbulence as in Ebert et al. 2003, on the noise of Perlin 2002.
 
 use super::check;
 use super::fractal::{Fractal, Octaves};

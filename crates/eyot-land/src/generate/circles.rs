@@ -1,7 +1,14 @@
 //! Circle algorithm: round hills are heaped on each other, few large ones and then many small ones.
 //!
-//! `h = offset + sum_l f_l (cos(pi d / R_l) + 1)` over all discs nearer than R_l; `R_l = R_0 2^-l`, `f_l = gain^l height / 2`. Each level
-//! strews as many discs as cover a place `cover` times on average, so their number grows fourfold from level to level.
+//! # Equations
+//! `d` distance from a disc's centre, `R_0` radius of the largest discs, in metres.
+//! 1. `h = offset + sum_l f_l (cos(pi d / R_l) + 1)` over all discs nearer than `R_l`.
+//! 2. `R_l = R_0 2^-l`, `f_l = gain^l height / 2`.
+//!
+//! Each level strews as many discs as cover a place `cover` times on average, so their number grows fourfold from level to level.
+//!
+//! # Source
+//! A common algorithm without a known author.
 //!
 //! # Scale
 //! Radii are shares of the extent. Of levels whose discs are no larger than two cells only the mean remains, `cover f_l (1 - 4 / pi^2)`.

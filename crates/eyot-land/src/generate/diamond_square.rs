@@ -1,15 +1,19 @@
 //! Midpoint displacement: a coarse lattice of random heights is refined by halves, and each level is displaced less.
 //!
-//! # Scheme
-//! The classical diamond-square algorithm (Fournier, Fussell and Carpenter 1982) interpolates linearly and leaves the old points
-//! where they are, which shows as creases along the axes and as peaks at the points of coarse levels. Here the points of each
-//! level are the middles of squares (Miller 1986): a new point takes 9/16 of the nearest old one, 3/16 of each of two and 1/16 of the
-//! fourth, and all points are displaced. Repeated, that blend is a quadratic B-spline, which has no creases; the limit is
-//! looked up at the cells, so the grid may have any size, and on a wrapping rim the lattice is a ring.
-//!
 //! # Equations
-//! `h_0 = start u_0`, `h_l = S h_(l-1) + roughness^l u_l`, with u uniform within -1..=1 and S the blend; the sum is divided by
-//! its bound `start + roughness / (1 - roughness)`. Hurst exponent `H = -log2 roughness`.
+//! `u_l` uniform within -1..=1, `S` the blend.
+//! 1. `h_0 = start u_0`, `h_l = S h_(l-1) + roughness^l u_l`.
+//! 2. `S`: a new point takes 9/16 of the nearest old one, 3/16 of each of two and 1/16 of the fourth.
+//! 3. The sum is divided by its bound, `start + roughness / (1 - roughness)`. Hurst exponent `H = -log2 roughness`.
+//!
+//! # Source
+//! Fournier, Fussell and Carpenter 1982; the points of each level are the middles of squares after Miller 1986.
+//!
+//! # Differences
+//! The classical diamond-square algorithm interpolates linearly and leaves the old points where they are, which shows as creases
+//! along the axes and as peaks at the points of coarse levels. Here all points are displaced; repeated, the blend is a quadratic
+//! B-spline, which has no creases. The limit is looked up at the cells, so the grid may have any size, and on a wrapping rim the
+//! lattice is a ring.
 
 use super::subdivide::{Axis, Blend, Level, Random, cells_m, surface};
 use super::{check, scale_m};

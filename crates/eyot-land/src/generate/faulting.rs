@@ -1,14 +1,18 @@
-//! Poisson faulting (Mandelbrot 1975, Voss 1985): the land is cut along random lines, and one side rises.
+//! Poisson faulting: the land is cut along random lines, and one side rises.
 //!
 //! # Equations
-//! `h = offset + sum_i g_i s(phi_i)`, with Gaussian jumps `g_i` of deviation `amplitude / sqrt(faults)` and
-//! `phi_i` the distance from the i-th line; s is -1 on one side, 1 on the other and rises smoothly within `width` around the line.
+//! 1. `h = offset + sum_i g_i s(phi_i)`, with Gaussian jumps `g_i` of deviation `amplitude / sqrt(faults)` and
+//!    `phi_i` the distance from the i-th line; `s` is -1 on one side, 1 on the other and rises smoothly within `width` around it.
+//!
 //! Lines have all directions and all distances from the middle of the land alike. The limit of many faults is Brownian: mean
-//! squared differences of heights grow in proportion to the distance, H = 1/2.
+//! squared differences of heights grow in proportion to the distance, `H = 1/2`.
+//!
+//! # Source
+//! Mandelbrot 1975; Voss 1985.
 //!
 //! # Wrapping rims
-//! A line that closes on a torus has no sides, two of them have: there phi counts the turns around the torus along a direction `(p, q)`
-//! of small whole numbers, and s is 1 for a share of each turn, -1 for the rest, less its mean.
+//! A line that closes on a torus has no sides, two of them have: there `phi` counts the turns around the torus along a direction
+//! `(p, q)` of small whole numbers, and `s` is 1 for a share of each turn, -1 for the rest, less its mean.
 //!
 //! # Speed
 //! A row meets a line in one place, so a row costs the sum of cells and lines and not their product.

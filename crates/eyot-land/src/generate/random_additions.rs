@@ -1,11 +1,16 @@
-//! Successive random additions (Voss 1985, Saupe 1988): a lattice is refined again and again, and a Gaussian number is added to
-//! all of its points, old places and new ones, each time.
+//! Successive random additions: a lattice is refined again and again, and a Gaussian number is added to all of its points, old
+//! places and new ones, each time.
 //!
-//! # Scheme
-//! Level l has points `ratio^l` times as far apart as the first. Its lattice is moved by a random part of the spacing, so
-//! a point comes to lie anywhere on the way between two points of the level before and not in the middle; it takes the height
-//! of a quadratic B-spline there, and `sigma_l = ratio^(H l)` times a Gaussian number is added. That the ratio is free is what
-//! distinguishes the method from midpoint displacement: near 1 the levels melt into each other.
+//! # Equations
+//! 1. Level `l` has points `ratio^l` times as far apart as the first. Its lattice is moved by a random part of the spacing, so
+//!    a point comes to lie anywhere on the way between two points of the level before and not in the middle.
+//! 2. A point takes the height of a quadratic B-spline through the level before, and `sigma_l = ratio^(H l)` times a Gaussian number
+//!    is added.
+//!
+//! That the ratio is free is what distinguishes the method from midpoint displacement: near 1 the levels melt into each other.
+//!
+//! # Source
+//! Voss 1985; Saupe 1988.
 //!
 //! # Scale
 //! Spacings are shares of the extent; levels finer than the cells are left out, the last one fades in.

@@ -1,7 +1,12 @@
 //! Remap: every height is looked up on a curve (filter).
 //!
-//! `t = (h - from_0) / (from_1 - from_0)`, the new height is `to_0 + (to_1 - to_0) C(t)` with a curve C through the points. A
-//! smooth curve is a monotone cubic (Fritsch and Carlson 1980): it rises where the points rise and never overshoots them.
+//! # Equations
+//! 1. `t = (h - from_0) / (from_1 - from_0)`.
+//! 2. `h' = to_0 + (to_1 - to_0) C(t)` with a curve `C` through the points, straight or a monotone cubic, which rises where the
+//!    points rise and never overshoots them.
+//!
+//! # Source
+//! Fritsch and Carlson 1980 (monotone cubic).
 
 use super::{check, fill};
 use eyot_core::process::{Around, Generator, Reach, Site};

@@ -1,4 +1,21 @@
-//! Ridged multifractal noise: crests where a noise passes zero, finer crests on them; see [`super::noise`].
+//! Ridged multifractal noise: crests where a noise passes zero, and finer crests on them.
+//!
+//! # Equations
+//! `n_o` noise of octave `o` within -1..=1, `g` gain; octaves as for `fbm`.
+//! 1. `s_o = (1 - |n_o|)^2 w_o`.
+//! 2. `w_0 = 1`, `w_(o+1) = clamp(sharpness s_o, 0, 1)`: crests get detail, valleys stay smooth.
+//! 3. `h = offset + amplitude * sum(g^o s_o) / sum(g^o)`.
+//!
+//! # Source
+//! The ridged multifractal of Musgrave in Ebert et al. 2003; multifractals in Musgrave, Kolb and Mace 1989. Noise as for `fbm`.
+//!
+//! # Differences
+//! - The sum is divided by the sum of the weights, so the result lies within `offset` and `offset + amplitude`.
+//! - Gradient noise of Perlin is the default: simplex noise is zero at all points of its lattice, so that its crests run from
+//!   point to point.
+//!
+//! # Layers
+//! Makes a new field from its parameters and the seed of its step.
 
 use super::check;
 use super::fractal::{Fractal, Octaves};

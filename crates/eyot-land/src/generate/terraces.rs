@@ -1,7 +1,12 @@
 //! Terraces: heights are drawn together into steps (filter).
 //!
-//! With `t = (h - low) / step + n`, where `n` is `jitter` times a noise, and `k = floor(t)`, the new height is
-//! `low + step (k + S(t - k) - n)`. S rises from 0 to 1 around one half, within `softness` of the step.
+//! # Equations
+//! `n` a noise times `jitter`, `k = floor(t)`.
+//! 1. `t = (h - low) / step + n`.
+//! 2. `h' = low + step (k + S(t - k) - n)`, where `S` rises from 0 to 1 around one half, within `softness` of the step.
+//!
+//! # Source
+//! A common remapping of heights; the noise that bends the steps is ours.
 
 use super::noise::Noise;
 use super::{check, scale_m};

@@ -1,8 +1,17 @@
-//! Domain warp: `h(p) -> h(p + d(p))` with a displacement `d` made of two noises (filter).
+//! Domain warp: every place gets the value of another place nearby (filter).
 //!
-//! Between the cells the layer is interpolated: bilinear (stays within the layer's range, but creases at cell borders when the
-//! warp stretches the land), or Catmull-Rom (smooth; may overshoot beside a cliff by an eighth of its height). Beyond a closed
-//! or open rim the border cell goes on; a wrapping rim is a ring.
+//! # Equations
+//! 1. `h'(p) = h(p + strength * scale * (u(p), v(p)))` with two noises `u` and `v` within -1..=1; octaves as for `fbm`.
+//!
+//! Between the cells the layer is interpolated: linear (stays within the layer's range, but creases at cell borders when the
+//! warp stretches the land), or cubic after Catmull and Rom (smooth; may overshoot beside a cliff by an eighth of its height).
+//! Beyond a closed or open rim the border cell goes on; a wrapping rim is a ring.
+//!
+//! # Source
+//! Distorted lookups as in Ebert et al. 2003.
+//!
+//! # Layers
+//! Reads the layer that it changes; uses the seed of its step.
 
 use super::fractal::Octaves;
 use super::noise::{PIECE, PIECE_COLUMNS, Piece, Sum};

@@ -1,4 +1,17 @@
 //! Cellular noise: distances to points that are strewn over the land, one in each square of a lattice.
+//!
+//! # Equations
+//! `F1`, `F2` distance to the nearest and second nearest point, in squares of the lattice; a point lies up to `jitter / 2` from
+//! the middle of its square along each axis.
+//! 1. `h = offset + amplitude F / F_max`, where `F` is `F1`, `F2` or `F2 - F1`, looked up at displaced places as for `fbm`.
+//! 2. `F_max = (1 + jitter) / sqrt(2)` for `F1`, `2 - jitter / 2` for the others.
+//!
+//! # Source
+//! Worley 1996.
+//!
+//! # Differences
+//! One point in each square instead of a Poisson number of them: no gaps and no clusters, and sixteen squares around a place are
+//! enough.
 
 use super::noise::{Basis, Noise};
 use super::{check, scale_m};

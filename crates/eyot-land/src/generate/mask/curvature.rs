@@ -1,6 +1,12 @@
 //! Mask of ridges or hollows.
 //!
-//! The measure is `(h - mean of eight cells on a ring) / radius`: how far a place stands out of its surroundings, as a slope.
+//! # Equations
+//! `R` as for `mask_height`, `r` radius of a ring of eight cells.
+//! 1. `c = (h - mean of the ring) / r`: how far a place stands out of its surroundings, as a slope; negative in hollows.
+//! 2. `m = R(from, to, c)`, with `-c` for hollows; `1 - m` with `invert`.
+//!
+//! # Source
+//! The topographic position of a place, in a discrete form of the Laplacian.
 
 use super::super::{check, fill};
 use super::{cells, looked_at, rise};

@@ -1,4 +1,11 @@
 //! Mask of a band of heights.
+//!
+//! # Equations
+//! `R(a, b, x)` rises smoothly from 0 at `a` to 1 at `b` (`3 t^2 - 2 t^3`), `e` half of `edge`.
+//! 1. `m = R(from - e, from + e, h) (1 - R(to - e, to + e, h))`; `1 - m` with `invert`.
+//!
+//! # Source
+//! Elementary.
 
 use super::super::{check, fill};
 use super::{looked_at, rise};

@@ -1,4 +1,11 @@
 //! Mask of patches.
+//!
+//! # Equations
+//! `n` noise within -1..=1 as for `fbm`, `R` as for `mask_height`, `e` half of `edge`.
+//! 1. `m = R(level - e, level + e, n)`; `1 - m` with `invert`.
+//!
+//! # Source
+//! Noise as for `fbm`.
 
 use super::super::check;
 use super::super::fractal::Octaves;

@@ -1,4 +1,12 @@
 //! Mask of a band of slopes.
+//!
+//! # Equations
+//! `R` as for `mask_height`, `e` half of `edge`, angles as tangents, `d` the distance over which the slope is measured.
+//! 1. `g = sqrt(((h_east - h_west) / 2 d)^2 + ((h_south - h_north) / 2 d)^2)`.
+//! 2. `m = R(from - e, from + e, g) (1 - R(to - e, to + e, g))`, without the second factor if `to` is 90; `1 - m` with `invert`.
+//!
+//! # Source
+//! Central differences.
 
 use super::super::{check, fill};
 use super::{cells, looked_at, rise};

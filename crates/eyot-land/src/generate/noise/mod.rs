@@ -1,7 +1,7 @@
 //! Noise in the plane and its sums over octaves.
 //!
 //! - [`Basis::Perlin`]: square lattice, quintic fade. [`Basis::Simplex`]: lattice of triangles, radial kernel. Both have unit
-//!   gradients chosen by an integer hash, are scaled so that no value lies outside -1..=1 (the bound is reached only if all
+//!   gradients at angles chosen by an integer hash, are scaled so that no value lies outside -1..=1 (the bound is reached only if all
 //!   gradients around a point agree), and are zero at lattice points.
 //! - [`Basis::Value`]: a number at each point of a square lattice, blended with the quintic fade.
 //! - [`Basis::WorleyF1`], `F2`, `F2F1`: distances to points strewn over a square lattice, see `worley`. Their mean is not 0.
