@@ -136,11 +136,11 @@ pub fn remove_leftovers(folder: &Path) {
             if File::open(&path).is_ok_and(|f| f.try_lock().is_ok()) {
                 let _ = fs::remove_dir_all(&path);
             }
-        } else if kind.is_ok_and(|t| t.is_file()) {
-            if File::options().write(true).open(&path).is_ok_and(|f| f.try_lock().is_ok()) {
-                // What cannot be removed is in nobody's way either.
-                let _ = fs::remove_file(&path);
-            }
+        } else if kind.is_ok_and(|t| t.is_file())
+            && File::options().write(true).open(&path).is_ok_and(|f| f.try_lock().is_ok())
+        {
+            // What cannot be removed is in nobody's way either.
+            let _ = fs::remove_file(&path);
         }
     }
 }
