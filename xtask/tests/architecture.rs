@@ -67,7 +67,7 @@ fn land_does_no_io_and_its_rooms_are_apart() {
     assert_absent("crates/eyot-land/src", &["std::fs", "std::net", "File::"], &[]);
     assert_absent("crates/eyot-land/src/generate", &["simulate::"], &[]);
     assert_absent("crates/eyot-land/src/simulate", &["generate::"], &[]);
-    let processes = ["hydraulic", "thermal", "seabed", "reef", "wetness"];
+    let processes = ["hydraulic", "thermal", "seabed", "reef", "wetness", "streampower"];
     for p in processes {
         for (path, text) in rust_files("crates/eyot-land/src/simulate") {
             let name = path.to_string_lossy().into_owned();

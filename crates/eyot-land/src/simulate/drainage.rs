@@ -10,7 +10,7 @@
 //! n-th step only (`every`): drainage changes slowly.
 //!
 //! # Source
-//! See [`crate::drainage`], which does the work.
+//! See `eyot_land::drainage`, which does the work.
 //!
 //! # Layers
 //! Reads and writes `height` (m); writes `lake` (m) and `drained_area` (m2).
