@@ -34,6 +34,10 @@ fn shown(name: &str, filter: bool) -> Show {
         "smooth" => Show::Filter(format!("{plain}sigma_m = 200.0\n")),
         "terraces" => Show::Filter(format!("{plain}count = 6\nsoftness = 0.3\n")),
         "mask_height" => Show::Mask(format!("{plain}layer = \"mask\"\nfrom = 0.0\nto = 600.0\n")),
+        "flow" => Show::Mask(format!(
+            "{plain}layer = \"mask\"\n[[step]]\ngenerate = \"remap\"\nlayer = \"mask\"\n\
+             from = [0.0, 4e5]\nto = [0.0, 1.0]\npoints = [[0.0, 0.0], [0.03, 0.45], [1.0, 1.0]]\n"
+        )),
         "crater" => Show::Filter(format!("{plain}level = 0.55\ncrest_m = 40.0\n")),
         _ if name.starts_with("mask_") => Show::Mask(format!("{plain}layer = \"mask\"\n")),
         _ if filter => Show::Filter(plain),

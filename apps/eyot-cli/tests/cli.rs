@@ -223,7 +223,7 @@ fn a_picture_without_heights_gives_a_grid_and_the_right_remedy() {
     for (args, code) in [(&["run", "bare.toml"][..], 1), (&["stats", "grey.png"], 2), (&["render", "grey.png"], 2)] {
         let text = said(f, args, code);
         let flat = text.split_whitespace().filter(|w| *w != "|").collect::<Vec<_>>().join(" ");
-        assert!(flat.contains("generate = \"import\" with low_m and high_m"), "{text}");
+        assert!(flat.contains("low_m and high_m in a recipe (generate = \"import\")"), "{text}");
     }
 }
 

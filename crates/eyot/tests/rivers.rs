@@ -4,7 +4,7 @@
 //! it, and to dig where much water flows rather than everywhere.
 
 use eyot::land::analyse::{TerrainOptions, TerrainStats, terrain_stats};
-use eyot::land::drainage::{Base, Routing, fill, outlets};
+use eyot::land::drainage::{Base, FlatRule, Routing, fill, outlets};
 use eyot::{Control, Field, Grid, Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
 
 /// Hills of 25 degrees on average: about as steep as noise may be before nothing but slides happens.
@@ -89,7 +89,8 @@ fn channels(height: &Field, grid: &Grid) -> Vec<bool> {
     let mut z = height.to_vec();
     let out = outlets(&z, grid, &Base { closed_rims: true, ..Base::default() }).expect("outlets");
     fill(&mut z, grid, &out, &Control::none()).expect("filled land");
-    let cells = Routing::new(&z, grid, &out, &Control::none()).expect("a network").upstream_cells();
+    let cells =
+        Routing::with_flats(&z, grid, &out, FlatRule::Shortest, &Control::none()).expect("a network").upstream_cells();
     let mut sorted = cells.clone();
     sorted.sort_unstable();
     let least = sorted[sorted.len() - 1 - sorted.len() * 3 / 100];

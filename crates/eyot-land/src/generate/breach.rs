@@ -18,7 +18,7 @@
 use super::check;
 use crate::drainage::{BreachLimits, Land, breach, fill};
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +46,7 @@ impl Default for Breach {
 
 impl Generator for Breach {
     fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
-        check("breach", self)?;
+        self.check(&site.grid)?;
         let (grid, control) = (&site.grid, site.control);
         let land = Land { height: base, grid, sea_level_m: site.world.sea_level_m, closed_rims: self.closed_rims };
         let (mut height, outlets) = land.heights_and_outlets()?;
@@ -56,6 +56,10 @@ impl Generator for Breach {
             fill(&mut height, grid, &outlets, control)?;
         }
         Field::from_slice(grid.width, grid.height, &height)
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("breach", self)
     }
 
     fn is_filter(&self) -> bool {

@@ -16,7 +16,7 @@
 use super::check;
 use crate::drainage::{Land, Routing, fill};
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ pub struct Fill {
 
 impl Generator for Fill {
     fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
-        check("fill", self)?;
+        self.check(&site.grid)?;
         let (grid, control) = (&site.grid, site.control);
         let land = Land { height: base, grid, sea_level_m: site.world.sea_level_m, closed_rims: self.closed_rims };
         let (mut height, outlets) = land.heights_and_outlets()?;
@@ -43,6 +43,10 @@ impl Generator for Fill {
             Routing::new(&height, grid, &outlets, control)?.tilt(&mut height, f64::from(self.slope))?;
         }
         Field::from_slice(grid.width, grid.height, &height)
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("fill", self)
     }
 
     fn is_filter(&self) -> bool {

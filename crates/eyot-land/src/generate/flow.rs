@@ -14,7 +14,7 @@
 use super::check;
 use crate::drainage::{Land, RoutingRule};
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -39,12 +39,20 @@ impl Default for Flow {
 
 impl Generator for Flow {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        check("flow", self)?;
+        self.check(&site.grid)?;
         let grid = &site.grid;
         let height = &site.world.layer("height")?.field;
         let land = Land { height, grid, sea_level_m: site.world.sea_level_m, closed_rims: self.closed_rims };
         let drained = land.drain(self.routing, f64::from(self.exponent), site.control)?;
         let area: Vec<f32> = drained.area_m2.iter().map(|&a| a as f32).collect();
         Field::from_slice(grid.width, grid.height, &area)
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("flow", self)
+    }
+
+    fn reads(&self) -> Vec<&str> {
+        vec!["height"]
     }
 }

@@ -159,7 +159,7 @@ mod tests {
             let f = b.get("height").unwrap();
             let (sx, sy) = (39.0 / (n - 1) as f32, 29.0 / (n - 1) as f32);
             // Near the border the repeated border value bends the plane.
-            let margin = (2.0 / sx.min(sy)).ceil().max(2.0) as usize;
+            let margin = (2.0 / sx.min(sy)).ceil().max(3.0) as usize;
             for y in margin..n - margin {
                 for x in margin..n - margin {
                     let exact = 3.0 * x as f32 * sx - 2.0 * y as f32 * sy;
