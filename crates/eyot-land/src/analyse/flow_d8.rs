@@ -15,7 +15,7 @@
 //! The gradient away from higher terrain of the second paper is left out: it makes rivers on wide filled flats join
 //! earlier, which no measure here can tell.
 
-use super::neighbours::Neighbours;
+use crate::drainage::Neighbours;
 use eyot_core::{Field, Grid};
 use std::collections::VecDeque;
 

@@ -8,7 +8,7 @@
 //! `filled(c) = min over paths c -> outlet of max height on the path`, which is unique: it does not depend on the order
 //! in which equal heights are visited, and every filled value is one of the input values, so nothing is rounded.
 
-use super::neighbours::Neighbours;
+use crate::drainage::Neighbours;
 use eyot_core::{Field, Grid};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};

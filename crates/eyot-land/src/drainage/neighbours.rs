@@ -24,7 +24,10 @@ impl Neighbours {
             height: grid.height,
             wrap_x: grid.rim.x == Edge::Wrap,
             wrap_y: grid.rim.y == Edge::Wrap,
-            distance_m: STEPS.map(|(dx, dy)| (dx as f64 * grid.cell_x_m).hypot(dy as f64 * grid.cell_y_m)),
+            distance_m: STEPS.map(|(dx, dy)| {
+                let (x, y) = (dx as f64 * grid.cell_x_m, dy as f64 * grid.cell_y_m);
+                (x * x + y * y).sqrt()
+            }),
         }
     }
 
