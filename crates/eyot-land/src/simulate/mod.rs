@@ -5,6 +5,7 @@
 pub mod hydraulic;
 pub mod reef;
 pub mod seabed;
+pub mod streampower;
 pub mod thermal;
 pub mod wetness;
 
@@ -14,6 +15,7 @@ use eyot_core::{LayerSpec, Stagger};
 pub use hydraulic::Hydraulic;
 pub use reef::Reef;
 pub use seabed::Seabed;
+pub use streampower::Streampower;
 pub use thermal::Thermal;
 pub use wetness::Wetness;
 
