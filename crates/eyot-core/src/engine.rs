@@ -19,7 +19,8 @@ use crate::grid::{Edge, Grid};
 use crate::isa::Isa;
 use crate::kernel::{ROWS, RowJob};
 use crate::lanes::WIDTH;
-use crate::layer::{Beyond, Layer, LayerSpec, Stagger};
+use crate::layer::{Beyond, LayerSpec, Stagger};
+use crate::ledger::Ledger;
 use crate::limits::Limits;
 use crate::plan::{Pass, Plan};
 use crate::process::{Moment, Scheduled, Span};
@@ -87,11 +88,21 @@ impl CpuEngine {
         let mut done = 0;
         let mut outcome = control.check();
         while done < span.steps && outcome.is_ok() {
-            let steps = chain.min(span.steps - done);
+            let at = span.from + done;
+            if acts(processes, at) {
+                outcome = self.acting_step(&mut arena, world, processes, at, control);
+                if outcome.is_ok() {
+                    done += 1;
+                    outcome = control.tick(done, span.steps);
+                }
+                continue;
+            }
+            let most = chain.min(span.steps - done);
+            let steps = (1..most).find(|i| acts(processes, at + i)).unwrap_or(most);
             let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
             let mut plan = Plan::default();
             for i in 0..steps {
-                plan_step(processes, span.from + done + i, &mut moment, &mut plan);
+                plan_step(processes, at + i, &mut moment, &mut plan);
             }
             outcome = arena.run(self, &plan);
             if outcome.is_ok() {
@@ -103,6 +114,43 @@ impl CpuEngine {
         arena.give_back(world);
         world.check_finite(&format!("step {}", world.step))?;
         outcome
+    }
+
+    /// One step in which some process acts on the whole world. On an error the world is as it was before the step.
+    fn acting_step(
+        &self,
+        arena: &mut Arena,
+        world: &mut World,
+        processes: &[Scheduled],
+        local_step: u64,
+        control: &Control<'_>,
+    ) -> Result<()> {
+        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut before: Option<Saved> = None;
+        let mut plan = Plan::default();
+        let outcome = processes.iter().filter(|s| due(s, local_step)).try_for_each(|s| {
+            plan_process(s, local_step, &mut moment, &mut plan);
+            if let Some(action) = s.process.action() {
+                if before.is_none() {
+                    before = Some(arena.save(world)?);
+                }
+                arena.run(self, &std::mem::take(&mut plan))?;
+                arena.lend(world, |world| action.act(&moment, world, control))?;
+            }
+            s.process.advance(&mut moment);
+            Ok(())
+        });
+        // Nothing can stop the passes after the last action.
+        match outcome.and_then(|()| arena.run(self, &plan)) {
+            Ok(()) => (world.step, world.sea_level_m) = (moment.step + 1, moment.sea_level_m),
+            Err(e) => {
+                if let Some(saved) = before {
+                    arena.restore(world, saved);
+                }
+                return Err(e);
+            }
+        }
+        Ok(())
     }
 
     /// Steps of a chain for plans of so many passes a step.
@@ -120,15 +168,33 @@ impl CpuEngine {
 
 /// Adds one step of all processes that are due to the plan, and moves the moment on.
 pub(crate) fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut Moment, plan: &mut Plan) {
-    for s in processes {
-        if local_step.is_multiple_of(s.every.max(1)) {
-            plan.step = moment.step;
-            moment.turn = local_step / s.every.max(1);
-            s.process.plan(moment, plan);
-            s.process.advance(moment);
-        }
+    for s in processes.iter().filter(|s| due(s, local_step)) {
+        plan_process(s, local_step, moment, plan);
+        s.process.advance(moment);
     }
     moment.step += 1;
+}
+
+fn plan_process(s: &Scheduled, local_step: u64, moment: &mut Moment, plan: &mut Plan) {
+    plan.step = moment.step;
+    moment.turn = local_step / s.every.max(1);
+    s.process.plan(moment, plan);
+}
+
+fn due(s: &Scheduled, local_step: u64) -> bool {
+    local_step.is_multiple_of(s.every.max(1))
+}
+
+/// True if a process that is due in this step has an action.
+fn acts(processes: &[Scheduled], local_step: u64) -> bool {
+    processes.iter().any(|s| due(s, local_step) && s.process.action().is_some())
+}
+
+/// A world before a step: layers, sums, ledger.
+struct Saved {
+    fields: Vec<Field>,
+    sums: Vec<Vec<f64>>,
+    ledger: Ledger,
 }
 
 /// Buffers of a simulation: two copies of each layer as needed, scratch layers, sums per row.
@@ -153,29 +219,39 @@ impl Arena {
     fn new(limits: Limits, world: &mut World) -> Self {
         let g = world.grid;
         let specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
-        let take = |l: &mut Layer| [Some(std::mem::replace(&mut l.field, Field::new(0, 0, 0.0))), None];
-        let mut fields: Vec<[Option<Field>; 2]> = world.layers_mut().iter_mut().map(take).collect();
-        for (pair, spec) in fields.iter_mut().zip(&specs) {
-            let Some(raw) = pair[0].as_mut().map(Field::raw) else { continue };
-            // Faces north of an open rim are a row of their own.
-            let first = if spec.stagger == Stagger::FaceY && g.rim.y == Edge::Open { -1 } else { 0 };
-            for y in first..g.height as isize {
-                // SAFETY: this thread owns the field.
-                unsafe { finish_row(raw.row(y), &g, spec, y) };
-            }
-        }
-        Self {
+        let mut arena = Self {
             grid: g,
             seed: world.seed,
             limits,
             current: vec![0; specs.len()],
             world_layers: specs.len(),
-            fields,
+            fields: vec![[const { None }; 2]; specs.len()],
             zeros: Field::new(g.width, 1, 0.0),
             dummy: Field::new(g.width, MAX_WRITES, 0.0),
             tallies: Vec::new(),
             sums: Vec::new(),
             specs,
+        };
+        arena.take(world);
+        arena
+    }
+
+    /// Takes the world's fields and makes their padding what the rim says.
+    fn take(&mut self, world: &mut World) {
+        for (l, layer) in world.layers_mut().iter_mut().enumerate().take(self.world_layers) {
+            let mut field = std::mem::replace(&mut layer.field, Field::new(0, 0, 0.0));
+            self.finish(&self.specs[l], &mut field);
+            self.fields[l][self.current[l]] = Some(field);
+        }
+    }
+
+    /// Makes the padding of a layer what the rim says.
+    fn finish(&self, spec: &LayerSpec, field: &mut Field) {
+        // Faces north of an open rim are a row of their own.
+        let first = if spec.stagger == Stagger::FaceY && self.grid.rim.y == Edge::Open { -1 } else { 0 };
+        for y in first..self.grid.height as isize {
+            // SAFETY: this thread owns the field.
+            unsafe { finish_row(field.raw().row(y), &self.grid, spec, y) };
         }
     }
 
@@ -258,13 +334,57 @@ impl Arena {
         sweep.run(engine.band);
     }
 
-    /// Puts the fields back into the world and the sums into its ledger.
-    fn give_back(mut self, world: &mut World) {
+    /// Lends the world its layers while `f` works on it.
+    fn lend(&mut self, world: &mut World, f: impl FnOnce(&mut World) -> Result<()>) -> Result<()> {
+        self.put_back(world);
+        let outcome = f(world);
+        let sound = world.layers().len() == self.world_layers
+            && world
+                .layers()
+                .iter()
+                .all(|l| (l.field.width(), l.field.height()) == (self.grid.width, self.grid.height));
+        assert!(sound, "an action changed what layers there are, or their size");
+        self.take(world);
+        outcome
+    }
+
+    /// What [`Arena::restore`] needs.
+    fn save(&self, world: &World) -> Result<Saved> {
+        let held = self.fields.iter().flatten().flatten().chain(self.world_fields()).map(Field::bytes);
+        self.limits.check_bytes("a copy of the world to go back to", held.map(|b| b as u128).sum())?;
+        let fields = self.world_fields().cloned().collect();
+        Ok(Saved { fields, sums: self.sums.clone(), ledger: world.ledger.clone() })
+    }
+
+    /// Takes back everything since `saved`.
+    fn restore(&mut self, world: &mut World, saved: Saved) {
+        for (l, mut field) in saved.fields.into_iter().enumerate() {
+            self.finish(&self.specs[l], &mut field);
+            self.fields[l][self.current[l]] = Some(field);
+        }
+        // Sums that are newer than the copy start again.
+        self.sums.iter_mut().skip(saved.sums.len()).for_each(|rows| rows.fill(0.0));
+        self.sums.iter_mut().zip(saved.sums).for_each(|(rows, before)| *rows = before);
+        world.ledger = saved.ledger;
+    }
+
+    /// The current copies of the world's layers.
+    fn world_fields(&self) -> impl Iterator<Item = &Field> {
+        (0..self.world_layers).filter_map(|l| self.fields[l][self.current[l]].as_ref())
+    }
+
+    /// Puts the fields back into the world.
+    fn put_back(&mut self, world: &mut World) {
         for (l, layer) in world.layers_mut().iter_mut().enumerate().take(self.world_layers) {
             if let Some(f) = self.fields[l][self.current[l]].take() {
                 layer.field = f;
             }
         }
+    }
+
+    /// Puts the fields back into the world and the sums into its ledger.
+    fn give_back(mut self, world: &mut World) {
+        self.put_back(world);
         let area = world.grid.cell_area_m2();
         for (t, rows) in self.tallies.iter().zip(&self.sums) {
             let sum: f64 = rows.iter().sum();

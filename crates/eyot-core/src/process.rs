@@ -25,7 +25,7 @@ pub struct Moment {
     pub sea_level_m: f64,
 }
 
-/// A named set of rules with one parameter struct and a stability bound.
+/// A named set of rules, or an action, with one parameter struct and a stability bound.
 pub trait Process: Send + Sync {
     /// Layers that the process reads or writes, with the value that a missing one starts from.
     fn layers(&self) -> Vec<(LayerSpec, f32)>;
@@ -48,10 +48,26 @@ pub trait Process: Send + Sync {
     }
 
     /// Adds the passes of one step to the plan, sub-stepped to the process's stability bound.
-    fn plan(&self, moment: &Moment, plan: &mut Plan);
+    fn plan(&self, _moment: &Moment, _plan: &mut Plan) {}
+
+    /// Work of a step that is not rules of cells; done after the passes that [`Process::plan`] adds.
+    fn action(&self) -> Option<&dyn Action> {
+        None
+    }
 
     /// Moves what is not a layer (the sea level) on by one step.
     fn advance(&self, _moment: &mut Moment) {}
+}
+
+/// Work on the whole world at once, which rules of cells cannot do: drainage, rivers, plates.
+pub trait Action: Send + Sync {
+    /// Changes the layers that [`Process::layers`] names, and writes what entered, left or was clamped to the ledger. The
+    /// result must not depend on the number of threads.
+    ///
+    /// # Errors
+    /// If a parameter cannot work on this world, or on a request to stop, which long work must look for. The engine then
+    /// takes the whole step back.
+    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()>;
 }
 
 /// What a generator may look at.
