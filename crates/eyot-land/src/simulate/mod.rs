@@ -25,6 +25,7 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Thermal>("thermal", &["musgrave1989", "olsen2004"]),
     Entry::<dyn Process>::process::<Seabed>("seabed", &[]),
     Entry::<dyn Process>::process::<Reef>("reef", &["bosscher1992", "darwin1842", "meyer2014"]),
+    Entry::<dyn Process>::process::<Streampower>("streampower", &["howard1994", "braun2013"]),
     Entry::<dyn Process>::process::<Wetness>("wetness", &[]),
 ];
 

@@ -63,17 +63,22 @@ impl Line {
             return None;
         }
         let n = inner.len();
-        let outer = match edge {
-            Edge::Open => 1.0 + 2.0 * a,
-            Edge::Closed => 1.0 + a,
+        // Beyond this a line is level to a millionth, and rounding would take over.
+        let a = a.min(1e6 * (n * n) as f64);
+        // Pivots are `a + e`: written with `e`, long steps cancel nothing.
+        let mut e = match edge {
+            Edge::Closed => 1.0,
+            Edge::Open => 1.0 + a,
             // The ring's corner entries `-a` are taken out as a rank-one matrix, which adds `a` to both ends.
-            Edge::Wrap => 1.0 + 3.0 * a,
+            Edge::Wrap => 1.0 + 2.0 * a,
         };
         let mut pivot = Vec::with_capacity(n);
-        for i in 0..n {
-            let here = if i == 0 || i + 1 == n { outer } else { 1.0 + 2.0 * a };
-            let below = pivot.last().map_or(0.0, |p| a * a * p);
-            pivot.push(1.0 / (here - below));
+        pivot.push(1.0 / (a + e));
+        for i in 1..n {
+            e = 1.0 + a * e / (a + e);
+            let last = if edge == Edge::Closed { 0.0 } else { a };
+            let ring = if edge == Edge::Wrap { a } else { 0.0 };
+            pivot.push(1.0 / if i + 1 == n { last + ring + e } else { a + e });
         }
         let mut line = Self { inner, a, pivot, ring: None };
         if edge == Edge::Wrap {

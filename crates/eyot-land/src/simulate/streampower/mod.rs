@@ -44,6 +44,7 @@ pub use heights::HEIGHT_REST;
 use crate::drainage::{Base, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::math64::pow;
+use eyot_core::process::{Action, Moment, Process};
 use eyot_core::{Control, Edge, Error, Field, Grid, LayerSpec, Result, World};
 use law::Law;
 use rayon::prelude::*;
@@ -100,8 +101,12 @@ pub const UPLIFT: LayerSpec = LayerSpec::new("uplift", "1", "Factor on the uplif
 pub const ERODIBILITY: LayerSpec =
     LayerSpec::new("erodibility", "1", "Factor on the erodibility of stream power; below 0 counts as 0", (0.0, 1e6));
 
-impl Streampower {
-    fn checked(&self) -> Result<()> {
+impl Process for Streampower {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0), (HEIGHT_REST, 0.0)]
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
         let bad = |field: &str, reason: String| {
             Err(Error::BadParameter { owner: "streampower".into(), field: field.into(), reason })
         };
@@ -121,9 +126,14 @@ impl Streampower {
         Ok(())
     }
 
-    /// Moves the world's heights on by one step.
-    pub(crate) fn step(&self, world: &mut World, sea_level_m: f64, control: &Control<'_>) -> Result<()> {
-        let grid = world.grid;
+    fn action(&self) -> Option<&dyn Action> {
+        Some(self)
+    }
+}
+
+impl Action for Streampower {
+    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+        let (grid, sea_level_m) = (moment.grid, moment.sea_level_m);
         let years = f64::from(self.years_per_step);
         let mut z = heights::load(world)?;
         let outlets = outlets(&z, &grid, &Base { sea_level_m: Some(sea_level_m), ..Base::default() })?;
@@ -158,7 +168,9 @@ impl Streampower {
         }
         Ok(())
     }
+}
 
+impl Streampower {
     /// Lets the rivers cut, and returns the sum of what they took, m.
     fn incise(&self, z: &mut [f64], grid: &Grid, routing: &Routing, sea_level_m: f64, factor: Option<&Field>) -> f64 {
         let (m, n) = (f64::from(self.area_exponent), f64::from(self.slope_exponent));
