@@ -20,12 +20,15 @@
 //! ```
 
 mod accumulate;
+mod bands;
+mod descent;
 mod fill;
 mod flats;
 mod height;
 mod neighbours;
 mod outlets;
 mod routing;
+mod spill;
 mod steepest;
 
 pub use fill::fill;

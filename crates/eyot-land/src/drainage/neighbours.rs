@@ -63,6 +63,11 @@ impl Neighbours {
         Some(y * self.width + x).filter(|&j| j != i)
     }
 
+    /// True if an axis is a ring.
+    pub fn wraps(&self) -> bool {
+        self.wrap_x || self.wrap_y
+    }
+
     /// True if cell `i` has a neighbour on every side, so that nothing is cut off by the rim.
     #[inline]
     pub fn is_interior(&self, i: usize) -> bool {

@@ -9,10 +9,12 @@
 //! O'Callaghan & Mark (1984), The extraction of drainage networks from digital elevation data, CVGIP 28, 323-344.
 
 use super::flats::resolve_flats;
-use super::neighbours::Neighbours;
+use super::bands::band_cells;
+use super::neighbours::{Neighbours, STEPS};
 use super::steepest::{NOWHERE, steepest};
 use super::{Height, check_sizes};
 use eyot_core::{Control, Grid, Result};
+use rayon::prelude::*;
 
 /// A drainage network: one receiver a cell, no loops.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,26 +35,36 @@ impl Routing {
     /// If `surface` or `outlets` has another size than `grid`, the grid has 2^32 cells or more, or on a request to stop.
     pub fn new<T: Height>(surface: &[T], grid: &Grid, outlets: &[bool], control: &Control<'_>) -> Result<Self> {
         check_sizes(grid, &[("surface", surface.len()), ("outlets", outlets.len())])?;
-        let around = Neighbours::new(grid);
-        let mut direction = steepest(surface, grid, &around, outlets, control)?;
-        resolve_flats(surface, &around, &mut direction, control)?;
-        Ok(Self::from_directions(direction, grid))
-    }
+        let mut direction = steepest(surface, grid, outlets, control)?;
+        resolve_flats(surface, grid, &mut direction, control)?;
 
-    /// The network of `direction` (see [`Routing::direction`]); directions that leave the grid make outlets.
-    pub(super) fn from_directions(mut direction: Vec<u8>, grid: &Grid) -> Self {
-        let around = Neighbours::new(grid);
-        let mut receiver = Vec::with_capacity(direction.len());
-        for (i, d) in direction.iter_mut().enumerate() {
-            let to = if *d < NOWHERE { around.at(i, usize::from(*d)) } else { None };
-            if to.is_none() {
-                *d = NOWHERE;
+        let near = Neighbours::new(grid);
+        let (w, cells) = (grid.width, band_cells(grid));
+        let mut step = [0; 9];
+        step[..8].copy_from_slice(&STEPS.map(|(dx, dy)| dy * w as isize + dx));
+        let mut receiver = vec![0; direction.len()];
+        receiver.par_chunks_mut(cells).enumerate().for_each(|(band, receiver)| {
+            let first = band * cells;
+            for (k, (r, d)) in receiver.iter_mut().zip(&direction[first..]).enumerate() {
+                *r = (first + k).wrapping_add_signed(step[usize::from(*d)]) as u32;
             }
-            receiver.push(to.unwrap_or(i) as u32);
-        }
+            // At the rim a step may wrap.
+            for (row, r) in receiver.chunks_exact_mut(w).enumerate() {
+                let from = first + row * w;
+                let mut exactly = |x: usize| {
+                    let d = usize::from(direction[from + x]);
+                    r[x] = if d < 8 { near.at(from + x, d).unwrap_or(from + x) } else { from + x } as u32;
+                };
+                if near.wraps() && (from == 0 || from + w == direction.len()) {
+                    (0..w).for_each(&mut exactly);
+                }
+                exactly(0);
+                exactly(w - 1);
+            }
+        });
         let mut step_m = [0.0; 9];
-        step_m[..8].copy_from_slice(&around.distance_m);
-        Self { receiver, direction, step_m }
+        step_m[..8].copy_from_slice(&near.distance_m);
+        Ok(Self { receiver, direction, step_m })
     }
 
     /// Number of cells.
