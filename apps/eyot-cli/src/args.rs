@@ -212,7 +212,7 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, noise or reef
+    /// What to measure: hydraulic, thermal, noise, reef or streampower
     #[arg(value_name = "WHAT")]
     pub(crate) what: BenchSubject,
     /// Cells along each side

@@ -11,7 +11,7 @@ use eyot_core::process::{Moment, Process, Scheduled, Site, Span};
 use eyot_core::{Cancel, Control, Error, Field, Grid, Limits, Result, Rim, World};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
-use eyot_land::simulate::{Hydraulic, Reef, Thermal};
+use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -30,11 +30,13 @@ pub enum BenchSubject {
     Noise,
     /// Reef growth: carbon spreads once, then corals grow.
     Reef,
+    /// Stream power with routing and creep, on open rims.
+    Streampower,
 }
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef];
+    pub const ALL: [Self; 5] = [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef, Self::Streampower];
 
     /// Name on the command line.
     pub const fn name(self) -> &'static str {
@@ -43,6 +45,7 @@ impl BenchSubject {
             Self::Thermal => "thermal",
             Self::Noise => "noise",
             Self::Reef => "reef",
+            Self::Streampower => "streampower",
         }
     }
 }
@@ -83,7 +86,7 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise` or `reef`.
+    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise`, `reef` or `streampower`.
     pub what: &'static str,
     /// Cells along a side.
     pub size: usize,
@@ -108,7 +111,8 @@ pub struct BenchReport {
     /// What the passes of a step must read and write for a cell if each is on its own: one read or write per layer and
     /// pass. What reaches memory is less, because a row stays in cache through several passes and steps.
     pub bytes_moved_per_cell_step: f64,
-    /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; 0 for noise.
+    /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; 0 for noise and
+    /// actions, whose work is no rules.
     pub operations_per_cell_step: usize,
     /// Ledger of the whole run, warm-up included, in the accounts' units.
     pub ledger: BTreeMap<String, f64>,
@@ -154,10 +158,15 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
         // A year a step makes one spreading a growth; the default of ten years takes nine.
         (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
+        (BenchSubject::Streampower, _) => (30.0, 0.0, 200.0, Box::new(streampower())),
         (BenchSubject::Noise, _) => panic!("noise is no simulation"),
     };
-    let grid = Grid::new(size, size, cell_m, Rim::CLOSED, &Limits::default())?;
+    let rim = if what == BenchSubject::Streampower { Rim::OPEN } else { Rim::CLOSED };
+    let grid = Grid::new(size, size, cell_m, rim, &Limits::default())?;
     let mut world = World::new(grid, 1);
+    if what == BenchSubject::Streampower {
+        world.sea_level_m = -1000.0;
+    }
     for (spec, value) in process.layers() {
         let field = &mut world.ensure(&spec, value).field;
         for y in 0..size {
@@ -195,6 +204,11 @@ fn mei_2007() -> Hydraulic {
         sea: false,
         ..Default::default()
     }
+}
+
+/// Without creep, as the peer.
+fn streampower() -> Streampower {
+    Streampower { years_per_step: 10_000.0, diffusivity: 0.0, ..Default::default() }
 }
 
 /// Value noise within 0..1: seven octaves with periods of 128 to 2 cells.
@@ -375,6 +389,8 @@ mod tests {
             (BenchSubject::Hydraulic, true, 11, 26),
             (BenchSubject::Thermal, false, 2, 2),
             (BenchSubject::Reef, false, 6, 13),
+            // An action, of which the plan knows nothing.
+            (BenchSubject::Streampower, false, 2, 0),
         ] {
             let options = BenchOptions { what, classic, size: 64, seconds: 0.05, ..Default::default() };
             let r = run(&options).unwrap();

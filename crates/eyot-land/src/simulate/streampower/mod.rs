@@ -44,8 +44,8 @@ pub use heights::HEIGHT_REST;
 use crate::drainage::{Base, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::math64::pow;
-use eyot_core::process::{Action, Moment, Process};
-use eyot_core::{Control, Edge, Error, Field, Grid, LayerSpec, Result, World};
+use eyot_core::process::{Action, Moment, Process, check_ranges};
+use eyot_core::{Control, Edge, Field, Grid, LayerSpec, Result, World};
 use law::Law;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -107,23 +107,7 @@ impl Process for Streampower {
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
-        let bad = |field: &str, reason: String| {
-            Err(Error::BadParameter { owner: "streampower".into(), field: field.into(), reason })
-        };
-        for (field, v, low, high) in [
-            ("years_per_step", self.years_per_step, 0.001, 1e9),
-            ("uplift", self.uplift, -1.0, 1.0),
-            ("erodibility", self.erodibility, 0.0, 1000.0),
-            ("area_exponent", self.area_exponent, 0.0, 10.0),
-            ("slope_exponent", self.slope_exponent, 0.05, 20.0),
-            ("channel_area", self.channel_area, 0.0, 1e12),
-            ("diffusivity", self.diffusivity, 0.0, 1e6),
-        ] {
-            if !(low..=high).contains(&v) {
-                return bad(field, format!("is {v}, it must lie within {low}..={high}"));
-            }
-        }
-        Ok(())
+        check_ranges("streampower", self)
     }
 
     fn action(&self) -> Option<&dyn Action> {
