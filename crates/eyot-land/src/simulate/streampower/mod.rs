@@ -41,7 +41,7 @@ mod stack;
 
 pub use heights::HEIGHT_REST;
 
-use crate::drainage::{Base, Routing, fill, outlets};
+use crate::drainage::{Base, Neighbours, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::math64::pow;
 use eyot_core::process::{Action, Moment, Process, check_ranges};
@@ -122,7 +122,9 @@ impl Action for Streampower {
         let mut z = heights::load(world)?;
         let outlets = outlets(&z, &grid, &Base { sea_level_m: Some(sea_level_m), ..Base::default() })?;
         let held = Held::new(&grid, &outlets, &z, sea_level_m);
-        let routing = {
+        let routing = if drains(&z, &grid, &outlets) {
+            Routing::new(&z, &grid, &outlets, control)?
+        } else {
             let mut surface = z.clone();
             fill(&mut surface, &grid, &outlets, control)?;
             Routing::new(&surface, &grid, &outlets, control)?
@@ -160,8 +162,7 @@ impl Streampower {
         let (m, n) = (f64::from(self.area_exponent), f64::from(self.slope_exponent));
         let law = Law::new(n);
         let reach = f64::from(self.erodibility) * f64::from(self.years_per_step);
-        let upstream = routing.upstream_cells();
-        let stack = Stack::new(&routing.receiver, &routing.order(), &upstream);
+        let stack = Stack::new(routing);
 
         // c = K A^m T / L^n, by number of cells for small areas and by direction for the distance.
         let cell_area = grid.cell_area_m2();
@@ -173,17 +174,16 @@ impl Streampower {
         let small: Vec<f64> = (0..1024).map(power).collect();
         let per_length = routing.step_m.map(|l| if l > 0.0 { pow(l, -n) } else { 0.0 });
         let width = grid.width;
-        let mut cells = vec![(0.0, 0.0); z.len()];
-        cells.par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| {
-            for (x, cell) in row.iter_mut().enumerate() {
-                let i = y * width + x;
-                let a = small.get(upstream[i] as usize).copied().unwrap_or_else(|| power(upstream[i]));
-                let k = factor.map_or(1.0, |f| f64::from(f.row(y)[x].max(0.0)));
-                *cell = (z[i], law.prepared(a * k * per_length[usize::from(routing.direction[i])]));
-            }
-        });
+        let factor = factor.map(Field::to_vec);
         let (mut level, mut prepared) = (vec![0.0; z.len()], vec![0.0; z.len()]);
-        level.par_iter_mut().zip(&mut prepared).zip(&stack.cell).for_each(|((z, c), &i)| (*z, *c) = cells[i as usize]);
+        level.par_iter_mut().zip(&mut prepared).zip(&stack.cell).for_each(|((level, c), &i)| {
+            let i = i as usize;
+            let cells = stack.upstream[i];
+            let a = small.get(cells as usize).copied().unwrap_or_else(|| power(cells));
+            let k = factor.as_ref().map_or(1.0, |f| f64::from(f[i].max(0.0)));
+            *level = z[i];
+            *c = law.prepared(a * k * per_length[usize::from(routing.direction[i])]);
+        });
         stack.climb(&mut level, |p, z, base| match base {
             Some(base) if z > base => base + (z - base) * law.left(prepared[p], z - base),
             // Under the surface of a lake or the sea.
@@ -208,19 +208,47 @@ impl Streampower {
     }
 }
 
+/// True if every cell but the outlets has a lower neighbour. Rivers that have been cut for a while leave no lakes.
+fn drains(z: &[f64], grid: &Grid, outlets: &[bool]) -> bool {
+    let around = Neighbours::new(grid);
+    let w = grid.width;
+    (0..grid.height).into_par_iter().all(|y| {
+        let inner = y > 0 && y + 1 < grid.height;
+        (y * w..(y + 1) * w).all(|i| {
+            let x = i - y * w;
+            if outlets[i] {
+                return true;
+            }
+            if inner && x > 0 && x + 1 < w {
+                let lowest = |k: usize| z[k - 1].min(z[k]).min(z[k + 1]);
+                return lowest(i - w).min(lowest(i)).min(lowest(i + w)) < z[i];
+            }
+            let mut lower = false;
+            around.each(i, |_, j| lower |= z[j] < z[i]);
+            lower
+        })
+    })
+}
+
 /// Lifts the ground and returns the sum, m.
 fn uplift(z: &mut [f64], grid: &Grid, held: &Held, rise_m: f64, factor: Option<&Field>) -> f64 {
-    let before = row_sums(z, grid);
     let (columns, rows) = held.free(grid);
-    z.par_chunks_exact_mut(grid.width).enumerate().filter(|(y, _)| rows.contains(y)).for_each(|(y, row)| {
-        let free = row[columns.clone()].iter_mut();
-        match factor {
-            Some(f) => free.zip(&f.row(y)[columns.clone()]).for_each(|(z, &u)| *z += rise_m * f64::from(u)),
-            None => free.for_each(|z| *z += rise_m),
-        }
-    });
-    held.restore(z);
-    row_sums(z, grid) - before
+    let sums: Vec<f64> = z
+        .par_chunks_exact_mut(grid.width)
+        .enumerate()
+        .filter(|(y, _)| rows.contains(y))
+        .map(|(y, row)| {
+            let factors = factor.map(|f| &f.row(y)[columns.clone()]);
+            let mut sum = 0.0;
+            for (x, z) in row[columns.clone()].iter_mut().enumerate() {
+                let new = *z + factors.map_or(rise_m, |f| rise_m * f64::from(f[x]));
+                sum += new - *z;
+                *z = new;
+            }
+            sum
+        })
+        .collect();
+    sums.iter().sum::<f64>() - held.restore(z)
 }
 
 /// Sum over the grid, m, rows folded from north to south.
@@ -255,7 +283,9 @@ impl Held {
         (within(grid.width, self.open_x), within(grid.height, self.open_y))
     }
 
-    fn restore(&self, z: &mut [f64]) {
-        self.lowest.iter().for_each(|&(i, height)| z[i as usize] = height);
+    /// Puts the lowest cells back and returns how much that took, m.
+    fn restore(&self, z: &mut [f64]) -> f64 {
+        let taken = |&(i, height): &(u32, f64)| std::mem::replace(&mut z[i as usize], height) - height;
+        self.lowest.iter().map(taken).sum()
     }
 }

@@ -4,6 +4,7 @@
 //! The stack of Braun and Willett 2013. Here positions follow from the sizes of subtrees, without recursion, and what
 //! lies between the large rivers falls apart into pieces that are worked on in parallel.
 
+use crate::drainage::Routing;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -19,6 +20,8 @@ pub(super) struct Stack {
     pub(super) cell: Vec<u32>,
     /// Of each cell, the position.
     pub(super) position: Vec<u32>,
+    /// Of each cell, the number of cells that drain through it, itself included.
+    pub(super) upstream: Vec<u32>,
     /// Of each position, the position of the receiver; [`OUTLET`] if there is none.
     below: Vec<u32>,
     /// Positions of large rivers, each after its receiver.
@@ -36,21 +39,29 @@ struct Piece {
 }
 
 impl Stack {
-    /// `receiver`: their own numbers at outlets. `order`: all cells, each after its receiver. `upstream`: cells that drain
-    /// through each, itself included.
-    pub(super) fn new(receiver: &[u32], order: &[u32], upstream: &[u32]) -> Self {
-        let n = receiver.len();
-        // Of each cell, first the position where its next donor goes.
-        let (mut cell, mut position, mut next) = (vec![0_u32; n], vec![0_u32; n], vec![0_u32; n]);
+    pub(super) fn new(routing: &Routing) -> Self {
+        let n = routing.cells();
+        let receiver = &routing.receiver;
+        let (mut upstream, mut order) = (vec![1_u32; n], vec![0_u32; n]);
+        let mut last = n;
+        routing.walk(|i, r| {
+            last -= 1;
+            order[last] = i as u32;
+            if i != r {
+                upstream[r] += upstream[i];
+            }
+        });
+        // Of each cell its position, and the position where its next donor goes.
+        let mut places = vec![(0_u32, 0_u32); n];
+        let mut cell = vec![0_u32; n];
         let (mut rivers, mut roots, mut free) = (Vec::new(), Vec::new(), 0);
-        for &i in order {
+        for &i in &order {
             let (c, size) = (i as usize, upstream[i as usize]);
             let r = receiver[c] as usize;
-            let place = if r == c { &mut free } else { &mut next[r] };
+            let place = if r == c { &mut free } else { &mut places[r].1 };
             let p = *place;
             *place += size;
-            next[c] = p + 1;
-            position[c] = p;
+            places[c] = (p, p + 1);
             cell[p as usize] = i;
             if size > PIECE {
                 rivers.push(p);
@@ -58,16 +69,16 @@ impl Stack {
                 roots.push(p);
             }
         }
-        let mut below = vec![OUTLET; n];
+        // The order is not needed any more.
+        let mut below = order;
         below.par_iter_mut().zip(&cell).for_each(|(b, &i)| {
             let r = receiver[i as usize];
-            if r != i {
-                *b = position[r as usize];
-            }
+            *b = if r == i { OUTLET } else { places[r as usize].0 };
         });
+        let position = places.into_par_iter().map(|p| p.0).collect();
         roots.sort_unstable();
         let pieces = pieces(&rivers, &roots, n);
-        Self { cell, position, below, rivers, roots, pieces }
+        Self { cell, position, upstream, below, rivers, roots, pieces }
     }
 
     /// Replaces the value at each position, receivers first, by `visit(position, value, the receiver's new value)`; outlets get
