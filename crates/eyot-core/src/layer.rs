@@ -93,6 +93,12 @@ pub mod known {
     /// Standing and flowing fresh water.
     pub const WATER: LayerSpec =
         LayerSpec::new("water", "m", "Depth of fresh water on the ground", (0.0, 12000.0)).empty_outside();
+    /// Lakes that depressions would hold.
+    pub const LAKE: LayerSpec =
+        LayerSpec::new("lake", "m", "Depth of the lake that would stand here if depressions were full", (0.0, 12000.0));
+    /// Area from which water flows through a cell.
+    pub const DRAINED_AREA: LayerSpec =
+        LayerSpec::new("drained_area", "m2", "Area that drains through this cell, itself included", (0.0, f32::MAX));
     /// Sediment carried by the water.
     pub const SEDIMENT: LayerSpec =
         LayerSpec::new("sediment", "m", "Sediment suspended in the water, as thickness of ground", (0.0, 1000.0))

@@ -1,4 +1,5 @@
 //! Every generator says everything about its parameters, and holds users to it.
+use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::Site;
 use eyot_core::{Control, Error, Field, Grid, Limits, Rim, World};
 use eyot_land::generate::{Cone, GENERATORS};
@@ -48,8 +49,9 @@ fn defaults_work_everywhere_and_unknown_names_do_not() {
                 for cell_y_m in [10.0, 25.0] {
                     let grid = Grid { width: w, height: h, cell_x_m: 10.0, cell_y_m, rim };
                     let grid = grid.checked(&Limits::default()).unwrap();
-                    let (world, control) = (World::new(grid, 1), Control::none());
+                    let (mut world, control) = (World::new(grid, 1), Control::none());
                     let base = Field::from_fn(w, h, |x, y| ((x * 7 + y * 13) % 11) as f32);
+                    world.put(&HEIGHT, base.clone()).unwrap();
                     let site = Site { grid, seed: 1, world: &world, control: &control };
                     let field = made.generate(&site, &base).unwrap();
                     assert_eq!((field.width(), field.height()), (w, h));
@@ -63,7 +65,8 @@ fn defaults_work_everywhere_and_unknown_names_do_not() {
 #[test]
 fn generators_chain_in_any_order() {
     let grid = Grid::new(48, 32, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
-    let (world, control) = (World::new(grid, 1), Control::none());
+    let (mut world, control) = (World::new(grid, 1), Control::none());
+    world.ensure(&HEIGHT, 0.0);
     let site = Site { grid, seed: 1, world: &world, control: &control };
     for first in GENERATORS {
         let base = (first.make)(json!({})).unwrap().generate(&site, &Field::new(48, 32, 0.0)).unwrap();

@@ -50,6 +50,17 @@ impl Routing {
         Ok(())
     }
 
+    /// For each cell the length of the longest way that water takes to it, m.
+    pub fn longest_upstream_m(&self) -> Vec<f64> {
+        let mut length = vec![0.0_f64; self.cells()];
+        self.walk(|i, r| {
+            if i != r {
+                length[r] = length[r].max(length[i] + self.distance_m(i));
+            }
+        });
+        length
+    }
+
     /// For each cell the outlet that its water leaves by.
     pub fn basins(&self) -> Vec<u32> {
         let mut basin = self.receiver.clone();

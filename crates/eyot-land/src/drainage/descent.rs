@@ -5,7 +5,7 @@
 //! ways that leave a band count as basins for the moment; a table of these joins the bands.
 
 use super::bands::{band_cells, three_rows};
-use super::{Height, Neighbours};
+use super::{Height, Neighbours, STEPS};
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::LaneBlock;
 use eyot_core::{Control, Grid, Result};
@@ -20,7 +20,7 @@ const HERE: u8 = 4;
 /// Added where the way leads across a wrapping rim.
 const ACROSS: u8 = 9;
 const OUTLET: u8 = u8::MAX;
-/// Directions of [`STEPS`](super::STEPS) by number among the nine; the middle is no direction.
+/// Directions of [`STEPS`] by number among the nine; the middle is no direction.
 const DIRECTION: [usize; 9] = [7, 0, 1, 6, 8, 2, 5, 4, 3];
 /// Numbers among the nine by direction.
 const NINE: [u8; 8] = [1, 2, 5, 8, 7, 6, 3, 0];
@@ -54,10 +54,7 @@ pub(super) fn basins<T: Height>(z: &[T], grid: &Grid, outlets: &[bool], control:
         .collect::<Result<_>>()?;
 
     // Number the labels of all bands in one row; 0 stays what it is.
-    let offset: Vec<u32> = ends
-        .iter()
-        .scan(0, |sum, e| Some(std::mem::replace(sum, *sum + e.len() as u32)))
-        .collect();
+    let offset: Vec<u32> = ends.iter().scan(0, |sum, e| Some(std::mem::replace(sum, *sum + e.len() as u32))).collect();
     let number = |cell: u32| match label[cell as usize] {
         OUTSIDE => OUTSIDE,
         l => offset[cell as usize / cells] + l,
@@ -91,7 +88,9 @@ fn lowest_in_row<T: Height>(z: &[T], grid: &Grid, around: &Neighbours, y: usize,
         around.each(i, |d, j| {
             if (z[j].key(), j) < best {
                 best = (z[j].key(), j);
-                let within = (j % w).abs_diff(x) <= 1 && (j / w).abs_diff(y) <= 1;
+                let (dx, dy) = STEPS[d];
+                let within = x.checked_add_signed(dx).is_some_and(|x| x < w)
+                    && y.checked_add_signed(dy).is_some_and(|y| y < grid.height);
                 number = NINE[d] + if within { 0 } else { ACROSS };
             }
         });
@@ -120,7 +119,8 @@ impl<T: Height> LaneTask for Lowest<'_, T> {
         let [north, here, south] = self.rows.map(|r| &r[..n + 2]);
         for x in 0..n {
             let (mut best, mut number) = (north[x], 0_u32);
-            let others = [north[x + 1], north[x + 2], here[x], here[x + 1], here[x + 2], south[x], south[x + 1], south[x + 2]];
+            let others =
+                [north[x + 1], north[x + 2], here[x], here[x + 1], here[x + 2], south[x], south[x + 1], south[x + 2]];
             for k in 0..8 {
                 let lower = others[k] < best;
                 best = if lower { others[k] } else { best };

@@ -16,16 +16,19 @@
 use super::Height;
 use super::bands::{around, band_cells, three_rows};
 use super::neighbours::{Neighbours, STEPS};
+use super::routing::FlatRule;
 use super::steepest::{FLAT, NOWHERE};
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::LaneBlock;
 use eyot_core::{Control, Grid, Result};
 use rayon::prelude::*;
+use std::collections::VecDeque;
 
 /// Gives the cells marked [`FLAT`] a direction; those of flats that nothing leaves become outlets.
 pub(super) fn resolve_flats<T: Height>(
     z: &[T],
     grid: &Grid,
+    rule: FlatRule,
     direction: &mut [u8],
     control: &Control<'_>,
 ) -> Result<()> {
@@ -34,6 +37,10 @@ pub(super) fn resolve_flats<T: Height>(
     }
     let flats = Flats::find(z, grid, direction);
     control.check()?;
+    if rule == FlatRule::Shortest {
+        flats.shortest(direction);
+        return Ok(());
+    }
     let (towards, away) = rayon::join(|| flats.steps_from(&flats.edges), || flats.steps_from(&flats.feet));
     control.check()?;
     let cells = band_cells(grid);
@@ -129,6 +136,20 @@ impl Flats {
             f(d, if self.wraps { self.near.at(i, d).unwrap_or(i) } else { i.wrapping_add_signed(self.step[d]) });
             left &= left - 1;
         }
+    }
+
+    /// Directions along which a search from the edges came first.
+    fn shortest(&self, direction: &mut [u8]) {
+        let mut queue = VecDeque::from(self.edges.clone());
+        while let Some(i) = queue.pop_front() {
+            self.each(i as usize, |d, j| {
+                if direction[j] == FLAT {
+                    direction[j] = (d as u8 + 4) % 8;
+                    queue.push_back(j as u32);
+                }
+            });
+        }
+        direction.iter_mut().filter(|d| **d == FLAT).for_each(|d| *d = NOWHERE);
     }
 
     /// For each cell one more than the fewest links to one of `seeds`; 0 where there is no way.

@@ -21,21 +21,27 @@
 
 mod accumulate;
 mod bands;
+mod breach;
 mod descent;
 mod fill;
 mod flats;
 mod height;
+mod land;
+mod multiple;
 mod neighbours;
 mod outlets;
 mod routing;
 mod spill;
 mod steepest;
+mod tilt;
 
+pub use breach::{BreachLimits, breach};
 pub use fill::fill;
 pub use height::Height;
+pub use land::{Drained, Land, RoutingRule};
 pub use neighbours::{Neighbours, STEPS};
 pub use outlets::{Base, outlets};
-pub use routing::Routing;
+pub use routing::{FlatRule, Routing};
 
 use eyot_core::{Error, Grid, Result};
 

@@ -8,8 +8,8 @@
 //! # Source
 //! O'Callaghan & Mark (1984), The extraction of drainage networks from digital elevation data, CVGIP 28, 323-344.
 
-use super::flats::resolve_flats;
 use super::bands::band_cells;
+use super::flats::resolve_flats;
 use super::neighbours::{Neighbours, STEPS};
 use super::steepest::{NOWHERE, steepest};
 use super::{Height, check_sizes};
@@ -27,6 +27,17 @@ pub struct Routing {
     pub step_m: [f64; 9],
 }
 
+/// How water crosses flats.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FlatRule {
+    /// Away from higher ground and towards the lower edge, so that it gathers in the middle.
+    #[default]
+    Gathering,
+    /// By a shortest way to the lower edge: along that on which a breadth-first search from the edge came first, edge cells
+    /// by number.
+    Shortest,
+}
+
 impl Routing {
     /// Routes water over `surface`, which has no depressions (see [`fill`](super::fill()) and [`outlets`](super::outlets()))
     /// and is left at `outlets`. A cell that has neither a lower neighbour nor a flat way to one becomes an outlet.
@@ -34,9 +45,23 @@ impl Routing {
     /// # Errors
     /// If `surface` or `outlets` has another size than `grid`, the grid has 2^32 cells or more, or on a request to stop.
     pub fn new<T: Height>(surface: &[T], grid: &Grid, outlets: &[bool], control: &Control<'_>) -> Result<Self> {
+        Self::with_flats(surface, grid, outlets, FlatRule::default(), control)
+    }
+
+    /// As [`Routing::new`], with another rule for flats.
+    ///
+    /// # Errors
+    /// As [`Routing::new`].
+    pub fn with_flats<T: Height>(
+        surface: &[T],
+        grid: &Grid,
+        outlets: &[bool],
+        rule: FlatRule,
+        control: &Control<'_>,
+    ) -> Result<Self> {
         check_sizes(grid, &[("surface", surface.len()), ("outlets", outlets.len())])?;
         let mut direction = steepest(surface, grid, outlets, control)?;
-        resolve_flats(surface, grid, &mut direction, control)?;
+        resolve_flats(surface, grid, rule, &mut direction, control)?;
 
         let near = Neighbours::new(grid);
         let (w, cells) = (grid.width, band_cells(grid));
@@ -82,5 +107,12 @@ impl Routing {
     #[inline]
     pub fn distance_m(&self, i: usize) -> f64 {
         self.step_m[usize::from(self.direction[i])]
+    }
+
+    /// The network of these receivers, with steps of these lengths: 0 to all but outlets, 8 to those.
+    #[cfg(test)]
+    pub(crate) fn by_hand(receiver: Vec<u32>, step_m: [f64; 9]) -> Self {
+        let outlet = |(i, &r): (usize, &u32)| if i == r as usize { NOWHERE } else { 0 };
+        Self { direction: receiver.iter().enumerate().map(outlet).collect(), receiver, step_m }
     }
 }

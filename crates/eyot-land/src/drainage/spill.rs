@@ -20,12 +20,7 @@ struct Pass<T> {
 }
 
 /// Of each label the level at which its basin spills; minus infinity for the outside and for labels that no cell has.
-pub(super) fn spill_levels<T: Height>(
-    z: &[T],
-    grid: &Grid,
-    basins: &Basins,
-    control: &Control<'_>,
-) -> Result<Vec<T>> {
+pub(super) fn spill_levels<T: Height>(z: &[T], grid: &Grid, basins: &Basins, control: &Control<'_>) -> Result<Vec<T>> {
     let (around, isa, rows) = (Neighbours::new(grid), Isa::best(), band_cells(grid) / grid.width);
     let bands: Vec<Vec<Pass<T>>> = (0..grid.height.div_ceil(rows))
         .into_par_iter()

@@ -7,20 +7,26 @@ use eyot_core::process::{Entry, Generator, check_ranges as check};
 use eyot_core::{Control, Field, Grid, Result};
 use rayon::prelude::*;
 
+mod breach;
 mod cone;
 mod constant;
 mod crater;
 mod fbm;
+mod fill;
+mod flow;
 pub mod noise;
 mod ramp;
 mod ridged;
 mod smooth;
 pub mod warp;
 
+pub use breach::Breach;
 pub use cone::Cone;
 pub use constant::Constant;
 pub use crater::Crater;
 pub use fbm::Fbm;
+pub use fill::Fill;
+pub use flow::Flow;
 pub use ramp::Ramp;
 pub use ridged::Ridged;
 pub use smooth::Smooth;
@@ -28,10 +34,13 @@ pub use warp::Warp;
 
 /// All generators that recipes can name.
 pub const GENERATORS: &[Entry<dyn Generator>] = &[
+    Entry::<dyn Generator>::generator::<Breach>("breach", &["lindsay2015", "lindsay2016"]),
     Entry::<dyn Generator>::generator::<Cone>("cone", &[]),
     Entry::<dyn Generator>::generator::<Constant>("constant", &[]),
     Entry::<dyn Generator>::generator::<Crater>("crater", &[]),
     Entry::<dyn Generator>::generator::<Fbm>("fbm", &["perlin1985", "perlin2001", "perlin2002", "ebert2003"]),
+    Entry::<dyn Generator>::generator::<Fill>("fill", &["barnes2014", "barnes2016", "cordonnier2019"]),
+    Entry::<dyn Generator>::generator::<Flow>("flow", &["ocallaghan1984", "barnes2014flats", "freeman1991"]),
     Entry::<dyn Generator>::generator::<Ramp>("ramp", &[]),
     Entry::<dyn Generator>::generator::<Ridged>("ridged", &["musgrave1989", "ebert2003", "perlin2001", "perlin2002"]),
     Entry::<dyn Generator>::generator::<Smooth>("smooth", &[]),

@@ -2,6 +2,7 @@
 //!
 //! A process never calls another one; recipes put them together.
 
+pub mod drainage;
 pub mod hydraulic;
 pub mod reef;
 pub mod seabed;
@@ -12,6 +13,7 @@ pub mod wetness;
 use eyot_core::process::{Entry, Process};
 use eyot_core::{LayerSpec, Stagger};
 
+pub use drainage::Drainage;
 pub use hydraulic::Hydraulic;
 pub use reef::Reef;
 pub use seabed::Seabed;
@@ -25,6 +27,10 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Thermal>("thermal", &["musgrave1989", "olsen2004"]),
     Entry::<dyn Process>::process::<Seabed>("seabed", &[]),
     Entry::<dyn Process>::process::<Reef>("reef", &["bosscher1992", "darwin1842", "meyer2014"]),
+    Entry::<dyn Process>::process::<Drainage>(
+        "drainage",
+        &["barnes2014", "barnes2014flats", "cordonnier2019", "freeman1991", "lindsay2015", "ocallaghan1984"],
+    ),
     Entry::<dyn Process>::process::<Streampower>("streampower", &["howard1994", "braun2013"]),
     Entry::<dyn Process>::process::<Wetness>("wetness", &[]),
 ];
