@@ -298,7 +298,8 @@ fn threads_and_pieces_change_no_byte() {
 fn nothing_is_cut_below_its_receiver() {
     for (i, rim) in rims().into_iter().enumerate() {
         for n in [0.4, 1.0, 2.0, 3.7] {
-            let p = Streampower { years_per_step: 1e8, slope_exponent: n, uplift: 0.0, diffusivity: 0.0, ..every_term() };
+            let p =
+                Streampower { years_per_step: 1e8, slope_exponent: n, uplift: 0.0, diffusivity: 0.0, ..every_term() };
             let mut w = random((41, 37), rim, i as u64, &p);
             let (before, routing) = (heights(&w), route(&w));
             run(&p, &mut w, 1);

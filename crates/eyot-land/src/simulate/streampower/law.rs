@@ -75,8 +75,11 @@ impl Law {
         let b = exp(ln_b);
         let steep = self.form == Form::Steep;
         // Both starts lie above the root: each makes one of the two terms 1.
-        let (p, a, e, mut v) =
-            if steep { (self.n, 1.0, b, exp(-ln_b / self.n).min(1.0)) } else { (1.0 / self.n, b, 1.0, exp(-ln_b).min(1.0)) };
+        let (p, a, e, mut v) = if steep {
+            (self.n, 1.0, b, exp(-ln_b / self.n).min(1.0))
+        } else {
+            (1.0 / self.n, b, 1.0, exp(-ln_b).min(1.0))
+        };
         let mut power = pow(v, p - 1.0);
         for _ in 0..MOST_TURNS {
             let next = v - (v * (a + e * power) - 1.0) / (a + e * p * power);

@@ -279,7 +279,8 @@ impl Held {
 
     /// Columns and rows within the open rims.
     fn free(&self, grid: &Grid) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
-        let within = |cells: usize, open: bool| if open { 1.min(cells)..cells.saturating_sub(1).max(1) } else { 0..cells };
+        let within =
+            |cells: usize, open: bool| if open { 1.min(cells)..cells.saturating_sub(1).max(1) } else { 0..cells };
         (within(grid.width, self.open_x), within(grid.height, self.open_y))
     }
 
