@@ -1,8 +1,8 @@
-//! `new` and `check`: recipe files.
+//! `new`, `check` and `cite`: recipe files.
 
-use crate::args::{Change, Check, New};
+use crate::args::{Change, Check, Cite, CiteFormat, New};
 use crate::{Failure, print, report};
-use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Work};
+use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, Work};
 use std::io::Write;
 
 /// Writes a recipe file to start from.
@@ -34,16 +34,15 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
 
 /// Checks a recipe and says what it would do.
 pub(crate) fn check(args: &Check) -> Result<(), Failure> {
-    let recipe = read(&args.recipe, &args.change)?;
+    let recipe = read(&args.recipe, &args.change, &[])?;
     let g = recipe.grid;
     let (w_m, h_m) = g.extent_m();
     let mut text = format!(
-        "{}: {} x {} cells of {} x {} m ({:.2} x {:.2} km)\n",
+        "{}: {} x {} cells of {} ({:.2} x {:.2} km)\n",
         recipe.name,
         g.width,
         g.height,
-        g.cell_x_m,
-        g.cell_y_m,
+        print::cell(g.cell_x_m, g.cell_y_m),
         w_m / 1e3,
         h_m / 1e3
     );
@@ -61,12 +60,23 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
     print::line(&(text + "the recipe is sound"))
 }
 
+/// Says what a recipe rests on.
+pub(crate) fn cite(args: &Cite) -> Result<(), Failure> {
+    let recipe = read(&args.recipe, &args.change, &[])?;
+    let citations = eyot::cite(&recipe).map_err(|m| Failure::Failed(report::plain(&m, None)))?;
+    match args.format {
+        CiteFormat::Text => print::line(citations.to_text().trim_end()),
+        CiteFormat::Bibtex => print::line(&citations.to_bibtex()),
+        CiteFormat::Json => print::line(&format!("{:#}", citations.to_json())),
+    }
+}
+
 /// Reads a recipe with the changes of the command line.
-pub(crate) fn read(name: &str, change: &Change) -> Result<Recipe, Failure> {
+pub(crate) fn read(name: &str, change: &Change, presets: &[Preset]) -> Result<Recipe, Failure> {
     let source = RecipeSource::find(name).map_err(|p| report::recipe(&p))?;
     let mut set = change.set.clone();
     set.extend(change.seed.map(|s| format!("seed={s}")));
-    let overrides = Overrides { set, size: change.size };
+    let overrides = Overrides { set, size: change.size, presets: presets.to_vec() };
     Recipe::parse(source, overrides, &Registry::standard(), &limits(change.max_memory)).map_err(|p| report::recipe(&p))
 }
 

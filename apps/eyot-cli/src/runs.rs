@@ -14,7 +14,7 @@ const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
 /// Runs a recipe.
 pub(crate) fn run(args: &Run) -> Result<(), Failure> {
-    let recipe = made::read(&args.recipe, &args.change)?;
+    let recipe = made::read(&args.recipe, &args.change, &args.preset)?;
     let out = args.out.clone().unwrap_or_else(|| folder_name(&args.recipe));
     let replay = args.replay.as_deref().map(journal).transpose()?.unwrap_or_default();
     let options = RunOptions {
@@ -112,12 +112,14 @@ impl Interrupts {
 fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> Result<(), Failure> {
     interrupts.connect(&handle);
     let mut bars = (!work.quiet && !work.json).then(Bars::new);
-    let mut closed = false;
+    let mut unheard = None;
     for event in handle.events() {
         if work.json {
-            // A reader that has gone away does not stop the run: its files are still wanted.
+            // A reader that has gone away or a full device do not stop the run: its files are still wanted.
             let text = serde_json::to_string(&event).unwrap_or_default();
-            closed = closed || print::line(&text).is_err();
+            if unheard.is_none() {
+                unheard = print::line(&text).err();
+            }
         } else if let Some(bars) = &mut bars {
             bars.show(&event);
         }
@@ -130,7 +132,8 @@ fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> R
     drop(bars);
     let outcome = handle.join().map_err(|e| report::run(&e))?;
     if outcome.finished {
-        return Ok(());
+        // Without all the events, a script must not take the run for a success.
+        return unheard.filter(|f| !matches!(f, Failure::Closed)).map_or(Ok(()), Err);
     }
     print::note(&format!("stopped; continue with: eyot resume {}", out.display()));
     Err(Failure::Stopped)

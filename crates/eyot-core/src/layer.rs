@@ -75,12 +75,22 @@ impl LayerSpec {
 }
 
 /// A named scalar field.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Layer {
     /// What it is.
     pub spec: LayerSpec,
     /// Its values.
     pub field: Field,
+}
+
+impl PartialEq for Layer {
+    /// Compares all that the layer's state is: on faces, the outer ones too.
+    fn eq(&self, other: &Self) -> bool {
+        let on_faces = self.spec.stagger != Stagger::Cell;
+        self.spec == other.spec
+            && self.field == other.field
+            && (!on_faces || self.field.outer_faces() == other.field.outer_faces())
+    }
 }
 
 /// Names and specifications of the layers that several crates share.

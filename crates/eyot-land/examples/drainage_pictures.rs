@@ -7,6 +7,7 @@ use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Control, Field, Grid, Limits, Rim, World};
 use eyot_land::drainage::{Land, RoutingRule};
+use eyot_land::generate::fractal::{Fractal, Octaves};
 use eyot_land::generate::{Breach, Fbm};
 use std::error::Error;
 use std::path::Path;
@@ -19,15 +20,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let jacksboro = eyot_io::read_raster(&tile, &eyot_io::ReadOptions::default(), &Limits::default())?.field;
     let grid = Grid::new(512, 512, 30.0, Rim::OPEN, &Limits::default())?;
     let world = World::new(grid, 1);
-    let noise = Fbm { octaves: 9, ..Fbm::default() };
-    let fbm = noise.generate(&Site { grid, seed: 3, world: &world, control: &control }, &Field::new(512, 512, 0.0))?;
+    let noise = Fbm { fractal: Fractal { noise: Octaves { octaves: 9, ..Octaves::default() }, ..Fractal::default() } };
+    let fbm = noise.generate(&Site::whole(grid, 3, &world, &control), &Field::new(512, 512, 0.0))?;
     for (name, height, cell_m) in [("jacksboro", jacksboro, 90.0), ("fbm", fbm, 30.0)] {
         let grid = Grid::new(height.width(), height.height(), cell_m, Rim::OPEN, &Limits::default())?;
         let mut world = World::new(grid, 1);
         world.sea_level_m = -1e6;
         world.put(&HEIGHT, height.clone())?;
         let cut = Breach { fill: false, ..Breach::default() };
-        let breached = cut.generate(&Site { grid, seed: 1, world: &world, control: &control }, &height)?;
+        let breached = cut.generate(&Site::whole(grid, 1, &world, &control), &height)?;
         for (state, height) in [("before", &height), ("breached", &breached)] {
             for rule in [RoutingRule::D8, RoutingRule::Multiple] {
                 let land = Land { height, grid: &grid, sea_level_m: -1e6, closed_rims: false };

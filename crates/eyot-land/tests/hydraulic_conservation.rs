@@ -95,6 +95,21 @@ fn the_classic_form_says_what_it_loses() {
 }
 
 #[test]
+fn every_clamp_of_both_forms_has_an_account() {
+    for flux in [FluxForm::Signed, FluxForm::Classic] {
+        // Hills forty times as steep: films outrun the speed limit and dig more than they may.
+        let mut w = hills(24, 17, Rim::CLOSED);
+        w.layer_mut("height").unwrap().field.rows_mut().flatten().for_each(|h| *h *= 40.0);
+        run(&mut w, &Hydraulic { flux, max_speed: 5.0, ..rivers() }, 200);
+        for name in ["hydraulic.dig_limited", "hydraulic.speed_capped"] {
+            let amount = w.ledger.amount(name);
+            println!("{flux:?} {name}: {amount:.1}");
+            assert!(amount > 0.0, "{flux:?}: {name}");
+        }
+    }
+}
+
+#[test]
 fn water_balances_in_single_precision() {
     for rim in RIMS {
         for (sea, flux) in [(true, FluxForm::Signed), (false, FluxForm::Signed), (true, FluxForm::Classic)] {

@@ -4,7 +4,7 @@
 
 use eyot_core::control::Control;
 use eyot_core::engine::CpuEngine;
-use eyot_core::layer::known::{HEIGHT, LIMESTONE};
+use eyot_core::layer::known::{CARBON, HEIGHT, LIMESTONE};
 use eyot_core::process::{Process, Scheduled, Span};
 use eyot_core::reference::Reference;
 use eyot_core::rng::{self, Key};
@@ -395,7 +395,7 @@ fn carbon_diffuses_at_the_stated_rate() {
         let mut w = world(n, n, cell, Rim::WRAP, |_, _| -30.0);
         go(&mut w, &[scheduled(p.clone())], 0, 0);
         let wave = |x: usize| (k * (x as f64 + 0.5) * cell).cos();
-        w.put(&eyot_core::layer::known::CARBON, Field::from_fn(n, n, |x, _| (0.5 + 0.4 * wave(x)) as f32)).unwrap();
+        w.put(&CARBON, Field::from_fn(n, n, |x, _| (0.5 + 0.4 * wave(x)) as f32)).unwrap();
         run(&mut w, &p, steps);
         let decay = (-10.0 * k * k * f64::from(years) * steps as f64).exp();
         let carbon = w.get("carbon").unwrap();
@@ -404,11 +404,32 @@ fn carbon_diffuses_at_the_stated_rate() {
             assert!((got - want).abs() < tolerance, "{years} yr: {got}, exactly {want}");
         }
         // White noise never leaves its bounds nor gets rougher.
-        w.put(&eyot_core::layer::known::CARBON, Field::from_fn(n, n, noise)).unwrap();
+        w.put(&CARBON, Field::from_fn(n, n, noise)).unwrap();
         let rough = |f: &Field| (0..n - 1).map(|x| (f.get(x + 1, 9) - f.get(x, 9)).abs()).fold(0.0, f32::max);
         let before = rough(w.get("carbon").unwrap());
         run(&mut w, &p, 1);
         let after = w.get("carbon").unwrap();
         assert!(rough(after) <= before && after.iter().all(|v| (0.0..=1.0).contains(&v)));
+    }
+}
+
+#[test]
+fn carbon_that_was_not_there_is_in_the_ledger() {
+    // Diffusion and growth over a level bed, first with what the water holds, then with more than that.
+    for (uptake, years, short) in [(0.1, 20.0f32, false), (400.0, 400.0, true)] {
+        let (n, depth) = (32, 8.0);
+        let p = Reef { uptake, years_per_step: years, open_sea: 1000.0, ..Default::default() };
+        let mut w = world(n, n, 10.0, Rim::WRAP, |_, _| -depth);
+        go(&mut w, &[scheduled(p.clone())], 0, 0);
+        w.put(&CARBON, Field::from_fn(n, n, noise)).unwrap();
+        let before = w.get("carbon").unwrap().sum() * f64::from(depth);
+        run(&mut w, &p, 1);
+        let after = w.get("carbon").unwrap().sum() * f64::from(depth);
+        let grown = w.ledger.amount("limestone.grown") / w.grid.cell_area_m2();
+        let made = w.ledger.amount("carbon.clamped") / w.grid.cell_area_m2();
+        let error = (after - before - made + f64::from(uptake) * grown) / before;
+        println!("carbon, uptake {uptake}: grown {grown:.3}, made {made:e}, error {error:e}");
+        assert!(error.abs() < 1e-6 && grown > 0.0);
+        assert!(if short { made > 0.01 * before } else { made.abs() < 1e-6 * before }, "{made}");
     }
 }

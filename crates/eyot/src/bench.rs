@@ -318,7 +318,7 @@ fn noise(options: &BenchOptions) -> Result<BenchReport> {
     let control = Control::none();
     let field = |seed: u64| {
         let start = Instant::now();
-        let made = generator.generate(&Site { grid, seed, world: &world, control: &control }, &base)?;
+        let made = generator.generate(&Site::whole(grid, seed, &world, &control), &base)?;
         std::hint::black_box(made.get(0, 0));
         Ok::<_, Error>((start.elapsed().as_secs_f64(), made.bytes()))
     };
@@ -338,7 +338,7 @@ fn noise(options: &BenchOptions) -> Result<BenchReport> {
 pub fn drainage_case(size: usize) -> Result<(Grid, Vec<f32>)> {
     let grid = Grid::new(size, size, 30.0, Rim::OPEN, &Limits::default())?;
     let (world, control) = (World::new(grid, 1), Control::none());
-    let site = Site { grid, seed: 3, world: &world, control: &control };
+    let site = Site::whole(grid, 3, &world, &control);
     Ok((grid, fbm(10)?.generate(&site, &Field::new(size, size, 0.0))?.to_vec()))
 }
 

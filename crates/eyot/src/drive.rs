@@ -9,11 +9,11 @@ use crate::process_set;
 use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work};
 use crate::run::{Outcome, RunOptions};
 use crate::state::State;
-use crate::store::CHECKPOINT_FILE;
+use crate::store::{self, CHECKPOINT_FILE, WORLD_FILE};
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Scheduled, Site, Span};
 use eyot_core::{Cancel, Control, Error, World};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -64,7 +64,8 @@ impl Driver {
     ) -> Self {
         let now = Instant::now();
         let allowance = options.paused.then_some(0);
-        let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0);
+        let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0 || state.finished);
+        let state = State { finished: false, ..state };
         Self {
             recipe,
             options,
@@ -156,7 +157,7 @@ impl Driver {
             }
         };
         let control = Control::new(self.cancel.clone(), &report);
-        let site = Site { grid: self.world.grid, seed: work.seed, world: &self.world, control: &control };
+        let site = Site::whole(self.world.grid, work.seed, &self.world, &control);
         let base = &self.world.layer(&work.layer).map_err(fail)?.field;
         let new = match generator.generate(&site, base) {
             Ok(new) => new,
@@ -365,23 +366,29 @@ impl Driver {
     }
 
     fn end(mut self, flow: Flow) -> Result<End, RunError> {
-        let finished = flow == Flow::Continue;
-        let outputs = if finished {
-            self.state.seconds = self.seconds();
-            self.state.finished = true;
-            let outbox = &self.outbox;
-            let tell = |event| drop(outbox.send(event));
-            match &self.options.out {
-                Some(out) => {
-                    outputs::write_all(&self.recipe, &self.world, &self.state, out, &self.options.limits, &tell)?
+        let mut finished = flow == Flow::Continue && !self.cancel.is_raised();
+        let outputs = match self.options.out.clone().filter(|_| finished) {
+            Some(out) => match self.results(&out) {
+                Ok(files) => files,
+                Err(RunError::Stopped) => {
+                    finished = false;
+                    // The world, which is written first, is where writing goes on.
+                    let world = store::unfinished(&out).filter(|p| p.ends_with(WORLD_FILE));
+                    world.map_or_else(|| self.checkpoint(), |w| Ok(Some(w)))?.into_iter().collect()
                 }
-                None => Vec::new(),
-            }
-        } else {
-            self.checkpoint()?.into_iter().collect()
+                Err(e) => return Err(e),
+            },
+            None if finished => Vec::new(),
+            None => self.checkpoint()?.into_iter().collect(),
         };
         let seconds = self.seconds();
         Ok(End { outcome: Outcome { world: self.world, finished, outputs, journal: self.state.journal }, seconds })
+    }
+
+    fn results(&mut self, out: &Path) -> Result<Vec<PathBuf>, RunError> {
+        let state = State { seconds: self.seconds(), finished: true, ..self.state.clone() };
+        let tell = |event| drop(self.outbox.send(event));
+        outputs::write_all(&self.recipe, &self.world, &state, out, &self.options.limits, &self.cancel, &tell)
     }
 
     fn tell(&self, event: Event) {

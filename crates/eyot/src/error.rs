@@ -51,6 +51,9 @@ pub enum RunError {
         /// Whether a finished run is there.
         finished: bool,
     },
+    /// Somebody asked for a stop while results were written.
+    #[error("stopped on request")]
+    Stopped,
     /// The thread pool could not be made.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

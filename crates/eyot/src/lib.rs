@@ -35,16 +35,20 @@ mod backend;
 pub mod bench;
 mod builtin;
 mod check;
+mod cite;
+pub mod convert;
 mod describe;
 mod diagnostic;
 mod drive;
 mod error;
 mod event;
+mod exports;
 mod import;
 mod keys;
 mod layers;
 mod lock;
 pub mod merge;
+mod need;
 mod node;
 mod outputs;
 mod process_set;
@@ -58,13 +62,14 @@ pub mod store;
 mod validate;
 
 pub use builtin::{BuiltIn, RECIPES};
-pub use describe::{Description, ParameterInfo, describe};
+pub use cite::{Citation, Citations, all_citations, cite};
+pub use describe::{Choice, Description, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, nearest};
 pub use error::RunError;
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
 pub use import::Import;
-pub use keys::{Export, ExportFormat, View};
+pub use keys::{Bytes, Export, ExportFormat, FirstRow, Preset, View};
 pub use merge::Merge;
 pub use node::Span;
 pub use recipe::{GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, SimulateStep, Step, Work};
@@ -74,3 +79,8 @@ pub use schema::recipe_schema;
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The examples of the book are compiled and run like those of this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/book/src/tutorial/library.md")]
+struct Book;

@@ -7,7 +7,7 @@ use crate::import;
 use crate::keys::View;
 use crate::outputs;
 use eyot_core::layer::known;
-use eyot_core::{Grid, Limits, Rim, World};
+use eyot_core::{Control, Grid, Limits, Rim, World};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ pub const RELIEF_FILE: &str = "relief.png";
 pub const REPORT_FILE: &str = "run.json";
 
 /// Where the run in a folder can be continued from, if it did not come to its end: its checkpoint, or the world of a run
-/// that was killed while it wrote its results. The report is what comes last.
+/// that ended while it wrote its results. The report is what comes last.
 pub(crate) fn unfinished(folder: &Path) -> Option<PathBuf> {
     let [checkpoint, world] = [CHECKPOINT_FILE, WORLD_FILE].map(|f| folder.join(f));
     if checkpoint.exists() {
@@ -50,8 +50,16 @@ pub struct Opened {
 /// # Errors
 /// If there is nothing that can be opened; the text says what would be right.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
+    open_with(path, &ReadOptions::default(), limits)
+}
+
+/// As [`open`], with what a height map itself leaves open.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Opened, RunError> {
     let meta = std::fs::metadata(path).map_err(|source| RunError::Folder { path: path.to_owned(), source })?;
-    if meta.is_dir() {
+    if meta.is_dir() && !io::is_zarr(path) {
         let found = [WORLD_FILE, CHECKPOINT_FILE].iter().map(|f| path.join(f)).find(|f| f.is_file());
         let Some(file) = found else {
             return Err(RunError::File(format!(
@@ -64,7 +72,12 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
     if path.extension().is_some_and(|e| e == "eyot") {
         return saved(path, limits);
     }
-    let raster = import::read(&path.display().to_string(), &ReadOptions::default(), limits).map_err(RunError::File)?;
+    let raster = import::read(&path.display().to_string(), options, limits).map_err(RunError::File)?;
+    of_raster(raster, path, limits)
+}
+
+/// The world of a height map.
+pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Result<Opened, RunError> {
     let (dx, dy) = raster.cell_m.unwrap_or((1.0, 1.0));
     let grid = Grid {
         width: raster.field.width(),
@@ -105,6 +118,8 @@ pub enum Subject<'a> {
     View,
     /// The land from above, with shaded relief.
     Relief,
+    /// As `Relief`, with so many pixels along the longer side.
+    ReliefAt(u32),
     /// A map of one layer.
     Layer(&'a str),
 }
@@ -112,9 +127,11 @@ pub enum Subject<'a> {
 /// Draws a world into a PNG file.
 ///
 /// # Errors
-/// If the layer is not there or the file cannot be written.
-pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path) -> Result<(), RunError> {
-    let picture = outputs::draw(world, options, subject).map_err(|e| RunError::File(e.to_string()))?;
+/// If the layer is not there, the picture exceeds the limits, or the file cannot be written, which is found out first.
+pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, limits: &Limits) -> Result<(), RunError> {
+    io::check_place(path).map_err(|e| RunError::File(e.to_string()))?;
+    let picture =
+        outputs::draw(world, options, subject, limits, &Control::none()).map_err(|e| RunError::File(e.to_string()))?;
     io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
 }
 

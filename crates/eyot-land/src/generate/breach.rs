@@ -1,6 +1,19 @@
-//! Cuts outflows through the walls of depressions (filter); see [`crate::drainage`].
+//! Cuts outflows through the walls of depressions (filter).
 //!
 //! Water leaves over open rims and into the sea. Where neither is, the lowest cells are where it gathers.
+//!
+//! # Equations
+//! 1. From each pit `p` the cheapest way to lower ground is searched. A step of length `s` from `i` to `j` costs
+//!    `s ((d_i + d_j) / 2 + 1 mm)` with `d = max(0, h - h_p)`; cells with `d > max_depth` and ways longer than `max_length`
+//!    are not taken.
+//! 2. Along it the ground becomes `h'_i = max(h_p + (h_end - h_p) x_i / x_end, h_i - max_depth, h'_next)`.
+//! 3. What that does not drain is filled, unless `fill` is off.
+//!
+//! # Source
+//! Lindsay and Dhun 2015; Lindsay 2016.
+//!
+//! # Differences
+//! Every trench is searched on the surface as it was, so that they can be searched in parallel and in any order.
 
 use super::check;
 use crate::drainage::{BreachLimits, Land, breach, fill};

@@ -1,6 +1,17 @@
-//! Fills depressions up to where they run over (filter); see [`crate::drainage`].
+//! Fills depressions up to where they run over (filter).
 //!
 //! Water leaves over open rims and into the sea. Where neither is, the lowest cells are where it gathers.
+//!
+//! # Equations
+//! 1. `h'(c) = min over all ways from c to an outlet of the highest h on the way`: the least surface without depressions.
+//! 2. With a slope, cell by cell upstream: `h'(c) = max(h'(c), h'(receiver of c) + slope * distance)`.
+//!
+//! # Source
+//! Barnes, Lehman and Mulla 2014 for the surface; [`crate::drainage`] says how it is found in parallel.
+//!
+//! # Differences
+//! No queue of cells: basins of the rough surface are joined over their lowest passes (Cordonnier, Bovy and Braun 2019). The
+//! result is the same to the bit.
 
 use super::check;
 use crate::drainage::{Land, Routing, fill};

@@ -1,7 +1,15 @@
-//! The area that drains through each cell; see [`crate::drainage`].
+//! The area that drains through each cell.
 //!
 //! A source for a layer of its own: `generate = "flow"`, `layer = "drained_area"`. It looks at the layer `height`, whose
 //! depressions it fills for itself; the height stays as it is.
+//!
+//! # Equations
+//! 1. `A(c) = cell area + sum over cells u above c of w(u, c) A(u)`.
+//! 2. d8: `w = 1` for the steepest of the eight neighbours, `(h - h_n) / distance`, else 0.
+//! 3. multiple: `w_n = s_n^exponent / sum s_k^exponent` with `s = (h - h_n) / distance` over all lower neighbours.
+//!
+//! # Source
+//! O'Callaghan and Mark 1984 (d8); Freeman 1991 (multiple); Barnes, Lehman and Mulla 2014 for the way across flats.
 
 use super::check;
 use crate::drainage::{Land, RoutingRule};

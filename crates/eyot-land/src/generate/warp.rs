@@ -1,14 +1,24 @@
-//! Domain warp: `h(p) -> h(p + d(p))` with a displacement `d` made of two noises (filter).
+//! Domain warp: every place gets the value of another place nearby (filter).
 //!
-//! Between the cells the layer is interpolated: bilinear (stays within the layer's range, but creases at cell borders when the
-//! warp stretches the land), or Catmull-Rom (smooth; may overshoot beside a cliff by an eighth of its height). Beyond a closed
-//! or open rim the border cell goes on; a wrapping rim is a ring.
+//! # Equations
+//! 1. `h'(p) = h(p + strength * scale * (u(p), v(p)))` with two noises `u` and `v` within -1..=1; octaves as for `fbm`.
+//!
+//! Between the cells the layer is interpolated: linear (stays within the layer's range, but creases at cell borders when the
+//! warp stretches the land), or cubic after Catmull and Rom (smooth; may overshoot beside a cliff by an eighth of its height).
+//! Beyond a closed or open rim the border cell goes on; a wrapping rim is a ring.
+//!
+//! # Source
+//! Distorted lookups as in Ebert et al. 2003.
+//!
+//! # Layers
+//! Reads the layer that it changes; uses the seed of its step.
 
-use super::noise::{Basis, Noise, PIECE, PIECE_COLUMNS, Piece, Sum};
+use super::fractal::Octaves;
+use super::noise::{PIECE, PIECE_COLUMNS, Piece, Sum};
 use super::{check, fill, scale_m};
 use eyot_core::isa::Isa;
 use eyot_core::lanes::WIDTH;
-use eyot_core::process::{Generator, Site};
+use eyot_core::process::{Around, Generator, Reach, Site};
 use eyot_core::{Edge, Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,38 +42,16 @@ pub struct Warp {
     #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
     pub strength: f32,
     /// The noise that displaces.
-    pub basis: Basis,
-    /// Octaves of the displacing noise.
-    #[schemars(range(min = 1, max = 16), extend("unit" = "1"))]
-    pub octaves: u32,
-    /// Size of the largest bends as a share of the grid's longer side.
-    #[schemars(range(min = 0.0001, max = 10.0), extend("unit" = "1"))]
-    pub scale: f32,
-    /// Size of the largest bends in metres. 0 takes `scale` instead.
-    #[schemars(range(min = 0.0, max = 1e7), extend("unit" = "m"))]
-    pub scale_m: f32,
-    /// How many times smaller the bends of an octave are than those of the one before.
-    #[schemars(range(min = 1.1, max = 4.0), extend("unit" = "1"))]
-    pub lacunarity: f32,
-    /// Displacement of an octave relative to the one before.
-    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
-    pub gain: f32,
+    #[serde(flatten)]
+    pub noise: Octaves,
     /// How the layer is read between its cells.
     pub interpolation: Interpolation,
 }
 
 impl Default for Warp {
     fn default() -> Self {
-        Self {
-            strength: 0.3,
-            basis: Basis::Simplex,
-            octaves: 3,
-            scale: 0.25,
-            scale_m: 0.0,
-            lacunarity: 2.0,
-            gain: 0.5,
-            interpolation: Interpolation::Cubic,
-        }
+        let noise = Octaves { octaves: 3, ..Octaves::default() };
+        Self { strength: 0.3, noise, interpolation: Interpolation::Cubic }
     }
 }
 
@@ -81,7 +69,7 @@ fn split(cell: usize, away: f32, cells: usize, edge: Edge) -> (isize, f32) {
     }
 }
 
-fn linear(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
+fn linear(base: &Around<'_>, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
     let columns = [0, 1].map(|i| g.wrap_x(x.0 + i));
     let [a, b] = [0, 1].map(|j| {
         let row = base.row(g.wrap_y(y.0 + j));
@@ -96,7 +84,7 @@ fn spline([a, b, c, d]: [f32; 4], t: f32) -> f32 {
     b + 0.5 * t * ((c - a) + t * ((2.0 * a - 5.0 * b + 4.0 * c - d) + t * (3.0 * (b - c) + d - a)))
 }
 
-fn cubic(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
+fn cubic(base: &Around<'_>, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
     let columns = [-1, 0, 1, 2].map(|i| g.wrap_x(x.0 + i));
     let lines = [-1, 0, 1, 2].map(|j| {
         let row = base.row(g.wrap_y(y.0 + j));
@@ -107,21 +95,14 @@ fn cubic(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
 
 impl Generator for Warp {
     fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
-        check("warp", self)?;
+        self.check(&site.grid)?;
         let g = site.grid;
-        let noise = Noise {
-            basis: self.basis,
-            sum: Sum::Fbm,
-            octaves: self.octaves,
-            scale_m: scale_m(&g, self.scale, self.scale_m),
-            lacunarity: f64::from(self.lacunarity),
-            gain: f64::from(self.gain),
-            seed: site.seed,
-        };
+        let noise = self.noise.noise(Sum::Fbm, &g, site.seed);
         let strength_m = f64::from(self.strength) * noise.scale_m;
-        let away = noise.displacement(self.octaves).map(|n| n.prepare(&g, Isa::best()));
+        let away = noise.displacement(self.noise.octaves).map(|n| n.prepare(&g, Isa::best()));
         let (per_x, per_y) = ((strength_m / g.cell_x_m) as f32, (strength_m / g.cell_y_m) as f32);
-        fill(&g, site.control, |y, row| {
+        let base = Around::new(site, self.reach(&g), base)?;
+        fill(&g, site.rows.clone(), site.control, |y, row| {
             for (x0, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
                 let mut shift: [Piece; 2] = [[[0.0; WIDTH]; PIECE]; 2];
                 for (noise, shift) in away.iter().zip(&mut shift) {
@@ -132,12 +113,22 @@ impl Generator for Warp {
                     let x = split(x0 + i, dx[i] * per_x, g.width, g.rim.x);
                     let y = split(y, dy[i] * per_y, g.height, g.rim.y);
                     *v = match self.interpolation {
-                        Interpolation::Linear => linear(base, &g, x, y),
-                        Interpolation::Cubic => cubic(base, &g, x, y),
+                        Interpolation::Linear => linear(&base, &g, x, y),
+                        Interpolation::Cubic => cubic(&base, &g, x, y),
                     };
                 }
             }
         })
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("warp", self)
+    }
+
+    fn reach(&self, grid: &Grid) -> Reach {
+        // The displacement stays within -1..=1 times the strength; two rows more for the interpolation.
+        let strength_m = f64::from(self.strength) * scale_m(grid, self.noise.scale, self.noise.scale_m);
+        Reach::Rows((strength_m / grid.cell_y_m).ceil() as usize + 2)
     }
 
     fn is_filter(&self) -> bool {

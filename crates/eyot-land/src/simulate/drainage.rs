@@ -1,6 +1,6 @@
 //! Drainage of a land that changes: keeps lakes and drained areas up to date, and can do away with depressions.
 //!
-//! # Work of a step
+//! # Equations
 //! 1. With `depressions = "fill"`, floors of depressions are raised to where they run over; with `"breach"`, trenches are cut
 //!    from their bottoms to lower ground, as deep and long as allowed; with `"keep"` the land stays as it is.
 //! 2. `lake` becomes the depth that would fill the depressions that are left, `drained_area` the area that drains through

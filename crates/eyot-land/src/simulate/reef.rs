@@ -12,8 +12,9 @@
 //! 5. `w' = w + rise T + curve(t + T) - curve(t)`.
 //!
 //! # Source
-//! The island thesis, I9; light after Bosscher and Schlager 1992; subsidence and the sequence fringing reef, barrier reef,
-//! atoll after Darwin 1842.
+//! Light and growth after Bosscher and Schlager 1992; subsidence and the sequence fringing reef, barrier reef, atoll after
+//! Darwin 1842. Carbon that is used up and diffuses in from the open sea stands for the exchange of water; it is a model, not a
+//! measured law.
 //!
 //! # Differences
 //! - Limestone is a layer of its own, as a part of the height; what erosion takes from the height it takes from the
@@ -29,7 +30,8 @@
 //! scheme RKL1, whose number grows with the root of that sum (Meyer, Balsara and Aslam 2014).
 //!
 //! # Conserves
-//! Growth and subsidence are in the ledger (`ground.reef`, `ground.subsided`).
+//! Growth and subsidence are in the ledger (`ground.reef`, `ground.subsided`), and so is the carbon that (2) makes where
+//! growth wants more than there is (`carbon.clamped`).
 
 use eyot_core::layer::known::{CARBON, GROWTH, HEIGHT, LIMESTONE};
 use eyot_core::plan::Plan;
@@ -302,6 +304,14 @@ rule_params! {
     }
 }
 
+/// Carbon that was not there. Diffusion leaves 0..1 by rounding only; growth may want more than the water holds.
+const CARBON_CLAMPED: Tally = Tally {
+    account: "carbon.clamped",
+    unit: TallyUnit::Thickness,
+    sign: 1,
+    meaning: "Carbon made where growth or rounding had left 0 to 1, as the depth of fresh sea water that holds it",
+};
+
 /// Equation (3).
 pub struct Spread;
 
@@ -309,14 +319,15 @@ impl Rule for Spread {
     const NAME: &'static str = "reef_spread";
     const READS: &'static [Read] = &[read("carbon", 1), read("height", 1)];
     const WRITES: &'static [&'static str] = &["carbon"];
+    const TALLIES: &'static [Tally] = &[CARBON_CLAMPED];
     type Params = SpreadParams<()>;
     type Out<R: Real> = [R; 1];
-    type Sums<R: Real> = [R; 0];
+    type Sums<R: Real> = [R; 1];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
-        let o = c.here(0);
-        ([hold(p, c, o + spread(p, c))], [])
+    fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
+        let (new, made) = hold(p, c, c.here(0) + spread(p, c));
+        ([new], [made])
     }
 }
 
@@ -328,15 +339,17 @@ impl Rule for SpreadStage {
     const NAME: &'static str = "reef_spread_stage";
     const READS: &'static [Read] = &[read("carbon", 1), read("height", 1), read("carbon_before", 0)];
     const WRITES: &'static [&'static str] = &["carbon", "carbon_before"];
+    const TALLIES: &'static [Tally] = &[CARBON_CLAMPED];
     type Params = SpreadParams<()>;
     type Out<R: Real> = [R; 2];
-    type Sums<R: Real> = [R; 0];
+    type Sums<R: Real> = [R; 1];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 0]) {
+    fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 1]) {
         let (o, before) = (c.here(0), c.here(2));
         let mixed = p.ahead * o + (R::of(1.0) - p.ahead) * before;
-        ([hold(p, c, mixed + spread(p, c)), o], [])
+        let (new, made) = hold(p, c, mixed + spread(p, c));
+        ([new, o], [made])
     }
 }
 
@@ -348,16 +361,19 @@ fn spread<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> R {
     p.x * x + p.y * y
 }
 
-/// The new value, where neither land nor the open sea decide.
+/// The new value, where neither land nor the open sea decide, and what the clamp made of nothing.
 #[inline(always)]
-fn hold<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>, new: R) -> R {
+fn hold<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>, new: R) -> (R, R) {
     let (zero, one) = (R::of(0.0), R::of(1.0));
     let depth = p.sea - c.here(1);
     let inland = c.x().min(p.last_x - c.x()).lt(p.rim_x).pick(zero, one)
         * c.y().min(p.last_y - c.y()).lt(p.rim_y).pick(zero, one);
     let open = inland.lt(R::of(0.5)).pick(one, depth.gt(p.open_sea).one());
-    let held = open.gt(R::of(0.5)).pick(one, new.clamp(zero, one));
-    depth.gt(zero).pick(held.flushed(), zero)
+    let clamped = new.clamp(zero, one);
+    let is_open = open.gt(R::of(0.5));
+    let under_sea = depth.gt(zero);
+    let made = is_open.pick(zero, (clamped - new) * depth);
+    (under_sea.pick(is_open.pick(one, clamped).flushed(), zero), under_sea.pick(made, zero))
 }
 
 /// Difference to a neighbour that is under the sea, else 0.
@@ -417,13 +433,14 @@ impl<const SATURATING: bool> Rule for Grow<SATURATING> {
             sign: 1,
             meaning: "Limestone that corals built",
         },
+        CARBON_CLAMPED,
     ];
     type Params = GrowParams<()>;
     type Out<R: Real> = [R; 5];
-    type Sums<R: Real> = [R; 4];
+    type Sums<R: Real> = [R; 5];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &GrowParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 4]) {
+    fn cell<R: Real>(p: &GrowParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 5]) {
         let (zero, one) = (R::of(0.0), R::of(1.0));
         let (h, old, memory, carbon) = (c.here(0), c.here(1), c.here(2), c.here(3));
         // Erosion since the last turn took limestone before it took the ground below.
@@ -445,7 +462,8 @@ impl<const SATURATING: bool> Rule for Grow<SATURATING> {
         let rate = inside * p.growth * fed * lit;
         let grown = (rate * p.years).min((depth - p.shallow).positive());
 
-        let left = (carbon - p.by_carbon * grown * p.uptake / g).positive();
+        let wanted = carbon - p.by_carbon * grown * p.uptake / g;
+        let left = wanted.positive();
         // The counter forgets in about fifty turns.
         let now = (rate * p.per_growth).min(one);
         let counter = (memory + R::of(0.02) * (now - memory)).flushed();
@@ -455,7 +473,7 @@ impl<const SATURATING: bool> Rule for Grow<SATURATING> {
         let taller = stone + (risen - h);
         (
             [sunk, taller, counter, left.flushed(), floor - p.sink],
-            [risen - h, risen - sunk, old - stone, taller - stone],
+            [risen - h, risen - sunk, old - stone, taller - stone, (left - wanted) * g],
         )
     }
 }

@@ -94,10 +94,11 @@ impl Process for Hydraulic {
 }
 
 pub static GENERATORS: &[Entry<dyn Generator>] = &[
-    Entry::<dyn Generator>::generator::<Noise>("noise", &["perlin1985"]),
-    Entry::<dyn Generator>::generator::<Flip>("flip", &[]),
+    Entry::<dyn Generator>::generator::<Noise>("noise", "", &["perlin1985"]),
+    Entry::<dyn Generator>::generator::<Flip>("flip", "", &[]),
 ];
-pub static PROCESSES: &[Entry<dyn Process>] = &[Entry::<dyn Process>::process::<Hydraulic>("hydraulic", &["mei2007"])];
+pub static PROCESSES: &[Entry<dyn Process>] =
+    &[Entry::<dyn Process>::process::<Hydraulic>("hydraulic", "", &["mei2007"])];
 
 pub fn registry() -> Registry {
     Registry::new(GENERATORS, PROCESSES)
@@ -108,7 +109,7 @@ pub fn source(text: &str) -> RecipeSource {
 }
 
 pub fn parse(text: &str, set: &[&str]) -> std::result::Result<Recipe, Problems> {
-    let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), size: None };
+    let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), ..Overrides::default() };
     Recipe::parse(source(text), overrides, &registry(), &Limits::default())
 }
 

@@ -5,7 +5,7 @@
 //! negative, and equation (7) as `s1(x) = s(x - v t)` with bilinear interpolation, at most one cell far. The trace does
 //! not conserve sediment; the ledger's account `ground.traced` says how much it made or lost.
 
-use super::signed::{WATER, head, spare};
+use super::signed::{SHARED, head, spare};
 use super::{ErodeParams, FluxParams};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
@@ -62,13 +62,13 @@ impl Rule for ClassicErode {
         read("outflow_south", 1),
     ];
     const WRITES: &'static [&'static str] = &["height", "water", "sediment", "speed_x", "speed_y"];
-    const TALLIES: &'static [Tally] = &WATER;
+    const TALLIES: &'static [Tally] = &SHARED;
     type Params = ErodeParams<()>;
     type Out<R: Real> = [R; 5];
-    type Sums<R: Real> = [R; 4];
+    type Sums<R: Real> = [R; 6];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 4]) {
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 6]) {
         let (zero, one) = (R::of(0.0), R::of(1.0));
         let (out_west, out_east) = (c.here(WEST), c.here(EAST));
         let (out_north, out_south) = (c.here(NORTH), c.here(SOUTH));
@@ -89,15 +89,17 @@ impl Rule for ClassicErode {
         let gy = p.slope_y * (c.at(0, 0, 1) - c.at(0, 0, -1));
         let g2 = gx * gx + gy * gy;
         let sine2 = (g2 / (one + g2)).clamp(p.sine2_min, p.sine2_max);
-        let speed2 = (vx * vx + vy * vy).min(p.speed2_max);
-        let capacity = p.capacity * (speed2 * sine2).sqrt() * (mean * p.ramp).min(one);
+        let speed2 = vx * vx + vy * vy;
+        let capacity = p.capacity * (speed2.min(p.speed2_max) * sine2).sqrt() * (mean * p.ramp).min(one);
 
         let (h, load) = (c.here(0), c.here(2));
         let lowest = c.at(0, 1, 0).min(c.at(0, -1, 0)).min(c.at(0, 0, 1).min(c.at(0, 0, -1)));
         let missing = capacity - load;
-        let dug = (p.dig * missing.positive()).min(p.dig_limit * (h - lowest).positive());
+        let wish = p.dig * missing.positive();
+        let dug = wish.min(p.dig_limit * (h - lowest).positive());
         let settled = p.settle * (-missing).positive();
         let at_sea = h.lt(p.sea);
+        let refused = at_sea.pick(zero, wish - dug);
         let dug = at_sea.pick(zero, dug);
         let settled = at_sea.pick(load, settled);
 
@@ -109,14 +111,19 @@ impl Rule for ClassicErode {
         let fallen = at_sea.pick(zero, p.rain * p.dt);
         let new_water = (kept + fallen).flushed();
         let lost = wet - kept;
-        (
-            [new_height, new_water, new_load, vx, vy],
-            [new_water - kept, at_sea.pick(zero, lost), at_sea.pick(lost, zero), wet - moved],
-        )
+        let sums = [
+            new_water - kept,
+            at_sea.pick(zero, lost),
+            at_sea.pick(lost, zero),
+            wet - moved,
+            refused,
+            p.speed2_max.lt(speed2).one(),
+        ];
+        ([new_height, new_water, new_load, vx, vy], sums)
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 4]> {
+    fn leaving<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 6]> {
         let flow = match side {
             Side::West => c.here(WEST),
             Side::East => c.here(EAST),
@@ -124,7 +131,7 @@ impl Rule for ClassicErode {
             Side::South => c.here(SOUTH),
         };
         let zero = R::of(0.0);
-        Some([zero, zero, p.dt * flow, zero])
+        Some([zero, zero, p.dt * flow, zero, zero, zero])
     }
 }
 
@@ -148,7 +155,8 @@ impl Rule for ClassicAdvect {
     #[inline(always)]
     fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
         let one = R::of(1.0);
-        // Cells upstream, at most one; 2 slope = 1 / cell size.
+        // Cells upstream; 2 slope = 1 / cell size. The clamp catches rounding only: what crosses a cell during dt is at
+        // most what was there or comes in, and the mean depth is at least half of both, so that |u| <= 1.
         let u = (p.dt * R::of(2.0) * p.slope_x * c.here(1)).clamp(-one, one);
         let v = (p.dt * R::of(2.0) * p.slope_y * c.here(2)).clamp(-one, one);
         let (west, east) = (u.positive(), (-u).positive());

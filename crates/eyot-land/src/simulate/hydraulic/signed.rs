@@ -208,8 +208,8 @@ pub(super) fn spare<R: Real>(h: R, load: R) -> R {
     (load - R::of(f32::EPSILON) * (h.abs() + load)).positive()
 }
 
-/// What both forms keep of the water.
-pub(super) const WATER: [Tally; 4] = [
+/// The accounts of both forms.
+pub(super) const SHARED: [Tally; 6] = [
     Tally { account: "water.rain", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell" },
     Tally { account: "water.evaporated", unit: TallyUnit::Thickness, sign: -1, meaning: "Water that evaporated" },
     Tally {
@@ -224,13 +224,6 @@ pub(super) const WATER: [Tally; 4] = [
         sign: 1,
         meaning: "Water added where rounding had made a depth negative",
     },
-];
-
-const TALLIES: [Tally; 8] = [
-    WATER[0],
-    WATER[1],
-    WATER[2],
-    WATER[3],
     Tally {
         account: "hydraulic.dig_limited",
         unit: TallyUnit::Thickness,
@@ -243,6 +236,15 @@ const TALLIES: [Tally; 8] = [
         sign: 0,
         meaning: "Cell-steps in which the speed limit was in force",
     },
+];
+
+const TALLIES: [Tally; 8] = [
+    SHARED[0],
+    SHARED[1],
+    SHARED[2],
+    SHARED[3],
+    SHARED[4],
+    SHARED[5],
     Tally {
         account: "ground.left",
         unit: TallyUnit::Thickness,

@@ -1,0 +1,24 @@
+//! Zarr v3 stores: folders with one JSON file an array and compressed pieces of it.
+//!
+//! Formats: <https://zarr-specs.readthedocs.io/en/latest/v3/core/> and the codec `sharding_indexed`. Arrays are two-dimensional
+//! (y, x) with CF attributes and coordinates; their pieces are shards of 512 x 512 values, each with 16 chunks of
+//! 128 x 128 that can be read alone. Written here instead of with a library because metadata of others must meet the
+//! limits before anything is allocated.
+
+mod array;
+mod codec;
+mod read;
+mod write;
+
+pub use read::is_node;
+pub(crate) use read::read;
+pub use write::write_store;
+
+/// The name of every metadata file.
+const METADATA: &str = "zarr.json";
+/// Rows and columns of a shard, the piece that is a file.
+const SHARD: usize = 512;
+/// Rows and columns of a chunk, the piece that is compressed.
+const CHUNK: usize = 128;
+/// Array whose attributes say where a store lies, as CF and GDAL have it.
+const PLACE: &str = "spatial_ref";
