@@ -11,7 +11,8 @@ const JACKSBORO: [f64; 10] = [0.0, 0.032, 0.148, 0.004, 0.174, 0.313, 0.132, 0.0
 fn alps(size: u32, set: &[&str]) -> TerrainStats {
     let recipe = RECIPES.iter().find(|r| r.name == "alps").unwrap();
     let source = RecipeSource { name: "alps.toml".into(), text: recipe.text.into(), folder: ".".into() };
-    let overrides = Overrides { size: Some((size, None)), set: set.iter().map(|s| (*s).to_owned()).collect() };
+    let set = set.iter().map(|s| (*s).to_owned()).collect();
+    let overrides = Overrides { size: Some((size, None)), set, ..Default::default() };
     let recipe = Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()).unwrap();
     let world = Run::start(recipe, RunOptions::default()).unwrap().join().unwrap().world;
     let height = &world.layer("height").unwrap().field;
