@@ -299,7 +299,7 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, noise, reef or drainage
+    /// What to measure: hydraulic, thermal, noise, reef, drainage or streampower
     #[arg(value_name = "WHAT")]
     pub(crate) what: BenchSubject,
     /// Cells along each side

@@ -112,7 +112,7 @@ fn a_place_that_cannot_be_written_is_named() {
 #[test]
 fn new_recipes_are_sound_and_nothing_is_overwritten() {
     let folder = tempfile::tempdir().unwrap();
-    for from in ["island", "atoll", "real"] {
+    for from in ["island", "atoll", "real", "alps", "canyon"] {
         said(folder.path(), &["new", from, "--from", from], 0);
         said(folder.path(), &["check", &format!("{from}.toml")], 0);
     }

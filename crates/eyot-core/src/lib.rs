@@ -17,6 +17,7 @@ pub mod layer;
 mod ledger;
 mod limits;
 pub mod math;
+pub mod math64;
 pub mod plan;
 pub mod process;
 pub mod real;

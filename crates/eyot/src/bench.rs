@@ -12,7 +12,7 @@ use eyot_core::{Cancel, Control, Error, Field, Grid, Limits, Result, Rim, World}
 use eyot_land::drainage::{Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
-use eyot_land::simulate::{Hydraulic, Reef, Thermal};
+use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -33,11 +33,14 @@ pub enum BenchSubject {
     Reef,
     /// Filling depressions, D8 routing and counting the cells upstream, once each.
     Drainage,
+    /// Stream power with routing and creep, on open rims.
+    Streampower,
 }
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef, Self::Drainage];
+    pub const ALL: [Self; 6] =
+        [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef, Self::Drainage, Self::Streampower];
 
     /// Name on the command line.
     pub const fn name(self) -> &'static str {
@@ -47,6 +50,7 @@ impl BenchSubject {
             Self::Noise => "noise",
             Self::Reef => "reef",
             Self::Drainage => "drainage",
+            Self::Streampower => "streampower",
         }
     }
 }
@@ -87,7 +91,7 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise`, `reef` or `drainage`.
+    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise`, `reef`, `drainage` or `streampower`.
     pub what: &'static str,
     /// Cells along a side.
     pub size: usize,
@@ -113,7 +117,7 @@ pub struct BenchReport {
     /// pass. What reaches memory is less, because a row stays in cache through several passes and steps. 0 for drainage.
     pub bytes_moved_per_cell_step: f64,
     /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; 0 for noise and
-    /// drainage.
+    /// actions, whose work is no rules.
     pub operations_per_cell_step: usize,
     /// Ledger of the whole run, warm-up included, in the accounts' units.
     pub ledger: BTreeMap<String, f64>,
@@ -161,9 +165,14 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         // A year a step makes one spreading a growth; the default of ten years takes nine.
         (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
         (BenchSubject::Noise | BenchSubject::Drainage, _) => panic!("{} is no simulation", what.name()),
+        (BenchSubject::Streampower, _) => (30.0, 0.0, 200.0, Box::new(streampower())),
     };
-    let grid = Grid::new(size, size, cell_m, Rim::CLOSED, &Limits::default())?;
+    let rim = if what == BenchSubject::Streampower { Rim::OPEN } else { Rim::CLOSED };
+    let grid = Grid::new(size, size, cell_m, rim, &Limits::default())?;
     let mut world = World::new(grid, 1);
+    if what == BenchSubject::Streampower {
+        world.sea_level_m = -1000.0;
+    }
     for (spec, value) in process.layers() {
         let field = &mut world.ensure(&spec, value).field;
         for y in 0..size {
@@ -201,6 +210,11 @@ fn mei_2007() -> Hydraulic {
         sea: false,
         ..Default::default()
     }
+}
+
+/// Without creep, as the peer.
+fn streampower() -> Streampower {
+    Streampower { years_per_step: 10_000.0, diffusivity: 0.0, ..Default::default() }
 }
 
 /// Value noise within 0..1: seven octaves with periods of 128 to 2 cells.
@@ -428,6 +442,8 @@ mod tests {
             (BenchSubject::Hydraulic, true, 11, 26),
             (BenchSubject::Thermal, false, 2, 2),
             (BenchSubject::Reef, false, 6, 13),
+            // An action, of which the plan knows nothing.
+            (BenchSubject::Streampower, false, 2, 0),
         ] {
             let options = BenchOptions { what, classic, size: 64, seconds: 0.05, ..Default::default() };
             let r = run(&options).unwrap();

@@ -14,6 +14,8 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "island", text: include_str!("../../../recipes/island.toml") },
     BuiltIn { name: "atoll", text: include_str!("../../../recipes/atoll.toml") },
     BuiltIn { name: "real", text: include_str!("../../../recipes/real.toml") },
+    BuiltIn { name: "alps", text: include_str!("../../../recipes/alps.toml") },
+    BuiltIn { name: "canyon", text: include_str!("../../../recipes/canyon.toml") },
 ];
 
 /// A height map that comes with Eyot.

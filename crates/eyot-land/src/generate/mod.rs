@@ -3,10 +3,9 @@
 //! Sources make a field from parameters and a seed; filters change the field that is there. All of them look at metres, not
 //! at cells, so that a recipe on a finer grid shows the same land.
 
-use eyot_core::process::{Entry, Generator, Parameters, defaults_of, schema_of};
-use eyot_core::{Control, Error, Field, Grid, Result, about};
+use eyot_core::process::{Entry, Generator, check_ranges as check};
+use eyot_core::{Control, Field, Grid, Result, about};
 use rayon::prelude::*;
-use serde_json::Value;
 use std::ops::Range;
 
 mod billow;
@@ -123,37 +122,6 @@ fn fill(
         rows.par_iter_mut().enumerate().for_each(|(y, cells)| row(first + y, cells));
     }
     Ok(field)
-}
-
-/// Fails if a parameter is outside the range that its schema gives, or not a number.
-///
-/// Recipes are checked before they get here; this is for structs that a program filled.
-fn check<P: Parameters>(owner: &str, parameters: &P) -> Result<()> {
-    let schema = schema_of::<P>();
-    let (values, defaults) = (serde_json::to_value(parameters).unwrap_or_default(), defaults_of::<P>());
-    let Some(properties) = schema.get("properties").and_then(Value::as_object) else { return Ok(()) };
-    for (field, rule) in properties {
-        let (value, default) = (&values[field], &defaults[field]);
-        let pairs = match (value.as_array(), default.as_array()) {
-            (Some(v), Some(d)) => v.iter().zip(d).map(|(v, d)| (v, d, &rule["items"])).collect(),
-            _ => vec![(value, default, rule)],
-        };
-        for (value, default, rule) in pairs.into_iter().filter(|(_, default, _)| default.is_number()) {
-            let low = rule["minimum"].as_f64().unwrap_or(f64::MIN);
-            let high = rule["maximum"].as_f64().unwrap_or(f64::MAX);
-            // Not-a-numbers become null on the way. A range is written in f64, a parameter may have been rounded to f32.
-            let slack = 1e-6 * low.abs().max(high.abs()).min(1.0);
-            let fits = value.as_f64().is_some_and(|v| (low - slack..=high + slack).contains(&v));
-            if !fits {
-                return Err(Error::BadParameter {
-                    owner: owner.to_owned(),
-                    field: field.clone(),
-                    reason: format!("{value} is outside {low}..={high}; the default is {default}"),
-                });
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Size of features: `size_m`, or if that is 0, `share` of the grid's longer side.

@@ -6,6 +6,7 @@ pub mod drainage;
 pub mod hydraulic;
 pub mod reef;
 pub mod seabed;
+pub mod streampower;
 pub mod thermal;
 pub mod wetness;
 
@@ -16,6 +17,7 @@ pub use drainage::Drainage;
 pub use hydraulic::Hydraulic;
 pub use reef::Reef;
 pub use seabed::Seabed;
+pub use streampower::Streampower;
 pub use thermal::Thermal;
 pub use wetness::Wetness;
 
@@ -29,6 +31,11 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
         "drainage",
         about!("drainage.rs"),
         &["barnes2014", "barnes2014flats", "cordonnier2019", "freeman1991", "lindsay2015", "ocallaghan1984"],
+    ),
+    Entry::<dyn Process>::process::<Streampower>(
+        "streampower",
+        about!("streampower/mod.rs"),
+        &["howard1994", "braun2013"],
     ),
     Entry::<dyn Process>::process::<Wetness>("wetness", about!("wetness.rs"), &[]),
 ];

@@ -1,0 +1,292 @@
+//! Stream power: rivers cut into rising ground, and hillslopes creep. Ranges, connected valleys, graded rivers.
+//!
+//! # Equations
+//! `z` height, `A` drained area, `S` slope along the way of the water, all in metres; `t` in years.
+//! 1. `dz/dt = U - K A^m S^n + D laplacian(z)`.
+//! 2. In steady state and without creep `S = (U / K)^(1/n) A^(-m/n)`: Flint's law with concavity `m / n` and steepness
+//!    `(U / K)^(1/n)`.
+//!
+//! A step of `T` years lifts the ground by `U T`, lets the water cut it, and lets it creep. Cutting is implicit in the
+//! downstream height (`law.rs`), from the outlets upstream (`stack.rs`), so that a step may be as long as one likes, and
+//! nothing is ever cut below what it drains to.
+//!
+//! # Source
+//! Howard 1994 (detachment-limited incision); the implicit step after Braun and Willett 2013; routing by steepest descent
+//! over filled depressions (`crate::drainage`).
+//!
+//! # Differences
+//! - Any `n > 0`, below 1 too, is solved to the last digit and cannot fail (`law.rs`).
+//! - Lakes are base levels: what flows into one is cut to its surface, its bed is not cut, and its sill is, so that it empties.
+//!
+//! # Base level
+//! Border cells of open rims hold their height. The sea is a base level for the land around it; its floor rises with the
+//! uplift. Where there is neither, the lowest cell holds its height.
+//!
+//! # Layers
+//! Reads and writes `height` and `height_rest` (m), which hold it in double precision together. Reads `uplift` and
+//! `erodibility` (1) if the recipe makes them: factors on `U` and `K`, cell by cell.
+//!
+//! # Limits
+//! Stable for steps of any length. The order of uplift, cutting and creep within a step makes an error that falls with its
+//! length.
+//!
+//! # Conserves
+//! What rises is in `ground.uplifted`, what rivers carry away in `ground.incised`, what creeps into cells that hold their
+//! height in `ground.crept`; the ledger closes to rounding (`tests/streampower.rs`). Nothing is deposited.
+
+mod creep;
+mod heights;
+mod law;
+mod stack;
+
+pub use heights::HEIGHT_REST;
+
+use crate::drainage::{Base, Neighbours, Routing, fill, outlets};
+use eyot_core::layer::known::HEIGHT;
+use eyot_core::math64::pow;
+use eyot_core::process::{Action, Moment, Process, check_ranges};
+use eyot_core::{Control, Edge, Field, Grid, LayerSpec, Result, World};
+use law::Law;
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use stack::Stack;
+
+/// Rivers cut into rising ground, and hillslopes creep: mountain ranges, connected valleys, graded rivers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Streampower {
+    /// Years of a step. Longer steps reach the steady state sooner; shorter ones follow changes on the way more closely.
+    #[schemars(range(min = 0.001, max = 1e9), extend("unit" = "yr"))]
+    pub years_per_step: f32,
+    /// Rise of the ground, times the layer `uplift` if there is one: 0.1 to 1 mm a year in old and young mountains, up to
+    /// 10 where continents collide. Relief grows with it, to the power of one over the slope exponent.
+    #[schemars(range(min = -1.0, max = 1.0), extend("unit" = "m/yr"))]
+    pub uplift: f32,
+    /// Erodibility K, times the layer `erodibility` if there is one. Its unit depends on the area exponent m, so that a value
+    /// goes with its exponents: about 1e-6 for hard and 1e-4 for soft rock at m = 0.45, n = 1.
+    #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "m^(1-2m)/yr"))]
+    pub erodibility: f32,
+    /// Exponent m of the drained area. Rivers have m / n of 0.35 to 0.6.
+    #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
+    pub area_exponent: f32,
+    /// Exponent n of the slope. Above 1 steep reaches are cut fastest and knickpoints sharpen; below 1 they smooth out.
+    #[schemars(range(min = 0.05, max = 20.0), extend("unit" = "1"))]
+    pub slope_exponent: f32,
+    /// Water of a smaller area does not cut: it belongs to the hillslopes, which creep, or slump with `thermal`.
+    #[schemars(range(min = 0.0, max = 1e12), extend("unit" = "m2"))]
+    pub channel_area: f32,
+    /// Diffusivity D of creep: 0.001 to 0.1 in nature; larger cells need more to round their crests. 0 leaves it out.
+    #[schemars(range(min = 0.0, max = 1e6), extend("unit" = "m2/yr"))]
+    pub diffusivity: f32,
+}
+
+impl Default for Streampower {
+    fn default() -> Self {
+        Self {
+            years_per_step: 5000.0,
+            uplift: 0.001,
+            erodibility: 2e-5,
+            area_exponent: 0.45,
+            slope_exponent: 1.0,
+            channel_area: 0.0,
+            diffusivity: 0.01,
+        }
+    }
+}
+
+/// Factor on the uplift.
+pub const UPLIFT: LayerSpec = LayerSpec::new("uplift", "1", "Factor on the uplift of stream power", (-1e3, 1e3));
+/// Factor on the erodibility.
+pub const ERODIBILITY: LayerSpec =
+    LayerSpec::new("erodibility", "1", "Factor on the erodibility of stream power; below 0 counts as 0", (0.0, 1e6));
+
+impl Process for Streampower {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0), (HEIGHT_REST, 0.0)]
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check_ranges("streampower", self)
+    }
+
+    fn action(&self) -> Option<&dyn Action> {
+        Some(self)
+    }
+}
+
+impl Action for Streampower {
+    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+        let (grid, sea_level_m) = (moment.grid, moment.sea_level_m);
+        let years = f64::from(self.years_per_step);
+        let mut z = heights::load(world)?;
+        let outlets = outlets(&z, &grid, &Base { sea_level_m: Some(sea_level_m), ..Base::default() })?;
+        let held = Held::new(&grid, &outlets, &z, sea_level_m);
+        let routing = if drains(&z, &grid, &outlets) {
+            Routing::new(&z, &grid, &outlets, control)?
+        } else {
+            let mut surface = z.clone();
+            fill(&mut surface, &grid, &outlets, control)?;
+            Routing::new(&surface, &grid, &outlets, control)?
+        };
+
+        let uplifted = uplift(&mut z, &grid, &held, f64::from(self.uplift) * years, world.get(&UPLIFT.name));
+        control.check()?;
+        let incised = self.incise(&mut z, &grid, &routing, sea_level_m, world.get(&ERODIBILITY.name));
+        control.check()?;
+        let crept = if self.diffusivity > 0.0 {
+            let before = row_sums(&z, &grid);
+            creep::creep(&mut z, &grid, f64::from(self.diffusivity) * years);
+            held.restore(&mut z);
+            before - row_sums(&z, &grid)
+        } else {
+            0.0
+        };
+        heights::store(world, &z)?;
+
+        let area = grid.cell_area_m2();
+        for (account, sum, sign, meaning) in [
+            ("ground.uplifted", uplifted, 1, "Ground that rose"),
+            ("ground.incised", incised, -1, "Ground that rivers cut and carried away"),
+            ("ground.crept", crept, -1, "Ground that crept into cells that hold their height"),
+        ] {
+            world.ledger.add(account, sum * area, "m3", meaning, sign);
+        }
+        Ok(())
+    }
+}
+
+impl Streampower {
+    /// Lets the rivers cut, and returns the sum of what they took, m.
+    fn incise(&self, z: &mut [f64], grid: &Grid, routing: &Routing, sea_level_m: f64, factor: Option<&Field>) -> f64 {
+        let (m, n) = (f64::from(self.area_exponent), f64::from(self.slope_exponent));
+        let law = Law::new(n);
+        let reach = f64::from(self.erodibility) * f64::from(self.years_per_step);
+        let stack = Stack::new(routing);
+
+        // c = K A^m T / L^n, by number of cells for small areas and by direction for the distance.
+        let cell_area = grid.cell_area_m2();
+        let least = f64::from(self.channel_area);
+        let power = |cells: u32| {
+            let area = f64::from(cells) * cell_area;
+            if area < least { 0.0 } else { reach * pow(area, m) }
+        };
+        let small: Vec<f64> = (0..1024).map(power).collect();
+        let per_length = routing.step_m.map(|l| if l > 0.0 { pow(l, -n) } else { 0.0 });
+        let width = grid.width;
+        let factor = factor.map(Field::to_vec);
+        let (mut level, mut prepared) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+        level.par_iter_mut().zip(&mut prepared).zip(&stack.cell).for_each(|((level, c), &i)| {
+            let i = i as usize;
+            let cells = stack.upstream[i];
+            let a = small.get(cells as usize).copied().unwrap_or_else(|| power(cells));
+            let k = factor.as_ref().map_or(1.0, |f| f64::from(f[i].max(0.0)));
+            *level = z[i];
+            *c = law.prepared(a * k * per_length[usize::from(routing.direction[i])]);
+        });
+        stack.climb(&mut level, |p, z, base| match base {
+            Some(base) if z > base => base + (z - base) * law.left(prepared[p], z - base),
+            // Under the surface of a lake or the sea.
+            Some(base) => base,
+            None => z.max(sea_level_m),
+        });
+        let sums: Vec<f64> = z
+            .par_chunks_exact_mut(width)
+            .zip(stack.position.par_chunks_exact(width))
+            .map(|(row, positions)| {
+                let mut sum = 0.0;
+                for (z, &p) in row.iter_mut().zip(positions) {
+                    // The level lies above the ground where there is a lake.
+                    let new = level[p as usize].min(*z);
+                    sum += *z - new;
+                    *z = new;
+                }
+                sum
+            })
+            .collect();
+        sums.iter().sum()
+    }
+}
+
+/// True if every cell but the outlets has a lower neighbour. Rivers that have been cut for a while leave no lakes.
+fn drains(z: &[f64], grid: &Grid, outlets: &[bool]) -> bool {
+    let around = Neighbours::new(grid);
+    let w = grid.width;
+    (0..grid.height).into_par_iter().all(|y| {
+        let inner = y > 0 && y + 1 < grid.height;
+        (y * w..(y + 1) * w).all(|i| {
+            let x = i - y * w;
+            if outlets[i] {
+                return true;
+            }
+            if inner && x > 0 && x + 1 < w {
+                let lowest = |k: usize| z[k - 1].min(z[k]).min(z[k + 1]);
+                return lowest(i - w).min(lowest(i)).min(lowest(i + w)) < z[i];
+            }
+            let mut lower = false;
+            around.each(i, |_, j| lower |= z[j] < z[i]);
+            lower
+        })
+    })
+}
+
+/// Lifts the ground and returns the sum, m.
+fn uplift(z: &mut [f64], grid: &Grid, held: &Held, rise_m: f64, factor: Option<&Field>) -> f64 {
+    let (columns, rows) = held.free(grid);
+    let sums: Vec<f64> = z
+        .par_chunks_exact_mut(grid.width)
+        .enumerate()
+        .filter(|(y, _)| rows.contains(y))
+        .map(|(y, row)| {
+            let factors = factor.map(|f| &f.row(y)[columns.clone()]);
+            let mut sum = 0.0;
+            for (x, z) in row[columns.clone()].iter_mut().enumerate() {
+                let new = *z + factors.map_or(rise_m, |f| rise_m * f64::from(f[x]));
+                sum += new - *z;
+                *z = new;
+            }
+            sum
+        })
+        .collect();
+    sums.iter().sum::<f64>() - held.restore(z)
+}
+
+/// Sum over the grid, m, rows folded from north to south.
+fn row_sums(z: &[f64], grid: &Grid) -> f64 {
+    let rows: Vec<f64> = z.par_chunks_exact(grid.width).map(|row| row.iter().sum()).collect();
+    rows.iter().sum()
+}
+
+/// Cells that hold their height.
+struct Held {
+    open_x: bool,
+    open_y: bool,
+    /// The lowest cells of a world that has neither an open rim nor a sea, with their heights, m.
+    lowest: Vec<(u32, f64)>,
+}
+
+impl Held {
+    fn new(grid: &Grid, outlets: &[bool], z: &[f64], sea_level_m: f64) -> Self {
+        let (open_x, open_y) = (grid.rim.x == Edge::Open, grid.rim.y == Edge::Open);
+        let lowest = if open_x || open_y {
+            Vec::new()
+        } else {
+            let held = outlets.iter().enumerate().filter(|&(i, &o)| o && z[i] > sea_level_m);
+            held.map(|(i, _)| (i as u32, z[i])).collect()
+        };
+        Self { open_x, open_y, lowest }
+    }
+
+    /// Columns and rows within the open rims.
+    fn free(&self, grid: &Grid) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
+        let within =
+            |cells: usize, open: bool| if open { 1.min(cells)..cells.saturating_sub(1).max(1) } else { 0..cells };
+        (within(grid.width, self.open_x), within(grid.height, self.open_y))
+    }
+
+    /// Puts the lowest cells back and returns how much that took, m.
+    fn restore(&self, z: &mut [f64]) -> f64 {
+        let taken = |&(i, height): &(u32, f64)| std::mem::replace(&mut z[i as usize], height) - height;
+        self.lowest.iter().map(taken).sum()
+    }
+}
