@@ -10,7 +10,7 @@ const SIDE: usize = 512;
 
 fn make(what: &dyn Generator, base: &Field, rim: Rim, seed: u64) -> Result<Field, eyot_core::Error> {
     let grid = Grid::new(base.width(), base.height(), 10.0, rim, &Limits::default())?;
-    what.generate(&Site { grid, seed, world: &World::new(grid, seed), control: &Control::none() }, base)
+    what.generate(&Site::whole(grid, seed, &World::new(grid, seed), &Control::none()), base)
 }
 
 fn save(folder: &Path, name: &str, width: usize, pixels: &[u8]) -> Result<(), Box<dyn Error>> {
@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     picture("island", &island, 1)?;
     picture("crater", &make(&Crater { crest_m: 40.0, ..Crater::default() }, &island, Rim::CLOSED, 0)?, 1)?;
     picture("island_warped", &make(&Warp::default(), &island, Rim::CLOSED, 5)?, 1)?;
-    picture("island_smooth", &make(&Smooth { sigma_cells: 6.0, sigma_m: 0.0 }, &island, Rim::CLOSED, 5)?, 1)?;
+    picture("island_smooth", &make(&Smooth { sigma_cells: 6.0, ..Smooth::default() }, &island, Rim::CLOSED, 5)?, 1)?;
     let cone = make(&Cone { apex: 0.2, exponent: 0.7, ..Cone::default() }, &flat, Rim::CLOSED, 0)?;
     picture("cone", &cone, 1)?;
     picture("ramp", &make(&Ramp { direction: 30.0, high: 2000.0, low: 0.0 }, &flat, Rim::CLOSED, 0)?, 1)?;

@@ -50,7 +50,7 @@ fn defaults_work_everywhere_and_unknown_names_do_not() {
                     let grid = grid.checked(&Limits::default()).unwrap();
                     let (world, control) = (World::new(grid, 1), Control::none());
                     let base = Field::from_fn(w, h, |x, y| ((x * 7 + y * 13) % 11) as f32);
-                    let site = Site { grid, seed: 1, world: &world, control: &control };
+                    let site = Site::whole(grid, 1, &world, &control);
                     let field = made.generate(&site, &base).unwrap();
                     assert_eq!((field.width(), field.height()), (w, h));
                     assert_eq!(field.find_not_finite(), None, "{} on {w}x{h}", entry.name);
@@ -64,7 +64,7 @@ fn defaults_work_everywhere_and_unknown_names_do_not() {
 fn generators_chain_in_any_order() {
     let grid = Grid::new(48, 32, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
     let (world, control) = (World::new(grid, 1), Control::none());
-    let site = Site { grid, seed: 1, world: &world, control: &control };
+    let site = Site::whole(grid, 1, &world, &control);
     for first in GENERATORS {
         let base = (first.make)(json!({})).unwrap().generate(&site, &Field::new(48, 32, 0.0)).unwrap();
         for second in GENERATORS {
@@ -79,7 +79,7 @@ fn a_value_outside_its_range_is_refused_by_name() {
     use eyot_core::process::Generator;
     let grid = Grid::new(8, 8, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
     let (world, control) = (World::new(grid, 1), Control::none());
-    let site = Site { grid, seed: 1, world: &world, control: &control };
+    let site = Site::whole(grid, 1, &world, &control);
     for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         match (Cone { radius, ..Cone::default() }).generate(&site, &Field::new(8, 8, 0.0)) {
             Err(Error::BadParameter { owner, field, .. }) => {

@@ -10,7 +10,7 @@ fn grid(width: usize, height: usize, cell_x_m: f64, cell_y_m: f64, rim: Rim) -> 
 
 fn make(what: &dyn Generator, base: &Field, grid: Grid) -> Field {
     let (world, control) = (World::new(grid, 1), Control::none());
-    what.generate(&Site { grid, seed: 1, world: &world, control: &control }, base).unwrap()
+    what.generate(&Site::whole(grid, 1, &world, &control), base).unwrap()
 }
 
 /// Something rough.
@@ -122,9 +122,9 @@ fn smoothing_keeps_constants_and_mass() {
             for y in [Edge::Closed, Edge::Open, Edge::Wrap] {
                 let g = grid(w, h, 10.0, 17.0, Rim { x, y });
                 for smooth in [
-                    Smooth { sigma_cells: 0.0, sigma_m: 0.0 },
+                    Smooth { sigma_cells: 0.0, ..Smooth::default() },
                     Smooth::default(),
-                    Smooth { sigma_cells: 20.0, sigma_m: 0.0 },
+                    Smooth { sigma_cells: 20.0, ..Smooth::default() },
                     Smooth { sigma_m: 35.0, ..Smooth::default() },
                     Smooth { sigma_m: 1e6, ..Smooth::default() },
                 ] {
@@ -151,7 +151,7 @@ fn smoothing_one_cell_gives_a_round_gaussian() {
     let g = grid(65, 65, 10.0, 10.0, Rim::CLOSED);
     let mut base = Field::new(65, 65, 0.0);
     base.set(32, 32, 1000.0);
-    let f = make(&Smooth { sigma_cells: 3.0, sigma_m: 0.0 }, &base, g);
+    let f = make(&Smooth { sigma_cells: 3.0, ..Smooth::default() }, &base, g);
     for y in 0..65 {
         for x in 0..65 {
             let v = f.get(x, y);
@@ -173,21 +173,23 @@ fn smoothing_one_cell_gives_a_round_gaussian() {
 fn smoothing_meets_its_rim() {
     let ring = grid(40, 24, 1.0, 1.0, Rim::WRAP);
     let base = rough(40, 24);
-    let f = make(&Smooth { sigma_cells: 2.0, sigma_m: 0.0 }, &base, ring);
+    let f = make(&Smooth { sigma_cells: 2.0, ..Smooth::default() }, &base, ring);
     let moved = Field::from_fn(40, 24, |x, y| base.get((x + 7) % 40, (y + 5) % 24));
-    let g = make(&Smooth { sigma_cells: 2.0, sigma_m: 0.0 }, &moved, ring);
+    let g = make(&Smooth { sigma_cells: 2.0, ..Smooth::default() }, &moved, ring);
     assert!((0..24).all(|y| (0..40).all(|x| g.get(x, y) == f.get((x + 7) % 40, (y + 5) % 24))), "a ring has no place");
 }
 
 #[test]
 fn smoothing_gives_the_same_bytes_everywhere() {
     let g = grid(133, 57, 1.0, 1.0, Rim { x: Edge::Closed, y: Edge::Wrap });
-    let (base, smooth) = (rough(133, 57), Smooth { sigma_cells: 4.0, sigma_m: 0.0 });
-    let reference = smooth.smoothed(&base, &g, Isa::Scalar, &Control::none()).unwrap();
+    let (base, smooth) = (rough(133, 57), Smooth { sigma_cells: 4.0, ..Smooth::default() });
+    let (world, control) = (World::new(g, 1), Control::none());
+    let site = Site::whole(g, 1, &world, &control);
+    let reference = smooth.smoothed(&site, &base, Isa::Scalar).unwrap();
     for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
         for threads in [1, 2, 3, 8] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let f = pool.install(|| smooth.smoothed(&base, &g, isa, &Control::none())).unwrap();
+            let f = pool.install(|| smooth.smoothed(&site, &base, isa)).unwrap();
             assert_eq!(f, reference, "{} {threads}", isa.name());
         }
     }

@@ -313,7 +313,7 @@ fn noise(options: &BenchOptions) -> Result<BenchReport> {
     let control = Control::none();
     let field = |seed: u64| {
         let start = Instant::now();
-        let made = generator.generate(&Site { grid, seed, world: &world, control: &control }, &base)?;
+        let made = generator.generate(&Site::whole(grid, seed, &world, &control), &base)?;
         std::hint::black_box(made.get(0, 0));
         Ok::<_, Error>((start.elapsed().as_secs_f64(), made.bytes()))
     };

@@ -156,7 +156,7 @@ impl Driver {
             }
         };
         let control = Control::new(self.cancel.clone(), &report);
-        let site = Site { grid: self.world.grid, seed: work.seed, world: &self.world, control: &control };
+        let site = Site::whole(self.world.grid, work.seed, &self.world, &control);
         let base = &self.world.layer(&work.layer).map_err(fail)?.field;
         let new = match generator.generate(&site, base) {
             Ok(new) => new,

@@ -1,9 +1,9 @@
 //! A cone: `h = height (1 - (r / radius)^exponent)` inside the radius, 0 outside.
 
 use super::{check, fill};
-use eyot_core::process::{Generator, Site};
+use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::real::Real;
-use eyot_core::{Field, Result};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,17 +58,25 @@ fn power(r: f32, p: f32) -> f32 {
 
 impl Generator for Cone {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        check("cone", self)?;
+        self.check(&site.grid)?;
         let g = site.grid;
         let (w_m, h_m) = g.extent_m();
         let radius_m = f64::from(self.radius) * w_m.min(h_m);
         let centre = (f64::from(self.centre[0]) * w_m, f64::from(self.centre[1]) * h_m);
-        fill(&g, site.control, |y, row| {
+        fill(&g, site.rows.clone(), site.control, |y, row| {
             let dy = (y as f64 + 0.5) * g.cell_y_m - centre.1;
             for (x, v) in row.iter_mut().enumerate() {
                 let dx = (x as f64 + 0.5) * g.cell_x_m - centre.0;
                 *v = self.flank(((dx * dx + dy * dy).sqrt() / radius_m) as f32);
             }
         })
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("cone", self)
+    }
+
+    fn reach(&self, _grid: &Grid) -> Reach {
+        Reach::Cell
     }
 }

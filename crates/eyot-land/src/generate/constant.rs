@@ -1,8 +1,8 @@
 //! The same value everywhere.
 
 use super::check;
-use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result};
+use eyot_core::process::{Generator, Reach, Site};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,15 @@ pub struct Constant {
 
 impl Generator for Constant {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        check("constant", self)?;
-        Ok(Field::new(site.grid.width, site.grid.height, self.value))
+        self.check(&site.grid)?;
+        Ok(Field::new(site.grid.width, site.rows.len(), self.value))
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("constant", self)
+    }
+
+    fn reach(&self, _grid: &Grid) -> Reach {
+        Reach::Cell
     }
 }

@@ -1,8 +1,8 @@
 //! A crater: what is higher than a level is folded down, `h -> 2 level - h` (filter).
 
 use super::{check, fill};
-use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result};
+use eyot_core::process::{Around, Generator, Reach, Site};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,14 +46,24 @@ fn fold(h: f32, level: f32, crest: f32) -> f32 {
 
 impl Generator for Crater {
     fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
-        check("crater", self)?;
+        self.check(&site.grid)?;
         let level = if self.level_m == 0.0 { self.level * base.min_max().1 } else { self.level_m };
-        fill(&site.grid, site.control, |y, row| {
+        let base = Around::new(site, self.reach(&site.grid), base)?;
+        fill(&site.grid, site.rows.clone(), site.control, |y, row| {
             for (v, &h) in row.iter_mut().zip(base.row(y)) {
                 let floor = if h > level { level - self.depth_m } else { f32::NEG_INFINITY };
                 *v = fold(h, level, self.crest_m).max(floor);
             }
         })
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("crater", self)
+    }
+
+    fn reach(&self, _grid: &Grid) -> Reach {
+        // A share of the highest value needs the highest value.
+        if self.level_m == 0.0 { Reach::Whole } else { Reach::Cell }
     }
 
     fn is_filter(&self) -> bool {

@@ -3,8 +3,8 @@
 use super::noise::{Basis, Noise, Sum};
 use super::{check, scale_m};
 use eyot_core::isa::Isa;
-use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result};
+use eyot_core::process::{Generator, Reach, Site};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -60,7 +60,7 @@ impl Default for Fbm {
 
 impl Generator for Fbm {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        check("fbm", self)?;
+        self.check(&site.grid)?;
         let noise = Noise {
             basis: self.basis,
             sum: Sum::Fbm,
@@ -71,8 +71,16 @@ impl Generator for Fbm {
             seed: site.seed,
         };
         let strength_m = f64::from(self.warp) * noise.scale_m;
-        let mut field = noise.warped_field(strength_m, &site.grid, Isa::best(), site.control)?;
+        let mut field = noise.warped_field(strength_m, &site.grid, site.rows.clone(), Isa::best(), site.control)?;
         field.map_in_place(|n| self.offset + self.amplitude * n);
         Ok(field)
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("fbm", self)
+    }
+
+    fn reach(&self, _grid: &Grid) -> Reach {
+        Reach::Cell
     }
 }

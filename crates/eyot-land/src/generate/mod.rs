@@ -7,6 +7,7 @@ use eyot_core::process::{Entry, Generator, Parameters, defaults_of, schema_of};
 use eyot_core::{Control, Error, Field, Grid, Result};
 use rayon::prelude::*;
 use serde_json::Value;
+use std::ops::Range;
 
 mod cone;
 mod constant;
@@ -42,13 +43,19 @@ pub const GENERATORS: &[Entry<dyn Generator>] = &[
 /// Rows that are handed out between two looks at the stop button.
 const BAND: usize = 128;
 
-/// Computes the rows of a new field in parallel; `row` gets the row's number and its cells, which are 0.
-fn fill(grid: &Grid, control: &Control<'_>, row: impl Fn(usize, &mut [f32]) + Sync) -> Result<Field> {
-    let mut field = Field::new(grid.width, grid.height, 0.0);
+/// Computes rows of a new field in parallel; `row` gets the row's number in the whole grid and its cells, which are 0.
+fn fill(
+    grid: &Grid,
+    window: Range<usize>,
+    control: &Control<'_>,
+    row: impl Fn(usize, &mut [f32]) + Sync,
+) -> Result<Field> {
+    let mut field = Field::new(grid.width, window.len(), 0.0);
     let mut rows: Vec<&mut [f32]> = field.rows_mut().collect();
     for (band, rows) in rows.chunks_mut(BAND).enumerate() {
-        control.tick((band * BAND) as u64, grid.height as u64)?;
-        rows.par_iter_mut().enumerate().for_each(|(y, cells)| row(band * BAND + y, cells));
+        let first = window.start + band * BAND;
+        control.tick((first - window.start) as u64, window.len() as u64)?;
+        rows.par_iter_mut().enumerate().for_each(|(y, cells)| row(first + y, cells));
     }
     Ok(field)
 }

@@ -1,9 +1,9 @@
 //! A plane that rises in one direction, from `low` at one end of the grid to `high` at the other.
 
 use super::{check, fill};
-use eyot_core::process::{Generator, Site};
+use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::real::Real;
-use eyot_core::{Field, Result};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -45,19 +45,27 @@ fn heading(degrees: f32) -> (f64, f64) {
 
 impl Generator for Ramp {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        check("ramp", self)?;
+        self.check(&site.grid)?;
         let g = site.grid;
         let (w_m, h_m) = g.extent_m();
         let (east, south) = heading(self.direction);
         // Length of the grid's shadow on the direction, and the middle of the grid at one half.
         let length = (east * w_m).abs() + (south * h_m).abs();
         let (low, rise) = (f64::from(self.low), f64::from(self.high) - f64::from(self.low));
-        fill(&g, site.control, |y, row| {
+        fill(&g, site.rows.clone(), site.control, |y, row| {
             let dy = (y as f64 + 0.5) * g.cell_y_m - 0.5 * h_m;
             for (x, v) in row.iter_mut().enumerate() {
                 let dx = (x as f64 + 0.5) * g.cell_x_m - 0.5 * w_m;
                 *v = (low + rise * (0.5 + (dx * east + dy * south) / length)) as f32;
             }
         })
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("ramp", self)
+    }
+
+    fn reach(&self, _grid: &Grid) -> Reach {
+        Reach::Cell
     }
 }

@@ -3,8 +3,8 @@
 use super::noise::{Basis, Noise, Sum};
 use super::{check, scale_m};
 use eyot_core::isa::Isa;
-use eyot_core::process::{Generator, Site};
-use eyot_core::{Field, Result};
+use eyot_core::process::{Generator, Reach, Site};
+use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,7 @@ impl Default for Ridged {
 
 impl Generator for Ridged {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        check("ridged", self)?;
+        self.check(&site.grid)?;
         let noise = Noise {
             basis: self.basis,
             sum: Sum::Ridged(self.sharpness),
@@ -75,8 +75,16 @@ impl Generator for Ridged {
             seed: site.seed,
         };
         let strength_m = f64::from(self.warp) * noise.scale_m;
-        let mut field = noise.warped_field(strength_m, &site.grid, Isa::best(), site.control)?;
+        let mut field = noise.warped_field(strength_m, &site.grid, site.rows.clone(), Isa::best(), site.control)?;
         field.map_in_place(|n| self.offset + self.amplitude * n);
         Ok(field)
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("ridged", self)
+    }
+
+    fn reach(&self, _grid: &Grid) -> Reach {
+        Reach::Cell
     }
 }

@@ -8,7 +8,7 @@ use super::noise::{Basis, Noise, PIECE, PIECE_COLUMNS, Piece, Sum};
 use super::{check, fill, scale_m};
 use eyot_core::isa::Isa;
 use eyot_core::lanes::WIDTH;
-use eyot_core::process::{Generator, Site};
+use eyot_core::process::{Around, Generator, Reach, Site};
 use eyot_core::{Edge, Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -81,7 +81,7 @@ fn split(cell: usize, away: f32, cells: usize, edge: Edge) -> (isize, f32) {
     }
 }
 
-fn linear(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
+fn linear(base: &Around<'_>, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
     let columns = [0, 1].map(|i| g.wrap_x(x.0 + i));
     let [a, b] = [0, 1].map(|j| {
         let row = base.row(g.wrap_y(y.0 + j));
@@ -96,7 +96,7 @@ fn spline([a, b, c, d]: [f32; 4], t: f32) -> f32 {
     b + 0.5 * t * ((c - a) + t * ((2.0 * a - 5.0 * b + 4.0 * c - d) + t * (3.0 * (b - c) + d - a)))
 }
 
-fn cubic(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
+fn cubic(base: &Around<'_>, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
     let columns = [-1, 0, 1, 2].map(|i| g.wrap_x(x.0 + i));
     let lines = [-1, 0, 1, 2].map(|j| {
         let row = base.row(g.wrap_y(y.0 + j));
@@ -107,7 +107,7 @@ fn cubic(base: &Field, g: &Grid, x: (isize, f32), y: (isize, f32)) -> f32 {
 
 impl Generator for Warp {
     fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
-        check("warp", self)?;
+        self.check(&site.grid)?;
         let g = site.grid;
         let noise = Noise {
             basis: self.basis,
@@ -121,7 +121,8 @@ impl Generator for Warp {
         let strength_m = f64::from(self.strength) * noise.scale_m;
         let away = noise.displacement(self.octaves).map(|n| n.prepare(&g, Isa::best()));
         let (per_x, per_y) = ((strength_m / g.cell_x_m) as f32, (strength_m / g.cell_y_m) as f32);
-        fill(&g, site.control, |y, row| {
+        let base = Around::new(site, self.reach(&g), base)?;
+        fill(&g, site.rows.clone(), site.control, |y, row| {
             for (x0, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
                 let mut shift: [Piece; 2] = [[[0.0; WIDTH]; PIECE]; 2];
                 for (noise, shift) in away.iter().zip(&mut shift) {
@@ -132,12 +133,22 @@ impl Generator for Warp {
                     let x = split(x0 + i, dx[i] * per_x, g.width, g.rim.x);
                     let y = split(y, dy[i] * per_y, g.height, g.rim.y);
                     *v = match self.interpolation {
-                        Interpolation::Linear => linear(base, &g, x, y),
-                        Interpolation::Cubic => cubic(base, &g, x, y),
+                        Interpolation::Linear => linear(&base, &g, x, y),
+                        Interpolation::Cubic => cubic(&base, &g, x, y),
                     };
                 }
             }
         })
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check("warp", self)
+    }
+
+    fn reach(&self, grid: &Grid) -> Reach {
+        // The displacement stays within -1..=1 times the strength; two rows more for the interpolation.
+        let strength_m = f64::from(self.strength) * scale_m(grid, self.scale, self.scale_m);
+        Reach::Rows((strength_m / grid.cell_y_m).ceil() as usize + 2)
     }
 
     fn is_filter(&self) -> bool {

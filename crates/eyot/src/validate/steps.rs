@@ -126,6 +126,10 @@ impl Validator<'_> {
                 return None;
             }
         };
+        if let Some(Err(e)) = self.grid.filter(|_| keys.enabled).map(|g| generator.check(&g)) {
+            self.out.push(refused(&e, entry.name, node));
+            return None;
+        }
         if !layer_name_ok(&keys.layer) {
             let span = node.get("layer").map_or_else(|| node.span.clone(), |n| n.span.clone());
             let message = format!("a layer cannot be named \"{}\"", keys.layer);
@@ -140,6 +144,11 @@ impl Validator<'_> {
         {
             let span = node.get("mask").map_or_else(|| node.span.clone(), |n| n.span.clone());
             let problem = self.no_layer(mask, span);
+            self.out.push(problem);
+        }
+        for read in generator.reads().into_iter().filter(|l| keys.enabled && !self.layers.iter().any(|k| k == l)) {
+            let mut problem = self.no_layer(read, node.span.clone());
+            problem.message = format!("`{}` looks at another layer: {}", entry.name, problem.message);
             self.out.push(problem);
         }
         if keys.enabled && generator.is_filter() && !self.layers.contains(&keys.layer) {
@@ -288,13 +297,7 @@ impl Validator<'_> {
         match (entry.make)(parameters.clone()) {
             Ok(process) => {
                 if let Some(Err(e)) = self.grid.filter(|_| schedule.enabled).map(|g| process.check(&g)) {
-                    let (message, field) = match &e {
-                        eyot_core::Error::BadParameter { field, .. } => (e.to_string(), node.get(field)),
-                        _ => (e.to_string(), None),
-                    };
-                    let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
-                    let help = format!("`eyot describe {}` says what its parameters mean", entry.name);
-                    self.out.push(Diagnostic::at(span, message, "this does not work").help(help));
+                    self.out.push(refused(&e, entry.name, node));
                     return None;
                 }
                 for (spec, _) in process.layers() {
@@ -312,6 +315,17 @@ impl Validator<'_> {
             }
         }
     }
+}
+
+/// What a process or generator says of its parameters, at the parameter if it names one.
+fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
+    let field = match e {
+        eyot_core::Error::BadParameter { field, .. } => node.get(field),
+        _ => None,
+    };
+    let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
+    let help = format!("`eyot describe {owner}` says what its parameters mean");
+    Diagnostic::at(span, e.to_string(), "this does not work").help(help)
 }
 
 fn suggestion(name: &str, known: Vec<&'static str>, command: &str) -> String {

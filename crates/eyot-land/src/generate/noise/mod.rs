@@ -31,6 +31,7 @@ use lattice::{Kernel, Octave};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
+use std::ops::Range;
 
 /// Which noise is summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -115,13 +116,13 @@ impl Noise {
         Prepared { basis: self.basis, sum: self.sum, octaves, isa }
     }
 
-    /// The noise at all cells of a grid.
+    /// The noise at the cells of some rows of a grid.
     ///
     /// # Errors
     /// On a request to stop.
-    pub fn field(&self, grid: &Grid, isa: Isa, control: &Control<'_>) -> Result<Field> {
+    pub fn field(&self, grid: &Grid, rows: Range<usize>, isa: Isa, control: &Control<'_>) -> Result<Field> {
         let noise = self.prepare(grid, isa);
-        super::fill(grid, control, |y, row| {
+        super::fill(grid, rows, control, |y, row| {
             for (x, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
                 let mut out = [[0.0; WIDTH]; PIECE];
                 noise.piece(x, y, piece.len().div_ceil(WIDTH), None, &mut out);
@@ -140,17 +141,24 @@ impl Noise {
         })
     }
 
-    /// The noise at the cells of a grid, each looked up at a place that is displaced by up to `strength_m`.
+    /// The noise at the cells of some rows of a grid, each looked up at a place that is displaced by up to `strength_m`.
     ///
     /// # Errors
     /// On a request to stop.
-    pub fn warped_field(&self, strength_m: f64, grid: &Grid, isa: Isa, control: &Control<'_>) -> Result<Field> {
+    pub fn warped_field(
+        &self,
+        strength_m: f64,
+        grid: &Grid,
+        rows: Range<usize>,
+        isa: Isa,
+        control: &Control<'_>,
+    ) -> Result<Field> {
         if strength_m == 0.0 {
-            return self.field(grid, isa, control);
+            return self.field(grid, rows, isa, control);
         }
         let noise = self.prepare(grid, isa);
         let away = self.displacement(self.octaves.min(4)).map(|n| n.prepare(grid, isa));
-        super::fill(grid, control, |y, row| {
+        super::fill(grid, rows, control, |y, row| {
             for (x, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
                 let blocks = piece.len().div_ceil(WIDTH);
                 let mut shift = [[[0.0; WIDTH]; PIECE]; 2];
