@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("usage: read_all FOLDER")?);
-    let options = ReadOptions { low_m: Some(0.0), high_m: Some(65535.0), nodata: None };
+    let options = ReadOptions { low_m: Some(0.0), high_m: Some(65535.0), ..ReadOptions::default() };
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         if !path.extension().is_some_and(|e| e == "tif" || e == "png") {

@@ -4,7 +4,9 @@
 //! cells take the interpolated coarse value and are then relaxed towards the mean of their four neighbours (Laplace's
 //! equation: no new hills or pits). Plain relaxation alone needs as many sweeps as a hole is wide, squared.
 
+use crate::error::{Error, Result};
 use eyot_core::Field;
+use std::path::Path;
 
 /// Sweeps at each level; the coarse levels have done the far-reaching work.
 const SWEEPS: usize = 24;
@@ -24,6 +26,41 @@ pub(crate) fn fill(field: &mut Field, missing: &[bool]) -> Option<usize> {
         }
     }
     Some(count)
+}
+
+/// Collects the missing cells of a raster while it is read.
+pub(crate) struct Missing {
+    size: (usize, usize),
+    nodata: Option<f64>,
+    marks: Option<Vec<bool>>,
+}
+
+impl Missing {
+    /// For a raster in which `nodata` marks missing cells.
+    pub(crate) fn new(width: usize, height: usize, nodata: Option<f64>) -> Self {
+        Self { size: (width, height), nodata, marks: None }
+    }
+
+    /// Marks the cell if its number in the file is the nodata value.
+    pub(crate) fn look_at(&mut self, x: usize, y: usize, number: f64) {
+        if let Some(nodata) = self.nodata
+            // Values of `f32` files are often given with digits that name another `f64`.
+            && (number == nodata || (number.is_nan() && nodata.is_nan()) || number as f32 == nodata as f32)
+        {
+            let (width, height) = self.size;
+            self.marks.get_or_insert_with(|| vec![false; width * height])[y * width + x] = true;
+        }
+    }
+
+    /// Fills what was marked and returns how many cells that were.
+    pub(crate) fn fill(self, path: &Path, field: &mut Field) -> Result<usize> {
+        match self.marks {
+            None => Ok(0),
+            Some(marks) => fill(field, &marks).ok_or_else(|| {
+                Error::format(path, "every cell is marked as missing", "check the nodata value")
+            }),
+        }
+    }
 }
 
 struct Level {

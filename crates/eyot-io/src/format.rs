@@ -1,30 +1,51 @@
-//! Raster formats by name, and one function that writes a layer in any of them.
+//! Raster formats by name, and the functions that write a layer in any of them.
 
+use crate::about::About;
 use crate::error::{Error, Result};
-use crate::{geotiff_write, png_write, r32};
+use crate::sample::{ByteOrder, RowOrder, Sample};
+use crate::rows::Rows;
+use crate::{exr_write, geotiff_write, npy, png_write, raw, zarr};
 use eyot_core::{Layer, World};
 use std::path::Path;
 
 /// Formats that a layer can be written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RasterFormat {
-    /// 16-bit grey PNG, smallest value black, largest white; the scale is kept in text chunks.
+    /// 16-bit grey PNG; the scale is kept in text chunks.
     Png16,
     /// Cloud Optimised GeoTIFF of `f32`, exact.
     GeoTiff,
-    /// Headerless little-endian `f32` with a JSON file beside it, exact.
+    /// Headerless `f32` with a JSON file beside it, exact.
     R32,
+    /// Headerless `u16` with a JSON file beside it that says the scale.
+    R16,
+    /// OpenEXR with one channel of `f32`, exact.
+    Exr,
+    /// NumPy's array file of `f32` with a JSON file beside it, exact.
+    Npy,
+    /// Zarr v3 store, a folder, with one array of `f32` and its coordinates, exact.
+    Zarr,
 }
 
 impl RasterFormat {
     /// All formats.
-    pub const ALL: [Self; 3] = [Self::Png16, Self::GeoTiff, Self::R32];
+    pub const ALL: [Self; 7] =
+        [Self::Png16, Self::GeoTiff, Self::R32, Self::R16, Self::Exr, Self::Npy, Self::Zarr];
     /// Their names in recipes, in the order of [`RasterFormat::ALL`].
-    pub const NAMES: [&'static str; 3] = ["png16", "geotiff", "r32"];
+    pub const NAMES: [&'static str; 7] = ["png16", "geotiff", "r32", "r16", "exr", "npy", "zarr"];
 
     /// The format with this name in recipes.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|f| f.name() == name)
+    }
+
+    /// The format that files with this extension (without the dot, any case) are in.
+    pub fn from_extension(extension: &str) -> Option<Self> {
+        Some(match extension.to_ascii_lowercase().as_str() {
+            "tiff" => Self::GeoTiff,
+            "raw" => Self::R16,
+            other => Self::ALL.into_iter().find(|f| f.extension() == other)?,
+        })
     }
 
     /// Name in recipes.
@@ -38,18 +59,36 @@ impl RasterFormat {
             Self::Png16 => "png",
             Self::GeoTiff => "tif",
             Self::R32 => "r32",
+            Self::R16 => "r16",
+            Self::Exr => "exr",
+            Self::Npy => "npy",
+            Self::Zarr => "zarr",
         }
+    }
+
+    /// True if values are stored as whole numbers of 16 bits.
+    pub const fn is_quantised(self) -> bool {
+        matches!(self, Self::Png16 | Self::R16)
     }
 }
 
-/// Writes one layer of a world; R32 also writes `PATH.json`.
-///
-/// Cell size and georeference come from the world. GeoTIFF and R32 hold the layer's values exactly, PNG within half of
-/// a 65535th of the layer's value range.
+/// What a writer may be told.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WriteOptions {
+    /// Values that 0 and 65535 stand for in 16-bit formats; the smallest and the largest value if not given.
+    pub scale: Option<(f64, f64)>,
+    /// Order of the bytes of a number in headerless files.
+    pub byte_order: ByteOrder,
+    /// Order of the rows in headerless files.
+    pub row_order: RowOrder,
+    /// The value that a GeoTIFF declares as missing; must not occur. A free one is chosen if not given.
+    pub nodata: Option<f32>,
+}
+
+/// Writes one layer of a world with the usual options; see [`write_rows`].
 ///
 /// # Errors
-/// If the layer has another size than the world's grid, holds a value that is not finite, is too large for the format,
-/// or if the file cannot be written. A file that was there before is then unharmed.
+/// If the layer has another size than the world's grid, and as [`write_rows`].
 pub fn write_layer(path: &Path, world: &World, layer: &Layer, format: RasterFormat) -> Result<()> {
     let (grid, field) = (&world.grid, &layer.field);
     if (field.width(), field.height()) != (grid.width, grid.height) || grid.cells() == 0 {
@@ -63,14 +102,36 @@ pub fn write_layer(path: &Path, world: &World, layer: &Layer, format: RasterForm
         );
         return Err(Error::format(path, problem, "write layers of this world only"));
     }
-    if let Some((x, y, value)) = field.find_not_finite() {
-        let remedy = "no format can carry it on; this is a fault of the process that made the layer";
-        return Err(Error::NotFinite { path: path.to_owned(), value, x, y, remedy });
+    write_rows(path, &mut &layer.field, &About::of(world, layer), format, &WriteOptions::default())
+}
+
+/// Writes a raster band by band: a grid of any size needs a few dozen megabytes beside what `rows` holds itself.
+///
+/// R32, R16 and NPY also write `PATH.json`; Zarr makes a folder. All but the 16-bit formats hold the values exactly, those
+/// within half of a 65535th of the scale.
+///
+/// # Errors
+/// If `rows` fails or gives a value that is not finite, if values leave the given scale, if the raster is too large for
+/// the format, or if the file cannot be written. A file that was there before is then unharmed.
+pub fn write_rows(
+    path: &Path,
+    rows: &mut dyn Rows,
+    about: &About,
+    format: RasterFormat,
+    options: &WriteOptions,
+) -> Result<()> {
+    let (width, height) = rows.size();
+    if width == 0 || height == 0 {
+        return Err(Error::format(path, format!("a raster of {width}x{height} cells"), "both sides must be at least 1"));
     }
     match format {
-        RasterFormat::Png16 => png_write::write_png16(path, world, layer),
-        RasterFormat::GeoTiff => geotiff_write::write(path, world, layer),
-        RasterFormat::R32 => r32::write(path, world, layer),
+        RasterFormat::Png16 => png_write::write_png16(path, rows, about, options),
+        RasterFormat::GeoTiff => geotiff_write::write(path, rows, about, options),
+        RasterFormat::R32 => raw::write(path, rows, about, Sample::F32, options),
+        RasterFormat::R16 => raw::write(path, rows, about, Sample::U16, options),
+        RasterFormat::Npy => npy::write(path, rows, about),
+        RasterFormat::Exr => exr_write::write(path, &mut [(about, rows)]),
+        RasterFormat::Zarr => zarr::write_store(path, &mut [(about, rows)], &serde_json::Map::new()),
     }
 }
 
@@ -92,7 +153,9 @@ mod tests {
         for (format, name) in RasterFormat::ALL.into_iter().zip(RasterFormat::NAMES) {
             assert_eq!(format.name(), name);
             assert_eq!(RasterFormat::from_name(name), Some(format));
+            assert_eq!(RasterFormat::from_extension(format.extension()), Some(format));
         }
         assert_eq!(RasterFormat::from_name("tiff"), None);
+        assert_eq!(RasterFormat::from_extension("TIFF"), Some(RasterFormat::GeoTiff));
     }
 }

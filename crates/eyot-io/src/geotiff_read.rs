@@ -51,7 +51,7 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     // Absurd coordinates can overflow; a grid could not use such a size.
     let usable = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0;
     let cell_m = georeference.as_ref().map(|g| cell_size_m(g, layout.width, layout.height, unit)).filter(usable);
-    Ok(Raster { field, cell_m, georeference, filled })
+    Ok(Raster { cell_m, georeference, filled, ..Raster::of(field) })
 }
 
 fn open_options(limits: &Limits) -> OpenOptions {

@@ -30,24 +30,36 @@
 //! # }
 //! ```
 
+mod about;
 mod atomic;
 pub mod checkpoint;
 mod error;
+mod exr_read;
+mod exr_write;
 mod fill;
 mod format;
 mod georef;
 mod geotiff_read;
 mod geotiff_write;
 mod glb;
+mod npy;
 mod png_read;
 mod png_write;
-mod r32;
 mod raster;
+mod raw;
+mod rows;
+mod sample;
+mod scale;
+mod sidecar;
+mod zarr;
 
+pub use about::About;
 pub use atomic::{remove_leftovers, write_atomically};
 pub use checkpoint::Checkpoint;
 pub use error::{Error, Result};
-pub use format::{RasterFormat, write_layer};
+pub use format::{RasterFormat, WriteOptions, write_layer, write_rows};
 pub use glb::write_terrain_glb;
 pub use png_write::write_rgb_png;
 pub use raster::{Raster, ReadOptions, read_raster};
+pub use rows::Rows;
+pub use sample::{ByteOrder, RowOrder, Sample};

@@ -1,8 +1,10 @@
 //! PNG, in: grey images of 8 or 16 bits as heights.
 
 use crate::error::{Error, Result};
+use crate::fill::Missing;
 use crate::png_write::key;
 use crate::raster::{Raster, ReadOptions, check_size};
+use crate::scale::Scale;
 use eyot_core::{Field, Limits};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
 use std::fs::File;
@@ -19,10 +21,8 @@ pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &
     // Grey of 1, 2 and 4 bits becomes 8 bits; a palette becomes RGB and is refused below.
     decoder.set_transformations(Transformations::EXPAND);
     let header = decoder.read_header_info().map_err(failed)?;
-    let (width, height) = (header.width as usize, header.height as usize);
-    let field = check_size(path, width, height, limits)?;
-    // Two bytes and up to four channels a pixel.
-    limits.check_bytes("the decoded image", width as u128 * height as u128 * 8 + field).map_err(Error::core(path))?;
+    let (width, height, interlaced) = (header.width as usize, header.height as usize, header.interlaced);
+    let held = check_size(path, width, height, limits)?;
     let mut reader = decoder.read_info().map_err(failed)?;
     let (colour, depth) = reader.output_color_type();
     let channels = match colour {
@@ -33,39 +33,58 @@ pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &
             return Err(Error::format(path, problem, "convert it to 16-bit grey"));
         }
     };
-    let range = value_range(path, &reader, options)?;
-    let metadata = Metadata::of(&reader);
-
-    let too_large = || Error::format(path, "the image does not fit in memory", "convert it to a smaller one");
-    let mut bytes = Vec::new();
-    let size = reader.output_buffer_size().ok_or_else(too_large)?;
-    bytes.try_reserve_exact(size).map_err(|_| too_large())?;
-    bytes.resize(size, 0);
-    let line = reader.next_frame(&mut bytes).map_err(failed)?.line_size;
-
-    let steps = if depth == BitDepth::Sixteen { 65535.0 } else { 255.0 };
-    let to_value = |sample: f64| (range.0 + sample / steps * (range.1 - range.0)) as f32;
-    let mut field = Field::new(width, height, 0.0);
-    for (row, samples) in field.rows_mut().zip(bytes.chunks_exact(line)) {
-        if depth == BitDepth::Sixteen {
-            for (v, s) in row.iter_mut().zip(samples.chunks_exact(2 * channels)) {
-                *v = to_value(f64::from(u16::from_be_bytes([s[0], s[1]])));
-            }
-        } else {
-            for (v, s) in row.iter_mut().zip(samples.chunks_exact(channels)) {
-                *v = to_value(f64::from(s[0]));
-            }
+    let scale = value_range(path, &reader, options)?;
+    let (wide, per_step) = if depth == BitDepth::Sixteen { (2, 1.0) } else { (1, 257.0) };
+    let line = reader.output_line_size(width as u32).unwrap_or(usize::MAX);
+    let mut missing = Missing::new(width, height, options.nodata);
+    let mut values = |y: usize, row: &mut [f32], samples: &[u8]| {
+        for (x, (v, s)) in row.iter_mut().zip(samples.chunks_exact(wide * channels)).enumerate() {
+            let number = if wide == 2 { f64::from(u16::from_be_bytes([s[0], s[1]])) } else { f64::from(s[0]) };
+            missing.look_at(x, y, number);
+            *v = scale.value(number * per_step);
         }
-    }
-    Ok(Raster { field, cell_m: metadata.cell_m, georeference: metadata.georeference, filled: 0 })
+    };
+    let field = if interlaced {
+        // The passes of an interlaced image come together only in memory.
+        limits.check_bytes("the interlaced image", (line as u128) * height as u128 + held).map_err(Error::core(path))?;
+        let mut bytes = vec![0; line * height];
+        reader.next_frame(&mut bytes).map_err(failed)?;
+        let mut field = Field::new(width, height, 0.0);
+        field.rows_mut().zip(bytes.chunks_exact(line)).enumerate().for_each(|(y, (row, b))| values(y, row, b));
+        field
+    } else {
+        let mut field = Field::new(width, height, 0.0);
+        for (y, row) in field.rows_mut().enumerate() {
+            let samples = reader.next_row().map_err(failed)?;
+            let samples = samples.as_ref().map_or(&[][..], |r| r.data());
+            if samples.len() < wide * channels * width {
+                return Err(Error::format(path, "the PNG ends too early", "it is truncated: copy or download it again"));
+            }
+            values(y, row, samples);
+        }
+        field
+    };
+    let text = |keyword: &str| text(&reader, keyword).unwrap_or_default();
+    let cell_m = number(&reader, key::CELL_X).zip(number(&reader, key::CELL_Y)).filter(|&(x, y)| x > 0.0 && y > 0.0);
+    let mut raster = Raster {
+        cell_m,
+        georeference: serde_json::from_str(&text(key::GEOREFERENCE)).ok(),
+        name: text(key::LAYER),
+        unit: text(key::UNIT),
+        meaning: text(key::MEANING),
+        scale: (wide == 2).then_some((scale.low, scale.high)),
+        ..Raster::of(field)
+    };
+    raster.filled = missing.fill(path, &mut raster.field)?;
+    Ok(raster)
 }
 
 /// Values of black and white: what the caller says, or what the file says.
-fn value_range(path: &Path, reader: &png::Reader<BufReader<File>>, options: &ReadOptions) -> Result<(f64, f64)> {
+fn value_range(path: &Path, reader: &png::Reader<BufReader<File>>, options: &ReadOptions) -> Result<Scale> {
     let low = options.low_m.or_else(|| number(reader, key::MIN));
     let high = options.high_m.or_else(|| number(reader, key::MAX));
     match low.zip(high) {
-        Some((low, high)) if (low as f32).is_finite() && (high as f32).is_finite() => Ok((low, high)),
+        Some((low, high)) if (low as f32).is_finite() && (high as f32).is_finite() => Ok(Scale { low, high }),
         Some((low, high)) => Err(Error::format(
             path,
             format!("black is {low} and white is {high}"),
@@ -74,28 +93,16 @@ fn value_range(path: &Path, reader: &png::Reader<BufReader<File>>, options: &Rea
         None => Err(Error::format(
             path,
             "the file does not say which heights black and white stand for",
-            "give low_m and high_m",
+            "give low_m and high_m (--range LOW,HIGH)",
         )),
     }
 }
 
-struct Metadata {
-    cell_m: Option<(f64, f64)>,
-    georeference: Option<eyot_core::Georeference>,
-}
-
-impl Metadata {
-    fn of(reader: &png::Reader<BufReader<File>>) -> Self {
-        let cell_m = number(reader, key::CELL_X).zip(number(reader, key::CELL_Y));
-        Self {
-            cell_m: cell_m.filter(|&(x, y)| x > 0.0 && y > 0.0),
-            georeference: text(reader, key::GEOREFERENCE).and_then(|t| serde_json::from_str(t).ok()),
-        }
-    }
-}
-
-fn text<'a>(reader: &'a png::Reader<BufReader<File>>, keyword: &str) -> Option<&'a str> {
-    reader.info().uncompressed_latin1_text.iter().find(|t| t.keyword == keyword).map(|t| t.text.as_str())
+fn text(reader: &png::Reader<BufReader<File>>, keyword: &str) -> Option<String> {
+    let info = reader.info();
+    let plain = info.uncompressed_latin1_text.iter().find(|t| t.keyword == keyword).map(|t| t.text.clone());
+    // Compressed text could be a bomb, and this crate writes none.
+    plain.or_else(|| info.utf8_text.iter().find(|t| t.keyword == keyword && !t.compressed)?.get_text().ok())
 }
 
 fn number(reader: &png::Reader<BufReader<File>>, keyword: &str) -> Option<f64> {

@@ -1,15 +1,20 @@
-//! PNG, out: 16-bit grey for layers, 8-bit RGB for pictures.
+//! PNG, out: 16-bit grey for layers, 8-bit RGB for pictures, 8-bit grey and RGBA for masks and weights.
 
+use crate::about::About;
 use crate::atomic::{Watched, watched, write_atomically};
 use crate::error::{Error, Result};
-use crate::format::size_u32;
-use eyot_core::{Layer, World};
+use crate::format::{WriteOptions, size_u32};
+use crate::rows::{Rows, band_rows, each_band};
+use crate::scale::Scale;
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 use std::io::Write;
 use std::path::Path;
 
 /// Keywords of the text chunks, read back by the importer.
 pub(crate) mod key {
+    pub(crate) const LAYER: &str = "layer";
+    pub(crate) const UNIT: &str = "unit";
+    pub(crate) const MEANING: &str = "Description";
     pub(crate) const MIN: &str = "min";
     pub(crate) const MAX: &str = "max";
     pub(crate) const CELL_X: &str = "cell_x_m";
@@ -17,33 +22,27 @@ pub(crate) mod key {
     pub(crate) const GEOREFERENCE: &str = "georeference";
 }
 
-/// Largest value of a 16-bit sample.
-pub(crate) const STEPS: f64 = 65535.0;
-
-/// Writes `layer` with its smallest value as 0 and its largest as 65535.
-pub(crate) fn write_png16(path: &Path, world: &World, layer: &Layer) -> Result<()> {
-    let field = &layer.field;
-    let (width, height) = size_u32(path, field.width(), field.height())?;
-    let (min, max) = field.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    // In f64: the range of finite f32 values can overflow f32.
-    let (low, range) = (f64::from(min), f64::from(max) - f64::from(min));
-    let per_metre = if range > 0.0 { STEPS / range } else { 0.0 };
-    let georeference = world.georeference.as_ref().and_then(|g| serde_json::to_string(g).ok());
+/// Writes the values as numbers from 0 to 65535.
+pub(crate) fn write_png16(path: &Path, rows: &mut dyn Rows, about: &About, options: &WriteOptions) -> Result<()> {
+    let (width, height) = rows.size();
+    let (w, h) = size_u32(path, width, height)?;
+    let scale = Scale::of(path, rows, about, options)?;
+    let georeference = about.georeference.as_ref().and_then(|g| serde_json::to_string(g).ok());
     let texts = [
         ("Software", "Eyot".to_owned()),
-        ("layer", layer.spec.name.to_string()),
-        ("unit", layer.spec.unit.to_string()),
-        ("Description", layer.spec.meaning.to_string()),
+        (key::LAYER, about.name.clone()),
+        (key::UNIT, about.unit.clone()),
+        (key::MEANING, about.meaning.clone()),
         // As f64, which has all digits of the f32: readers that compute in f64 then get the very scale used here.
-        (key::MIN, format!("{low:?}")),
-        (key::MAX, format!("{:?}", f64::from(max))),
-        (key::CELL_X, format!("{:?}", world.grid.cell_x_m)),
-        (key::CELL_Y, format!("{:?}", world.grid.cell_y_m)),
+        (key::MIN, format!("{:?}", scale.low)),
+        (key::MAX, format!("{:?}", scale.high)),
+        (key::CELL_X, format!("{:?}", about.cell_m.0)),
+        (key::CELL_Y, format!("{:?}", about.cell_m.1)),
         (key::GEOREFERENCE, georeference.unwrap_or_default()),
     ];
     let encode = |out: Watched<'_>| {
         let failed = |e| as_error(path, e);
-        let mut encoder = Encoder::new(out, width, height);
+        let mut encoder = Encoder::new(out, w, h);
         encoder.set_color(ColorType::Grayscale);
         encoder.set_depth(BitDepth::Sixteen);
         for (keyword, text) in texts.into_iter().filter(|(_, text)| !text.is_empty()) {
@@ -54,12 +53,13 @@ pub(crate) fn write_png16(path: &Path, world: &World, layer: &Layer) -> Result<(
         }
         let mut writer = encoder.write_header().map_err(failed)?;
         let mut stream = writer.stream_writer().map_err(failed)?;
-        let mut bytes = Vec::with_capacity(2 * field.width());
-        for row in field.rows() {
+        let (mut numbers, mut bytes) = (Vec::new(), Vec::new());
+        each_band(path, rows, band_rows(width, 1), |_, band| {
+            scale.quantise(path, band, &mut numbers)?;
             bytes.clear();
-            bytes.extend(row.iter().flat_map(|&v| (((f64::from(v) - low) * per_metre).round() as u16).to_be_bytes()));
-            stream.write_all(&bytes).map_err(Error::io(path, "write"))?;
-        }
+            bytes.extend(numbers.iter().flat_map(|n| n.to_be_bytes()));
+            stream.write_all(&bytes).map_err(Error::io(path, "write"))
+        })?;
         stream.finish().map_err(failed)?;
         writer.finish().map_err(failed)
     };
@@ -72,6 +72,20 @@ pub(crate) fn write_png16(path: &Path, world: &World, layer: &Layer) -> Result<(
 /// If there are not `width * height` pixels, if a side is 0 or beyond what PNG allows, or if the file cannot be
 /// written.
 pub fn write_rgb_png(path: &Path, width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<()> {
+    write_bytes(path, (width, height), pixels, ColorType::Rgb)
+}
+
+/// Writes bytes that are no colours, such as masks: one channel or four, without any gamma.
+pub(crate) fn write_data_png<const N: usize>(path: &Path, size: (usize, usize), pixels: &[[u8; N]]) -> Result<()> {
+    write_bytes(path, size, pixels, if N == 1 { ColorType::Grayscale } else { ColorType::Rgba })
+}
+
+fn write_bytes<const N: usize>(
+    path: &Path,
+    (width, height): (usize, usize),
+    pixels: &[[u8; N]],
+    colour: ColorType,
+) -> Result<()> {
     if width == 0 || height == 0 || width.checked_mul(height) != Some(pixels.len()) {
         let problem = format!("{} pixels do not make a picture of {width}x{height}", pixels.len());
         return Err(Error::format(path, problem, "give width times height pixels"));
@@ -80,9 +94,11 @@ pub fn write_rgb_png(path: &Path, width: usize, height: usize, pixels: &[[u8; 3]
     let encode = |out: Watched<'_>| {
         let failed = |e| as_error(path, e);
         let mut encoder = Encoder::new(out, w, h);
-        encoder.set_color(ColorType::Rgb);
+        encoder.set_color(colour);
         encoder.set_depth(BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        if colour == ColorType::Rgb {
+            encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        }
         let mut writer = encoder.write_header().map_err(failed)?;
         writer.write_image_data(pixels.as_flattened()).map_err(failed)?;
         writer.finish().map_err(failed)

@@ -1,7 +1,9 @@
 //! Reading a raster of any known format.
 
+use crate::about::About;
 use crate::error::{Error, Result};
-use crate::{geotiff_read, png_read, r32};
+use crate::sample::{ByteOrder, RowOrder, Sample};
+use crate::{exr_read, geotiff_read, npy, png_read, raw, zarr};
 use eyot_core::{Field, Georeference, Limits};
 use std::fs::{self, File};
 use std::io::Read;
@@ -19,21 +21,68 @@ pub struct Raster {
     pub georeference: Option<Georeference>,
     /// Cells that were missing in the file and have been filled from their neighbours.
     pub filled: usize,
+    /// Name of the layer, or empty if the file does not say.
+    pub name: String,
+    /// Unit of the values, or empty.
+    pub unit: String,
+    /// What the values mean, or empty.
+    pub meaning: String,
+    /// Values of 0 and 65535 if the file holds whole numbers of 16 bits: a file of the same scale holds the same ones.
+    pub scale: Option<(f64, f64)>,
+}
+
+impl Raster {
+    /// Bare values of which nothing else is known.
+    pub fn of(field: Field) -> Self {
+        Self {
+            field,
+            cell_m: None,
+            georeference: None,
+            filled: 0,
+            name: String::new(),
+            unit: String::new(),
+            meaning: String::new(),
+            scale: None,
+        }
+    }
+
+    /// What a file made of it can say.
+    pub fn about(&self) -> About {
+        About {
+            name: self.name.clone(),
+            unit: self.unit.clone(),
+            meaning: self.meaning.clone(),
+            cell_m: self.cell_m.unwrap_or((1.0, 1.0)),
+            georeference: self.georeference.clone(),
+            range: None,
+        }
+    }
 }
 
 /// What the file itself may leave open.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct ReadOptions {
-    /// Value that black stands for in a PNG, m; by default what the file says.
+    /// Value that 0 (black) stands for in a file of whole numbers of 8 or 16 bits, m; by default what the file says.
     pub low_m: Option<f64>,
-    /// Value that white stands for in a PNG, m; by default what the file says.
+    /// Value that the largest number (white) stands for; by default what the file says.
     pub high_m: Option<f64>,
-    /// Value that marks missing cells; by default what the file says. Only GeoTIFF has such a value.
+    /// Number in the file that marks missing cells; by default what the file says.
     pub nodata: Option<f64>,
+    /// Which array of a Zarr store or channel of an EXR; by default the height, or the only one.
+    pub layer: Option<String>,
+    /// Columns and rows of a headerless file; by default what the file beside it says, or a square.
+    pub size: Option<(usize, usize)>,
+    /// Numbers of a headerless file; by default what the file beside it or the extension says.
+    pub sample: Option<Sample>,
+    /// Order of bytes of a headerless file; by default what the file beside it says, or little-endian.
+    pub byte_order: Option<ByteOrder>,
+    /// Order of rows of a headerless file; by default what the file beside it says, or north first.
+    pub row_order: Option<RowOrder>,
 }
 
-/// Reads a raster. The format is told from the content, never from the name: TIFF and GeoTIFF (one band of any integer
-/// or floating type), grey PNG of up to 16 bits, and R32 with its JSON file beside it.
+/// Reads a raster. The format is told from the content: TIFF and GeoTIFF (one band of any integer or floating type), grey
+/// PNG of up to 16 bits, OpenEXR, NPY and Zarr v3 (a folder); and, as they have nothing that could tell, headerless files
+/// by the JSON file beside them, by their extension (`.r32`, `.r16`, `.raw`) or by `options.sample`.
 ///
 /// Missing cells (the file's nodata value or `options.nodata`) are filled smoothly from their neighbours and counted.
 /// Rasters that are stored from south to north or from east to west are turned over, together with their georeference.
@@ -45,7 +94,10 @@ pub struct ReadOptions {
 pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
     let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
     if metadata.is_dir() {
-        return Err(Error::format(path, "this is a folder", "give the name of a file in it"));
+        return match zarr::is_node(path) {
+            true => finite(path, zarr::read(path, options, limits)?),
+            false => Err(Error::format(path, "this is a folder", "give the name of a file in it")),
+        };
     }
     if !metadata.is_file() {
         return Err(Error::format(path, "this is no ordinary file", "copy its content to a file first"));
@@ -54,8 +106,8 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
     if metadata.len() == 0 {
         return Err(Error::format(path, "the file is empty", "copy, download or export it again"));
     }
-    // Before the signatures: raw floats can look like anything.
-    if let Some(raster) = r32::read_if_described(path, &mut file, metadata.len(), limits)? {
+    // Before the signatures: raw numbers can look like anything.
+    if let Some(raster) = raw::read_if_known(path, &mut file, metadata.len(), options, limits)? {
         return finite(path, raster);
     }
     let mut start = Vec::with_capacity(8);
@@ -66,6 +118,8 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
             geotiff_read::read(path, metadata.len(), options, limits)
         }
         b"\x89PNG\r\n\x1a\n" => png_read::read(path, file, options, limits),
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(path, file, metadata.len(), options, limits),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr_read::read(path, file, metadata.len(), options, limits),
         _ => Err(unknown(path, &start)),
     }?;
     finite(path, raster)
@@ -82,10 +136,6 @@ pub(crate) fn check_size(path: &Path, width: usize, height: usize, limits: &Limi
 }
 
 fn unknown(path: &Path, start: &[u8]) -> Error {
-    if path.extension().is_some_and(|e| e == "r32") {
-        let problem = format!("an R32 file needs its description in `{}`", r32::sidecar_path(path).display());
-        return Error::format(path, problem, "copy both files together");
-    }
     let (problem, remedy) = match start {
         [b'{', ..] if path.extension().is_some_and(|e| e == "json") => {
             ("this is a JSON file, not a raster", "give the name of the raster beside it")
@@ -94,7 +144,10 @@ fn unknown(path: &Path, start: &[u8]) -> Error {
             ("the PNG signature is damaged", "it was copied as text: copy it again as binary")
         }
         [0xff, 0xd8, ..] => ("this is a JPEG image, which cannot hold heights", "convert it to 16-bit grey PNG"),
-        _ => ("this is no GeoTIFF, PNG or R32 file", "convert it to GeoTIFF, for example with gdal_translate"),
+        _ => (
+            "this is no GeoTIFF, PNG, EXR, NPY, R16 or R32 file",
+            "convert it to GeoTIFF, for example with gdal_translate",
+        ),
     };
     Error::format(path, problem, remedy)
 }

@@ -97,7 +97,7 @@ fn grey_pngs_are_scaled_by_the_options() {
     let path = f.0.path().join("8.png");
     let open = read_raster(&path, &ReadOptions::default(), &Limits::default()).unwrap_err().to_string();
     assert!(open.contains("low_m and high_m"), "{open}");
-    let nan = ReadOptions { low_m: Some(f64::NAN), high_m: Some(1.0), nodata: None };
+    let nan = ReadOptions { low_m: Some(f64::NAN), high_m: Some(1.0), ..ReadOptions::default() };
     assert!(read_raster(&path, &nan, &Limits::default()).is_err());
 }
 

@@ -86,7 +86,7 @@ fn tight() -> Limits {
 }
 
 fn try_raster(path: &Path) {
-    let options = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), nodata: None };
+    let options = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), ..ReadOptions::default() };
     if let Ok(r) = read_raster(path, &options, &tight()) {
         assert!(r.field.find_not_finite().is_none());
         assert!(r.field.width() > 0 && r.field.height() > 0);

@@ -1,0 +1,108 @@
+//! The JSON file beside headerless data that says what they are. `height.r32` has its description in `height.r32.json`.
+
+use crate::about::About;
+use crate::atomic::{put, write_atomically};
+use crate::error::{Error, Result};
+use crate::sample::{ByteOrder, RowOrder};
+use eyot_core::Georeference;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Sidecars are a few hundred bytes; anything far larger is something else.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// What the file beside the data says. Only `width` and `height` are needed to read files of other programs.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Sidecar {
+    pub(crate) format: String,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) cell_x_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) cell_y_m: Option<f64>,
+    #[serde(default)]
+    pub(crate) layer: String,
+    #[serde(default)]
+    pub(crate) unit: String,
+    #[serde(default)]
+    pub(crate) meaning: String,
+    #[serde(default)]
+    pub(crate) min: Option<f32>,
+    #[serde(default)]
+    pub(crate) max: Option<f32>,
+    /// Values of 0 and of the largest number, for whole numbers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) low: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) high: Option<f64>,
+    #[serde(default)]
+    pub(crate) byte_order: ByteOrder,
+    #[serde(default)]
+    pub(crate) row_order: RowOrder,
+    /// CRC-32 of the data file, eight hexadecimal digits: tells a sidecar that belongs to other data.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) crc32: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) georeference: Option<Georeference>,
+}
+
+impl Sidecar {
+    /// What `about` says, in a file of this format and size.
+    pub(crate) fn of(format: &str, size: (usize, usize), about: &About) -> Self {
+        Self {
+            format: format.to_owned(),
+            width: size.0,
+            height: size.1,
+            cell_x_m: Some(about.cell_m.0),
+            cell_y_m: Some(about.cell_m.1),
+            layer: about.name.clone(),
+            unit: about.unit.clone(),
+            meaning: about.meaning.clone(),
+            georeference: about.georeference.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// The cell size, if it is sound.
+    pub(crate) fn cell_m(&self) -> Option<(f64, f64)> {
+        self.cell_x_m.zip(self.cell_y_m).filter(|&(x, y)| x > 0.0 && y > 0.0)
+    }
+
+    /// Writes it beside `path`.
+    pub(crate) fn write(&self, path: &Path) -> Result<()> {
+        let beside = sidecar_path(path);
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|e| Error::format(&beside, e.to_string(), "this is a fault in eyot-io"))?;
+        write_atomically(&beside, |file| put(file, &beside, format!("{text}\n").as_bytes()))
+    }
+
+    /// The description beside `path` if there is one that says a format of `formats`, or no format at all while the
+    /// extension of `path` is one of them.
+    pub(crate) fn beside(path: &Path, formats: &[&str]) -> Result<Option<Self>> {
+        let beside = sidecar_path(path);
+        match fs::metadata(&beside) {
+            Ok(m) if m.is_file() && m.len() <= MAX_BYTES => {}
+            _ => return Ok(None),
+        }
+        let text = fs::read(&beside).map_err(Error::io(&beside, "read"))?;
+        // Other programs put JSON beside their files, too: only one that names a format of ours counts.
+        let value: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+        let named = value.get("format").and_then(|f| f.as_str()).is_some_and(|f| formats.contains(&f));
+        let extension = path.extension().and_then(|e| e.to_str()).is_some_and(|e| formats.contains(&e));
+        if !named && !extension {
+            return Ok(None);
+        }
+        serde_json::from_slice(&text).map(Some).map_err(|e| {
+            Error::format(&beside, format!("not a description of the raster beside it: {e}"), "export the file again")
+        })
+    }
+}
+
+/// Where the description of `path` lies.
+pub(crate) fn sidecar_path(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".json");
+    name.into()
+}
