@@ -51,6 +51,65 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
     sync_folder(folder).map_err(Error::io(folder, "flush the folder"))
 }
 
+/// As [`write_atomically`] for a folder: `write` fills a temporary folder beside `path`, which then takes its place.
+///
+/// A former folder is replaced if it holds `mark`, the file that tells what it is; nothing else is ever removed.
+pub(crate) fn write_folder_atomically(
+    path: &Path,
+    mark: &str,
+    write: impl FnOnce(&Path) -> Result<()>,
+) -> Result<()> {
+    let parent = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    if path.file_name().is_none() {
+        return Err(Error::format(path, "this is not the name of a folder", "add a name"));
+    }
+    let former = fs::symlink_metadata(path).is_ok();
+    if former && !path.join(mark).is_file() {
+        let problem = format!("something else is there already, which holds no {mark}");
+        return Err(Error::format(path, problem, "choose another name, or remove it first"));
+    }
+    let temporary = folder_builder(PREFIX, SUFFIX).tempdir_in(parent).map_err(Error::io(parent, "write to the folder"))?;
+    // Tells `remove_leftovers` that somebody is at work in it.
+    let lock = File::open(temporary.path()).ok();
+    let _ = lock.as_ref().map(File::try_lock);
+    write(temporary.path())?;
+    // A folder cannot be renamed onto another one: the former steps aside for a moment.
+    let aside = match former {
+        true => {
+            // Not named like a leftover: were this process killed here, the former folder would still be there.
+            let aside = folder_builder(".eyot-former-", "").tempdir_in(parent);
+            let aside = aside.map_err(Error::io(parent, "write to the folder"))?;
+            fs::rename(path, aside.path().join("former")).map_err(Error::io(path, "replace"))?;
+            Some(aside)
+        }
+        false => None,
+    };
+    if let Err(e) = fs::rename(temporary.path(), path) {
+        if let Some(aside) = &aside {
+            // The first failure is what is reported; the former folder comes back if it can.
+            let _ = fs::rename(aside.path().join("former"), path);
+        }
+        return Err(Error::io(path, "rename the finished folder to")(e));
+    }
+    // It has another name now, so there is nothing left to remove.
+    let _ = temporary.keep();
+    sync_folder(parent).map_err(Error::io(parent, "flush the folder"))
+}
+
+fn folder_builder(prefix: &'static str, suffix: &'static str) -> tempfile::Builder<'static, 'static> {
+    let mut b = tempfile::Builder::new();
+    b.prefix(prefix).suffix(suffix);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        b.permissions(fs::Permissions::from_mode(0o777));
+    }
+    b
+}
+
 /// Removes temporary files of [`write_atomically`] whose writer was killed. A file that is still being written is locked by
 /// its writer and stays.
 pub fn remove_leftovers(folder: &Path) {
@@ -58,8 +117,15 @@ pub fn remove_leftovers(folder: &Path) {
     for entry in entries.flatten() {
         let name = entry.file_name();
         let ours = name.to_str().is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX));
-        if ours && entry.file_type().is_ok_and(|t| t.is_file()) {
-            let path = entry.path();
+        if !ours {
+            continue;
+        }
+        let (path, kind) = (entry.path(), entry.file_type());
+        if kind.as_ref().is_ok_and(fs::FileType::is_dir) {
+            if File::open(&path).is_ok_and(|f| f.try_lock().is_ok()) {
+                let _ = fs::remove_dir_all(&path);
+            }
+        } else if kind.is_ok_and(|t| t.is_file()) {
             if File::options().write(true).open(&path).is_ok_and(|f| f.try_lock().is_ok()) {
                 // What cannot be removed is in nobody's way either.
                 let _ = fs::remove_file(&path);

@@ -216,7 +216,7 @@ fn metres_per_unit(geo: &GeoTiffFile) -> f64 {
 }
 
 /// Turns a raster over that starts in the south or in the east, so that row 0 is north and column 0 west.
-fn face_north(field: &mut Field, g: &mut Georeference) {
+pub(crate) fn face_north(field: &mut Field, g: &mut Georeference) {
     let t = &mut g.transform;
     if (t[2], t[4]) != (0.0, 0.0) {
         return;

@@ -4,8 +4,10 @@
 //! - a file that is written exists whole or not at all ([`write_atomically`]);
 //! - a file that is read meets [`eyot_core::Limits`] before anything large is allocated, and a broken or hostile one
 //!   gives an [`Error`] that names the file, what is wrong with it and what to do, never a panic;
-//! - rasters go through `f32` unchanged where the format can hold them (GeoTIFF, R32), and within half a step of the
-//!   value range where it cannot (16-bit PNG).
+//! - rasters go through `f32` unchanged where the format can hold them (GeoTIFF, Zarr, EXR, NPY, R32), and within half a
+//!   step of the scale where it cannot (16-bit PNG, R16).
+//!
+//! Writers take their values from [`Rows`], band by band, so that a raster need not fit in memory.
 //!
 //! ```
 //! use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
@@ -42,7 +44,9 @@ mod georef;
 mod geotiff_read;
 mod geotiff_write;
 mod glb;
+mod masks;
 mod npy;
+mod obj;
 mod png_read;
 mod png_write;
 mod raster;
@@ -59,7 +63,10 @@ pub use checkpoint::Checkpoint;
 pub use error::{Error, Result};
 pub use format::{RasterFormat, WriteOptions, write_layer, write_rows};
 pub use glb::write_terrain_glb;
+pub use masks::{shares, write_mask, write_splat};
+pub use obj::write_terrain_obj;
 pub use png_write::write_rgb_png;
 pub use raster::{Raster, ReadOptions, read_raster};
 pub use rows::Rows;
 pub use sample::{ByteOrder, RowOrder, Sample};
+pub use zarr::write_store;

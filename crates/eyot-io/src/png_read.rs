@@ -62,6 +62,8 @@ pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &
             }
             values(y, row, samples);
         }
+        // Checks what follows the last row, its checksums included.
+        reader.next_row().map_err(failed)?;
         field
     };
     let text = |keyword: &str| text(&reader, keyword).unwrap_or_default();

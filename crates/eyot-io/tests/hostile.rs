@@ -32,11 +32,14 @@ fn floats(values: &[f32]) -> Vec<u8> {
 fn what_is_no_raster_is_named() {
     let f = Fixture::new();
     assert!(refused(&f.file("empty.tif", b"")).contains("empty"));
-    assert!(refused(&f.file("short.tif", b"II")).contains("no GeoTIFF, PNG or R32"));
-    assert!(refused(&f.file("text.tif", b"hello there, this is text")).contains("no GeoTIFF, PNG or R32"));
+    assert!(refused(&f.file("short.tif", b"II")).contains("no GeoTIFF, PNG, EXR, NPY"));
+    assert!(refused(&f.file("text.tif", b"hello there, this is text")).contains("no GeoTIFF, PNG, EXR, NPY"));
     assert!(refused(&f.file("photo.png", &[0xff, 0xd8, 0xff, 0xe0, 0, 0, 0, 0])).contains("JPEG"));
     assert!(refused(&f.file("ascii.png", b"\x89PNG\n\x1a\n.....")).contains("as binary"));
-    assert!(refused(&f.file("alone.r32", &[0; 16])).contains("alone.r32.json"));
+    // A square needs no description of its size, anything else does.
+    assert_eq!(read(&f.file("square.r32", &[0; 16])).unwrap().field.width(), 2);
+    let e = refused(&f.file("alone.r32", &[0; 20]));
+    assert!(e.contains("alone.r32.json") && e.contains("--from-size"), "{e}");
     assert!(refused(&f.0.path().join("none.tif")).contains("check the name"));
     assert!(refused(f.0.path()).contains("a folder"));
     #[cfg(target_os = "linux")]

@@ -1,4 +1,4 @@
-//! What is written comes back: exactly for GeoTIFF and R32, within half a step for 16-bit PNG.
+//! What is written comes back: exactly for formats of floats, within half a step for those of 16 bits.
 
 use eyot_core::{Field, Georeference, Grid, LayerSpec, Limits, Rim, World, layer::known};
 use eyot_io::{Raster, RasterFormat, ReadOptions, read_raster, write_layer};
@@ -14,11 +14,12 @@ fn world(width: usize, height: usize, values: &[f32]) -> World {
 
 fn there_and_back(world: &World, format: RasterFormat) -> Raster {
     let folder = tempfile::tempdir().unwrap();
-    // No extension: the content alone must tell.
+    // No extension: the content, or the file beside it, must tell.
     let path = folder.path().join("raster");
     write_layer(&path, world, &world.layers()[0], format).unwrap();
     let there: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
-    assert_eq!(there.len(), if format == RasterFormat::R32 { 2 } else { 1 }, "{there:?}");
+    let described = matches!(format, RasterFormat::R32 | RasterFormat::R16 | RasterFormat::Npy);
+    assert_eq!(there.len(), if described { 2 } else { 1 }, "{there:?}");
     read(&path)
 }
 
@@ -51,9 +52,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
     #[test]
-    fn geotiff_and_r32_are_exact((w, h, values) in rasters()) {
+    fn formats_of_floats_are_exact((w, h, values) in rasters()) {
         let world = world(w, h, &values);
-        for format in [RasterFormat::GeoTiff, RasterFormat::R32] {
+        for format in RasterFormat::ALL.into_iter().filter(|f| !f.is_quantised()) {
             let back = there_and_back(&world, format);
             prop_assert_eq!(bits(&back.field), bits(&world.layers()[0].field), "{:?}", format);
             prop_assert_eq!(back.filled, 0);
@@ -62,9 +63,10 @@ proptest! {
     }
 
     #[test]
-    fn png_is_within_half_a_step((w, h, values) in rasters()) {
+    fn formats_of_16_bits_are_within_half_a_step((w, h, values) in rasters()) {
         let world = world(w, h, &values);
         let back = there_and_back(&world, RasterFormat::Png16);
+        prop_assert_eq!(&there_and_back(&world, RasterFormat::R16).field, &back.field);
         let (min, max) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), &v| (a.min(v.into()), b.max(v.into())));
         // Half a step, and the rounding of the result to f32.
         let allowed = (max - min) / 65535.0 / 2.0 * 1.0001 + f64::from(f32::EPSILON) * min.abs().max(max.abs());
@@ -116,6 +118,8 @@ fn georeferences_survive() {
             let back = there_and_back(&world, format);
             let found = back.georeference.unwrap();
             assert_eq!((found.epsg, found.geographic, found.nodata), (g.epsg, g.geographic, g.nodata), "{format:?}");
+            let (x, y) = back.cell_m.unwrap();
+            assert!(x > 1.0 && y > 1.0);
             for (a, b) in found.transform.iter().zip(g.transform) {
                 assert!((a - b).abs() < 1e-9 * b.abs().max(1.0), "{format:?} {found:?}");
             }

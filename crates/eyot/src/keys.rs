@@ -164,28 +164,101 @@ pub enum ExportFormat {
     /// GeoTIFF of 32-bit floats with its place on Earth, for GIS programs.
     #[default]
     GeoTiff,
-    /// Bare 32-bit floats, little-endian, row by row from the north.
+    /// Bare 32-bit floats, little-endian, row by row from the north, described by a JSON file beside them.
     R32,
+    /// Bare whole numbers of 16 bits, described by a JSON file beside them that says which heights 0 and 65535 are.
+    R16,
+    /// OpenEXR of 32-bit floats; several layers become channels of one file.
+    Exr,
+    /// NumPy array of 32-bit floats, described by a JSON file beside it.
+    Npy,
+    /// Zarr v3 store (a folder) with all layers, their units and coordinates, for xarray and other tools of research.
+    Zarr,
     /// glTF 2.0 binary: the terrain as a coloured mesh with levels of detail.
     Glb,
+    /// Wavefront OBJ: the terrain as a coloured mesh.
+    Obj,
+    /// Grey picture of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the materials grass, rock, sand and snow.
+    Mask,
+    /// Picture whose red, green, blue and alpha are the shares of grass, rock, sand and snow and sum to 255.
+    Splat,
     /// Picture of a layer in colours, PNG.
     Map,
 }
 
-/// A file to write when the run is done.
+/// All files that a program wants, in its sizes, scales and orders, with a JSON file that says what to enter where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Preset {
+    /// Unreal Engine landscape: 16-bit height of 505, 1009, 2017, 4033 or 8129 vertices, one weight map a material.
+    Unreal,
+    /// Unity terrain: 16-bit RAW of 33 to 4097 vertices (a power of two and one), one splat map.
+    Unity,
+    /// Godot with Terrain3D: EXR of real heights, one splat map.
+    Godot,
+    /// Blender: mesh, EXR of real heights, one mask a material.
+    Blender,
+    /// GIS: Cloud Optimised GeoTIFF of each layer, -9999 for missing cells.
+    Gis,
+}
+
+/// Order of the bytes of a number in a file without header.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Bytes {
+    /// Least significant byte first, "Windows" or "PC" in some programs.
+    #[default]
+    Little,
+    /// Most significant byte first, "Mac" in some programs.
+    Big,
+}
+
+/// Which row of a file without header comes first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum FirstRow {
+    /// The northernmost, as in pictures.
+    #[default]
+    North,
+    /// The southernmost.
+    South,
+}
+
+/// A file to write when the run is done, or the files of a preset.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Export {
     /// What the file holds.
     pub format: ExportFormat,
-    /// The layers, one file each. A mesh always shows the height and does not need it.
+    /// All files for a program instead of one format: sizes are resampled, scales and orders are the program's.
+    pub preset: Option<Preset>,
+    /// The layers, one file each (`zarr` and `exr`: together in one). Meshes, `splat` and presets other than `gis` always show the height and do not need it.
     #[schemars(length(min = 1))]
     pub layers: Vec<String>,
     /// Start of the file name; the layer's name follows. The layer's name alone if empty.
     pub prefix: String,
-    /// Levels of detail of a mesh; each has a quarter of the triangles of the one before.
+    /// Levels of detail of a `glb` mesh; each has a quarter of the triangles of the one before.
     #[schemars(range(min = 1, max = 12), extend("unit" = "1"))]
     pub levels: u32,
+    /// Heights that 0 and 65535 stand for in `png16` and `r16`; the lowest and the highest value if not given.
+    #[schemars(inner(range(min = -1e6, max = 1e6)), extend("unit" = "m"))]
+    pub range: Option<[f64; 2]>,
+    /// Order of bytes in `r16` and `r32`.
+    pub bytes: Bytes,
+    /// Which row comes first in `r16` and `r32`.
+    pub first_row: FirstRow,
+    /// Vertices along each side for the presets `unreal` and `unity`; the program's size that is nearest to the grid's if not given.
+    #[schemars(range(min = 33, max = 8129), extend("unit" = "1"))]
+    pub size: Option<u32>,
+    /// Slope at which half of the ground is rock (splat maps and masks).
+    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
+    pub rock_slope: f32,
+    /// Height above the sea up to which flat ground is sand; the seabed is sand as well. Without a sea there is none.
+    #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "m"))]
+    pub beach: f32,
+    /// Height at which half of the ground that is not too steep is snow.
+    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    pub snow_line: f32,
     /// Whether the export is written.
     pub enabled: bool,
 }
@@ -194,9 +267,17 @@ impl Default for Export {
     fn default() -> Self {
         Self {
             format: ExportFormat::GeoTiff,
+            preset: None,
             layers: vec!["height".to_owned()],
             prefix: String::new(),
             levels: 4,
+            range: None,
+            bytes: Bytes::Little,
+            first_row: FirstRow::North,
+            size: None,
+            rock_slope: 35.0,
+            beach: 3.0,
+            snow_line: 3000.0,
             enabled: true,
         }
     }

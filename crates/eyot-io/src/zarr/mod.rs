@@ -1,11 +1,23 @@
-//! placeholder
-use crate::about::About;
-use crate::error::{Error, Result};
-use crate::raster::{Raster, ReadOptions};
-use crate::rows::Rows;
-use eyot_core::Limits;
-use std::path::Path;
-pub(crate) fn is_node(_: &Path) -> bool { false }
-pub(crate) fn read(path: &Path, _: &ReadOptions, _: &Limits) -> Result<Raster> { Err(Error::format(path, "not yet", "")) }
-/// placeholder
-pub fn write_store(path: &Path, _: &mut [(&About, &mut dyn Rows)], _: &serde_json::Map<String, serde_json::Value>) -> Result<()> { Err(Error::format(path, "not yet", "")) }
+//! Zarr v3 stores: folders with one JSON file an array and compressed pieces of it.
+//!
+//! Formats: <https://zarr-specs.readthedocs.io/en/latest/v3/core/> and the codec `sharding_indexed`. Arrays are two-dimensional
+//! (y, x) with CF attributes and coordinates; their pieces are shards of 512 x 512 values, each with 16 chunks of
+//! 128 x 128 that can be read alone. Written here instead of with a library because metadata of others must meet the
+//! limits before anything is allocated.
+
+mod array;
+mod codec;
+mod read;
+mod write;
+
+pub(crate) use read::{is_node, read};
+pub use write::write_store;
+
+/// The name of every metadata file.
+const METADATA: &str = "zarr.json";
+/// Rows and columns of a shard, the piece that is a file.
+const SHARD: usize = 512;
+/// Rows and columns of a chunk, the piece that is compressed.
+const CHUNK: usize = 128;
+/// Array whose attributes say where a store lies, as CF and GDAL have it.
+const PLACE: &str = "spatial_ref";

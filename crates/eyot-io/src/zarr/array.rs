@@ -1,0 +1,234 @@
+//! The metadata of one array, checked.
+
+use super::METADATA;
+use super::codec::{Codec, Codecs};
+use crate::error::{Error, Result};
+use crate::sample::{ByteOrder, Sample};
+use eyot_core::Limits;
+use serde_json::{Map, Value};
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Metadata are kilobytes, consolidated ones of large stores a megabyte.
+const MAX_METADATA_BYTES: u64 = 64 << 20;
+/// More dimensions than any landscape has.
+const MAX_RANK: usize = 8;
+/// Largest piece of an array that is worth being read at once.
+const MAX_PIECE_BYTES: u128 = 1 << 30;
+
+/// An array whose sizes are sound.
+pub(super) struct Array {
+    pub(super) folder: PathBuf,
+    pub(super) shape: Vec<u64>,
+    pub(super) piece: Vec<u64>,
+    pub(super) sample: Sample,
+    pub(super) fill: f64,
+    pub(super) codecs: Codecs,
+    pub(super) attributes: Map<String, Value>,
+    pub(super) dimensions: Vec<String>,
+    /// Names of piece files: prefix (may be empty) and separator.
+    key: (bool, char),
+}
+
+/// Reads a metadata file as JSON.
+pub(super) fn metadata(folder: &Path) -> Result<Value> {
+    let path = folder.join(METADATA);
+    let file = fs::File::open(&path).map_err(Error::io(&path, "read"))?;
+    let mut text = Vec::new();
+    file.take(MAX_METADATA_BYTES + 1).read_to_end(&mut text).map_err(Error::io(&path, "read"))?;
+    if text.len() as u64 > MAX_METADATA_BYTES {
+        return Err(Error::format(&path, "the metadata are far too long", "is this a Zarr store?"));
+    }
+    let value: Value = serde_json::from_slice(&text)
+        .map_err(|e| Error::format(&path, format!("not valid JSON: {e}"), "copy or export the store again"))?;
+    match value["zarr_format"].as_u64() {
+        Some(3) => Ok(value),
+        v => {
+            let v = v.map_or("unknown".to_owned(), |v| v.to_string());
+            let problem = format!("Zarr of version {v}, this program reads version 3");
+            Err(Error::format(&path, problem, "write it again with zarr_format=3"))
+        }
+    }
+}
+
+impl Array {
+    /// Reads and checks the metadata in `folder`; nothing else is read or allocated.
+    pub(super) fn open(folder: &Path, limits: &Limits) -> Result<Self> {
+        let value = metadata(folder)?;
+        Self::of(folder, &value, limits).map_err(|reason| match reason {
+            Reason::Broken(what) => {
+                Error::format(&folder.join(METADATA), what, "write it again, for example with zarr-python's defaults")
+            }
+            Reason::Core(e) => Error::core(folder)(e),
+        })
+    }
+
+    fn of(folder: &Path, value: &Value, limits: &Limits) -> Result<Self, Reason> {
+        if value["node_type"] != "array" {
+            return broken("this is no array");
+        }
+        let shape = sizes(&value["shape"], "shape")?;
+        let grid = &value["chunk_grid"];
+        if name(grid) != Some("regular") {
+            return broken("the chunk grid is not regular");
+        }
+        let piece = sizes(&grid["configuration"]["chunk_shape"], "chunk_shape")?;
+        if shape.len() > MAX_RANK {
+            return broken(format!("{} dimensions, at most {MAX_RANK} are read", shape.len()));
+        }
+        if piece.len() != shape.len() || piece.contains(&0) {
+            return broken(format!("a chunk_shape {piece:?} does not fit the shape {shape:?}"));
+        }
+        let kind = value["data_type"].as_str().unwrap_or("");
+        let bits = |prefix: &str| kind.strip_prefix(prefix).filter(|b| ["8", "16", "32", "64"].contains(b));
+        let bytes = |b: &str| b.parse::<usize>().unwrap_or(8) / 8;
+        let sample = match (bits("uint"), bits("int"), bits("float").filter(|b| *b != "8")) {
+            (Some(b), _, _) => Sample::Unsigned(bytes(b)),
+            (_, Some(b), _) => Sample::Signed(bytes(b)),
+            (_, _, Some(b)) => Sample::Float(bytes(b)),
+            _ if kind == "bool" => Sample::Unsigned(1),
+            _ => return broken(format!("values of type {}", value["data_type"])),
+        };
+        let product = |sizes: &[u64]| sizes.iter().try_fold(1u128, |n, &s| n.checked_mul(u128::from(s)));
+        if product(&shape).is_none_or(|n| n > i64::MAX as u128) {
+            return broken(format!("a shape {shape:?} with more values than can be counted"));
+        }
+        let piece_bytes = product(&piece).and_then(|n| n.checked_mul(sample.bytes() as u128)).unwrap_or(u128::MAX);
+        let most = MAX_PIECE_BYTES.min(u128::from(limits.max_bytes));
+        if piece_bytes > most {
+            return broken(format!(
+                "chunks of {piece:?} values take {} MiB each, at most {} MiB are read",
+                piece_bytes >> 20,
+                most >> 20
+            ));
+        }
+        let (prefix, separator) = key(&value["chunk_key_encoding"])?;
+        if value["storage_transformers"].as_array().is_some_and(|t| !t.is_empty()) {
+            return broken("storage transformers are not read");
+        }
+        let codecs = Codec::chain(&value["codecs"], &piece, sample)?;
+        let names = value["dimension_names"].as_array().map(Vec::as_slice).unwrap_or_default();
+        Ok(Self {
+            folder: folder.to_owned(),
+            fill: fill(&value["fill_value"], sample)?,
+            codecs,
+            attributes: value["attributes"].as_object().cloned().unwrap_or_default(),
+            dimensions: names.iter().map(|n| n.as_str().unwrap_or("").to_owned()).collect(),
+            key: (prefix, separator),
+            shape,
+            piece,
+            sample,
+        })
+    }
+
+    /// The file of a piece.
+    fn path(&self, at: &[u64]) -> PathBuf {
+        let (prefix, separator) = self.key;
+        let mut parts: Vec<String> = at.iter().map(u64::to_string).collect();
+        if prefix {
+            parts.insert(0, "c".to_owned());
+        } else if parts.is_empty() {
+            parts.push("0".to_owned());
+        }
+        let key = parts.join(&separator.to_string());
+        self.folder.join(key)
+    }
+
+    /// The values of a piece as bytes, or `None` if it was never written and so holds the fill value.
+    pub(super) fn piece(&self, at: &[u64]) -> Result<Option<Vec<u8>>> {
+        let path = self.path(at);
+        let file = match fs::File::open(&path) {
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            other => other.map_err(Error::io(&path, "read"))?,
+        };
+        let values: u64 = self.piece.iter().product::<u64>() * self.sample.bytes() as u64;
+        // What does not compress grows a little; more is no piece of this array.
+        let most = values + values / 8 + (1 << 20);
+        let mut packed = Vec::new();
+        file.take(most + 1).read_to_end(&mut packed).map_err(Error::io(&path, "read"))?;
+        let broken = |what: String| Error::format(&path, what, "copy or export the store again");
+        if packed.len() as u64 > most {
+            return Err(broken("the chunk is longer than its values can be".to_owned()));
+        }
+        let fill = self.fill_bytes();
+        self.codecs.decode(packed, &self.piece, self.sample, &fill).map(Some).map_err(broken)
+    }
+
+    /// The number at the start of `b`.
+    pub(super) fn number(&self, b: &[u8]) -> f64 {
+        self.sample.number(b, self.codecs.order)
+    }
+
+    fn fill_bytes(&self) -> Vec<u8> {
+        let n = self.sample.bytes();
+        let mut bytes = match self.sample {
+            Sample::Float(4) => (self.fill as f32).to_le_bytes().to_vec(),
+            Sample::Float(8) => self.fill.to_le_bytes().to_vec(),
+            Sample::Float(_) => if self.fill.is_nan() { 0x7e00u16 } else { 0 }.to_le_bytes().to_vec(),
+            Sample::Unsigned(n) => (self.fill as u64).to_le_bytes()[..n].to_vec(),
+            Sample::Signed(n) => (self.fill as i64).to_le_bytes()[..n].to_vec(),
+        };
+        if self.codecs.order == ByteOrder::Big {
+            bytes[..n].reverse();
+        }
+        bytes
+    }
+}
+
+/// Why an array is refused.
+pub(super) enum Reason {
+    Broken(String),
+    Core(eyot_core::Error),
+}
+
+pub(super) fn broken<T>(what: impl Into<String>) -> Result<T, Reason> {
+    Err(Reason::Broken(what.into()))
+}
+
+/// The name of an extension: a text, or an object with `name`.
+pub(super) fn name(value: &Value) -> Option<&str> {
+    value.as_str().or_else(|| value["name"].as_str())
+}
+
+pub(super) fn sizes(value: &Value, what: &str) -> Result<Vec<u64>, Reason> {
+    let list = value.as_array().and_then(|l| l.iter().map(Value::as_u64).collect());
+    list.map_or_else(|| broken(format!("`{what}` is no list of sizes")), Ok)
+}
+
+fn key(value: &Value) -> Result<(bool, char), Reason> {
+    let (prefix, usual) = match name(value) {
+        Some("default") => (true, '/'),
+        Some("v2") => (false, '.'),
+        _ => return broken("unknown names of chunk files (chunk_key_encoding)"),
+    };
+    match value["configuration"]["separator"].as_str() {
+        None => Ok((prefix, usual)),
+        Some("/") => Ok((prefix, '/')),
+        Some(".") => Ok((prefix, '.')),
+        Some(other) => broken(format!("`{other}` separates names of chunk files")),
+    }
+}
+
+fn fill(value: &Value, sample: Sample) -> Result<f64, Reason> {
+    match value {
+        Value::Number(n) => Ok(n.as_f64().unwrap_or(0.0)),
+        Value::Bool(b) => Ok(f64::from(*b)),
+        Value::String(s) => match s.as_str() {
+            "NaN" => Ok(f64::NAN),
+            "Infinity" => Ok(f64::INFINITY),
+            "-Infinity" => Ok(f64::NEG_INFINITY),
+            hex => match (hex.strip_prefix("0x").and_then(|h| u64::from_str_radix(h, 16).ok()), sample) {
+                (Some(bits), Sample::Float(n)) => Ok(sample.number(&bits.to_le_bytes()[..n], ByteOrder::Little)),
+                _ => broken(format!("the fill value `{hex}`")),
+            },
+        },
+        other => broken(format!("the fill value {other}")),
+    }
+}
+
+impl From<eyot_core::Error> for Reason {
+    fn from(e: eyot_core::Error) -> Self {
+        Self::Core(e)
+    }
+}
