@@ -2,9 +2,10 @@
 
 Usage: python check_outputs.py FOLDER [--no-node]
 
-Every .tif is opened with rasterio and checked by rio-cogeo, every .png with Pillow, every .r32 with numpy by its JSON
-file, every .glb with trimesh and Khronos' validator (node, with `npm install` done in this folder). Files that differ in
-the extension alone hold the same layer: GeoTIFF and R32 must then agree bit by bit, PNG within half a step. Prints each
+Every .tif is opened with rasterio and checked by rio-cogeo, every .png with Pillow, every .r32, .r16 and .npy with numpy
+by its JSON file, every .exr with OpenEXR, every .zarr with xarray and zarr-python, every .obj with trimesh, every .glb with
+trimesh and Khronos' validator (node, with `npm install` done in this folder). Files that differ in the extension alone
+hold the same layer: those of floats must then agree bit by bit with R32, PNG and R16 within half a step. Prints each
 failure and at the end "N passed, M failed"; exits with 1 if anything failed or there was nothing to check.
 """
 
@@ -17,8 +18,11 @@ import traceback
 import zlib
 
 import numpy as np
+import OpenEXR
 import rasterio
 import trimesh
+import xarray
+import zarr
 from PIL import Image
 from rio_cogeo.cogeo import cog_validate
 
@@ -92,12 +96,99 @@ def inspect_png(path):
         if image.mode == "RGB":
             check(path, "8-bit RGB", True)
             return None
+        if image.mode == "RGBA":
+            legend = json.loads(path.with_name(path.name + ".json").read_text())
+            weights = np.asarray(image).astype(int)
+            check(path, "size of the legend", weights.shape[:2] == (legend["height"], legend["width"]), weights.shape)
+            check(path, "weights sum to 255", bool((weights.sum(axis=2) == 255).all()))
+            check(path, "no gamma", "gamma" not in image.info and "srgb" not in image.info, image.info)
+            return None
+        if image.mode == "L":
+            check(path, "8-bit grey mask", "gamma" not in image.info and "srgb" not in image.info, image.info)
+            return None
         check(path, "16-bit grey", image.mode == "I;16", image.mode)
         samples = np.asarray(image).astype(np.float64)
         low, high = float(image.text["min"]), float(image.text["max"])
         check(path, "cell size", float(image.text["cell_x_m"]) > 0 and float(image.text["cell_y_m"]) > 0)
-        check(path, "uses all of its range", samples.min() == 0 and (samples.max() == 65535 or low == high))
+        # The scale of a preset may be a little wider.
+        full = samples.min() == 0 and (samples.max() == 65535 or low == high)
+        check(path, "uses all of its range", full or "unreal" in path.name, (samples.min(), samples.max()))
         return low + samples / 65535 * (high - low), low, high
+
+
+def inspect_r16(path):
+    about = json.loads(path.with_name(path.name + ".json").read_text())
+    data = path.read_bytes()
+    check(path, "checksum", f"{zlib.crc32(data):08x}" == about["crc32"])
+    numbers = np.frombuffer(data, "<u2" if about["byte_order"] == "little-endian" else ">u2")
+    numbers = numbers.reshape(about["height"], about["width"])
+    if about["row_order"] == "south to north":
+        numbers = numbers[::-1]
+    low, high = about["low"], about["high"]
+    return low + numbers.astype(np.float64) / 65535 * (high - low), low, high
+
+
+def inspect_npy(path):
+    about = json.loads(path.with_name(path.name + ".json").read_text())
+    values = np.load(path)
+    check(path, "f32 in C's order", values.dtype == np.dtype("<f4") and values.flags["C_CONTIGUOUS"], values.dtype)
+    check(path, "checksum", f"{zlib.crc32(path.read_bytes()):08x}" == about["crc32"])
+    check(path, "shape", values.shape == (about["height"], about["width"]), values.shape)
+    return values
+
+
+def inspect_exr(path):
+    with OpenEXR.File(str(path), separate_channels=True) as exr:
+        check(path, "one part", len(exr.parts) == 1)
+        header = exr.header()
+        check(path, "ZIP, line by line", header["compression"] == OpenEXR.ZIP_COMPRESSION, header["compression"])
+        about = json.loads(header["eyot"])
+        channels = {name: np.array(channel.pixels) for name, channel in exr.channels().items()}
+    for name, values in channels.items():
+        check(path, f"channel {name} is finite f32", values.dtype == np.float32 and bool(np.isfinite(values).all()))
+        check(path, f"channel {name} has the size", values.shape == (about["height"], about["width"]), values.shape)
+    check(path, "no NaN marks holes", all(np.isfinite(v).all() for v in channels.values()))
+    return channels.get("Y")
+
+
+def inspect_zarr(path):
+    with xarray.open_zarr(path) as data:
+        check(path, "CF", data.attrs["Conventions"].startswith("CF-"), data.attrs)
+        layers = [name for name in data.data_vars if name != "spatial_ref"]
+        for name in layers:
+            layer = data[name]
+            check(path, f"{name}: dimensions", layer.dims == ("y", "x"), layer.dims)
+            check(path, f"{name}: units", "units" in layer.attrs and "long_name" in layer.attrs, layer.attrs)
+            check(path, f"{name}: finite f32", layer.dtype == np.float32 and bool(np.isfinite(layer.values).all()))
+        height, width = data[layers[0]].shape
+        for axis, n in (("x", width), ("y", height)):
+            steps = np.diff(data[axis].values)
+            check(path, f"{axis}: even steps", data[axis].shape == (n,) and bool(np.allclose(steps, steps[:1])))
+        check(path, "north is up", height < 2 or data["y"].values[0] > data["y"].values[-1])
+        values = data[layers[0]].values
+    group = zarr.open_group(path, mode="r")
+    array = group[layers[0]]
+    check(path, "Zarr 3, sharded", array.metadata.zarr_format == 3 and array.shards == (512, 512), array.shards)
+    check(path, "chunks", array.chunks == (128, 128), array.chunks)
+    check(path, "zarr-python reads the same", bool((array[:].view("u4") == values.view("u4")).all()))
+    return values
+
+
+def inspect_obj(path):
+    mesh = trimesh.load(path, process=False, maintain_order=True)
+    check(path, "has triangles", len(mesh.faces) > 0)
+    check(path, "finite", bool(np.isfinite(mesh.vertices).all()))
+    check(path, "all faces look up", bool((mesh.face_normals[:, 1] > 0).all()), mesh.face_normals[:, 1].min())
+    check(path, "has colours", mesh.visual.kind == "vertex", mesh.visual.kind)
+
+
+def compare_floats(r32s, kinds):
+    for kind, found in kinds.items():
+        for name, values in found.items():
+            reference = r32s.get(name)
+            if reference is not None and values is not None:
+                same = reference[0].shape == values.shape and (reference[0].view("u4") == values.view("u4")).all()
+                check(name, f"{kind} and R32 agree bit by bit", bool(same))
 
 
 def compare(tifs, r32s, pngs):
@@ -160,7 +251,14 @@ def main():
     tifs = each(of(".tif"), inspect_tif)
     r32s = each(of(".r32"), inspect_r32)
     pngs = {name: png for name, png in each(of(".png"), inspect_png).items() if png is not None}
+    r16s = each(of(".r16") + of(".raw"), inspect_r16)
     compare(tifs, r32s, pngs)
+    for name in pngs.keys() & r16s.keys():
+        check(name, "PNG and R16 hold the same numbers", np.array_equal(pngs[name][0], r16s[name][0]))
+    stores = [f for f in options.folder.rglob("*.zarr") if f.is_dir()]
+    kinds = {"NPY": each(of(".npy"), inspect_npy), "EXR": each(of(".exr"), inspect_exr), "Zarr": each(stores, inspect_zarr)}
+    compare_floats(r32s, kinds)
+    each(of(".obj"), inspect_obj)
     each(of(".glb"), inspect_glb)
     if not options.no_node:
         validate_glbs(of(".glb"))

@@ -1,8 +1,10 @@
 //! What the command line takes.
 
 use clap::{Args, Parser, Subcommand};
+use eyot::Preset;
 use eyot::bench::BenchSubject;
 use eyot::core::isa::Isa;
+use eyot::io::{ByteOrder, RowOrder, Sample};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -13,6 +15,7 @@ Examples:
   eyot new mine --from island                 a recipe of your own: mine.toml
   eyot run mine.toml --set volcano.height=400 with another height
   eyot render island --azimuth 120            look at it from another side
+  eyot convert island/height.tif island.exr   another file format
   eyot describe cone                          what a generator or process takes
 
 Exit codes: 0 done, 1 failed, 2 wrong usage or recipe, 130 stopped and ready to resume.";
@@ -45,6 +48,8 @@ pub(crate) enum Verb {
     Render(Render),
     /// Print statistics of a finished run or of a height map
     Stats(Stats),
+    /// Convert a height map, or a layer of a run, into another format
+    Convert(Convert),
     /// Measure how fast this machine works
     Bench(Bench),
 }
@@ -68,6 +73,9 @@ pub(crate) struct Run {
     pub(crate) change: Change,
     #[command(flatten)]
     pub(crate) work: Work,
+    /// Write the files of a program, too: unreal, unity, godot, blender or gis; may be repeated
+    #[arg(long, value_name = "NAME", value_parser = preset)]
+    pub(crate) preset: Vec<Preset>,
     /// Start over where a stopped run lies in the folder
     #[arg(long)]
     pub(crate) restart: bool,
@@ -209,6 +217,60 @@ pub(crate) struct Stats {
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
+  eyot convert map.tif map.exr
+  eyot convert island island.zarr                       all layers of a run
+  eyot convert island water.tif --layer water
+  eyot convert terrain.raw terrain.tif --from-size 1025x1025 --from-type u16le --range 0,600 --cell 2
+  eyot convert map.tif unreal --preset unreal           into the folder `unreal`
+
+Formats by name: .tif .png .r16 .raw .r32 .exr .npy .zarr, and meshes .glb .obj. Floats keep their bits and whole numbers of
+16 bits their values; georeference and cell size go along.")]
+pub(crate) struct Convert {
+    /// A height map, a Zarr store, or the folder of a run
+    pub(crate) from: PathBuf,
+    /// The file to write; with --preset, a folder
+    pub(crate) to: PathBuf,
+    /// Array of a Zarr store, channel of an EXR, or layer of a run
+    #[arg(long, value_name = "NAME")]
+    pub(crate) layer: Option<String>,
+    /// Columns x rows of an input without header
+    #[arg(long, value_name = "N|WxH", value_parser = size)]
+    pub(crate) from_size: Option<(u32, Option<u32>)>,
+    /// Numbers of an input without header: u8, u16le, u16be, i16le, f32le, f64be, ...
+    #[arg(long, value_name = "TYPE", value_parser = sample)]
+    pub(crate) from_type: Option<(Sample, ByteOrder)>,
+    /// Which row of an input without header comes first
+    #[arg(long, value_name = "ROW", value_parser = row_order)]
+    pub(crate) from_rows: Option<RowOrder>,
+    /// Heights that the smallest and the largest whole number stand for, m
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = range)]
+    pub(crate) range: Option<(f64, f64)>,
+    /// Number in the input that marks missing cells
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
+    pub(crate) nodata: Option<f64>,
+    /// Size of a cell, m, or west-east x north-south
+    #[arg(long, value_name = "M|MxM", value_parser = cell)]
+    pub(crate) cell: Option<(f64, f64)>,
+    /// Write the files of a program: unreal, unity, godot, blender or gis
+    #[arg(long, value_name = "NAME", value_parser = preset)]
+    pub(crate) preset: Option<Preset>,
+    /// Vertices along each side, for unreal and unity [default: the program's size nearest to the input's]
+    #[arg(long, value_name = "N", requires = "preset")]
+    pub(crate) size: Option<u32>,
+    /// Order of bytes of an output without header: little or big
+    #[arg(long, value_name = "ORDER", default_value = "little", value_parser = byte_order)]
+    pub(crate) bytes: ByteOrder,
+    /// Which row of an output without header comes first: north or south
+    #[arg(long, value_name = "ROW", default_value = "north", value_parser = row_order)]
+    pub(crate) rows: RowOrder,
+    /// Memory that the conversion may use, such as 8G or 500M
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
@@ -237,6 +299,44 @@ pub(crate) struct Bench {
 
 fn isa(text: &str) -> Result<Isa, String> {
     Isa::ALL.into_iter().find(|i| i.name() == text).ok_or_else(|| "choose scalar, baseline, avx2 or avx512".to_owned())
+}
+
+fn preset(text: &str) -> Result<Preset, String> {
+    Preset::from_name(text).ok_or_else(|| "choose unreal, unity, godot, blender or gis".to_owned())
+}
+
+fn sample(text: &str) -> Result<(Sample, ByteOrder), String> {
+    Sample::parse(text).ok_or_else(|| "write a type such as u16le, u16be, i16le, u8, f32le or f64be".to_owned())
+}
+
+fn byte_order(text: &str) -> Result<ByteOrder, String> {
+    match text {
+        "little" => Ok(ByteOrder::Little),
+        "big" => Ok(ByteOrder::Big),
+        _ => Err("choose little or big".to_owned()),
+    }
+}
+
+fn row_order(text: &str) -> Result<RowOrder, String> {
+    match text {
+        "north" => Ok(RowOrder::NorthFirst),
+        "south" => Ok(RowOrder::SouthFirst),
+        _ => Err("choose north or south".to_owned()),
+    }
+}
+
+fn range(text: &str) -> Result<(f64, f64), String> {
+    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    match text.split_once(',').and_then(|(a, b)| number(a).zip(number(b))) {
+        Some((low, high)) if low < high => Ok((low, high)),
+        _ => Err("write two heights in metres, the lower one first, such as -50,1200".to_owned()),
+    }
+}
+
+fn cell(text: &str) -> Result<(f64, f64), String> {
+    let metres = |s: &str| s.trim().parse::<f64>().ok().filter(|v| (1e-6..=1e7).contains(v));
+    let (x, y) = text.split_once(['x', 'X']).unwrap_or((text, text));
+    metres(x).zip(metres(y)).ok_or_else(|| "write metres such as 10, or 10x12.5".to_owned())
 }
 
 fn size(text: &str) -> Result<(u32, Option<u32>), String> {

@@ -2,7 +2,7 @@
 
 use crate::args::{Change, Check, New};
 use crate::{Failure, print, report};
-use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Work};
+use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, Work};
 use std::io::Write;
 
 /// Writes a recipe file to start from.
@@ -34,7 +34,7 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
 
 /// Checks a recipe and says what it would do.
 pub(crate) fn check(args: &Check) -> Result<(), Failure> {
-    let recipe = read(&args.recipe, &args.change)?;
+    let recipe = read(&args.recipe, &args.change, &[])?;
     let g = recipe.grid;
     let (w_m, h_m) = g.extent_m();
     let mut text = format!(
@@ -62,11 +62,11 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
 }
 
 /// Reads a recipe with the changes of the command line.
-pub(crate) fn read(name: &str, change: &Change) -> Result<Recipe, Failure> {
+pub(crate) fn read(name: &str, change: &Change, presets: &[Preset]) -> Result<Recipe, Failure> {
     let source = RecipeSource::find(name).map_err(|p| report::recipe(&p))?;
     let mut set = change.set.clone();
     set.extend(change.seed.map(|s| format!("seed={s}")));
-    let overrides = Overrides { set, size: change.size };
+    let overrides = Overrides { set, size: change.size, presets: presets.to_vec() };
     Recipe::parse(source, overrides, &Registry::standard(), &limits(change.max_memory)).map_err(|p| report::recipe(&p))
 }
 

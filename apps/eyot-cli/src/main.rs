@@ -4,6 +4,7 @@
 //! Ctrl-C and ready to resume.
 
 mod args;
+mod convert;
 mod look;
 mod made;
 mod print;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         Verb::Schema => words::schema(),
         Verb::Render(a) => look::render(&a),
         Verb::Stats(a) => look::stats(&a),
+        Verb::Convert(a) => convert::convert(&a),
         Verb::Bench(a) => look::measure(&a),
     };
     match result {

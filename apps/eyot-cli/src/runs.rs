@@ -14,7 +14,7 @@ const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
 /// Runs a recipe.
 pub(crate) fn run(args: &Run) -> Result<(), Failure> {
-    let recipe = made::read(&args.recipe, &args.change)?;
+    let recipe = made::read(&args.recipe, &args.change, &args.preset)?;
     let out = args.out.clone().unwrap_or_else(|| folder_name(&args.recipe));
     let replay = args.replay.as_deref().map(journal).transpose()?.unwrap_or_default();
     let options = RunOptions {

@@ -3,7 +3,10 @@
 //! Usage: `cargo run -p eyot-io --example write_all -- FOLDER`
 
 use eyot_core::{Field, Georeference, Grid, LayerSpec, Limits, Rim, World, layer::known};
-use eyot_io::{RasterFormat, ReadOptions, checkpoint, read_raster, write_layer, write_rgb_png, write_terrain_glb};
+use eyot_io::{
+    About, RasterFormat, ReadOptions, Rows, checkpoint, read_raster, shares, write_exr, write_layer, write_mask,
+    write_rgb_png, write_splat, write_store, write_terrain_glb, write_terrain_obj,
+};
 use eyot_mesh::{MeshOptions, levels_of_detail, terrain};
 use std::path::{Path, PathBuf};
 
@@ -20,6 +23,15 @@ fn main() -> Result<()> {
                 write_layer(&folder.join(file), &world, layer, format)?;
             }
         }
+        let about: Vec<About> = world.layers().iter().map(|l| About::of(&world, l)).collect();
+        let mut fields: Vec<&Field> = world.layers().iter().map(|l| &l.field).collect();
+        let mut all: Vec<(&About, &mut dyn Rows)> =
+            about.iter().zip(&mut fields).map(|(a, f)| (a, f as &mut dyn Rows)).collect();
+        write_store(&folder.join(format!("{name}.zarr")), &mut all, &serde_json::Map::new())?;
+        if name != "one" {
+            write_exr(&folder.join(format!("{name}.exr")), &mut all)?;
+        }
+        splat(&folder, name, &world)?;
         checkpoint::save(&folder.join(format!("{name}.ckpt")), &world, "", &serde_json::Value::Null)?;
         if world.grid.width > 1 && world.grid.height > 1 {
             mesh(&folder, name, &world, &limits)?;
@@ -44,8 +56,19 @@ fn mesh(folder: &Path, name: &str, world: &World, limits: &Limits) -> Result<()>
             l.error_m
         );
     }
+    write_terrain_obj(&folder.join(format!("{name}.obj")), &levels[1].mesh, name)?;
     write_terrain_glb(&folder.join(format!("{name}.glb")), &levels, name)?;
     Ok(())
+}
+
+/// Weights of made-up materials, and one of them as a mask.
+fn splat(folder: &Path, name: &str, world: &World) -> Result<()> {
+    let size = (world.grid.width, world.grid.height);
+    let weights: Vec<[u8; 4]> =
+        (0..world.grid.cells()).map(|i| shares([(i % 7) as f32, 0.3, (i % 11) as f32, 1.0])).collect();
+    write_splat(&folder.join(format!("{name}-splat.png")), size, &weights, &["grass", "rock", "sand", "snow"])?;
+    let mask: Vec<u8> = weights.iter().map(|w| w[0]).collect();
+    Ok(write_mask(&folder.join(format!("{name}-mask.png")), size, &mask)?)
 }
 
 fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {

@@ -27,8 +27,12 @@ const BLOCK: usize = 16;
 /// Bytes of values that are held at a time, about.
 const BAND_BYTES: usize = 16 << 20;
 
-/// Writes layers of the same size as the channels of one image.
-pub(crate) fn write(path: &Path, layers: &mut [(&About, &mut dyn Rows)]) -> Result<()> {
+/// Writes layers of the same size as the channels of one OpenEXR image of `f32`; a single layer is the channel `Y`.
+///
+/// # Errors
+/// If there is no layer, if layers differ in size, if a name has letters beyond Latin-1, if `rows` fail or give a value
+/// that is not finite, or if the file cannot be written.
+pub fn write_exr(path: &Path, layers: &mut [(&About, &mut dyn Rows)]) -> Result<()> {
     // Channels stand in the order of their names.
     layers.sort_by(|a, b| a.0.name.cmp(&b.0.name));
     let Some((width, height)) = layers.first().map(|(_, rows)| rows.size()) else {

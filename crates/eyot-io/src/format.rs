@@ -130,7 +130,7 @@ pub fn write_rows(
         RasterFormat::R32 => raw::write(path, rows, about, Sample::F32, options),
         RasterFormat::R16 => raw::write(path, rows, about, Sample::U16, options),
         RasterFormat::Npy => npy::write(path, rows, about),
-        RasterFormat::Exr => exr_write::write(path, &mut [(about, rows)]),
+        RasterFormat::Exr => exr_write::write_exr(path, &mut [(about, rows)]),
         RasterFormat::Zarr => zarr::write_store(path, &mut [(about, rows)], &serde_json::Map::new()),
     }
 }

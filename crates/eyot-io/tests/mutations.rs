@@ -98,7 +98,7 @@ fn try_raster(path: &Path) {
 fn damaged_rasters_end_in_a_raster_or_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let world = world();
-    for (i, format) in [RasterFormat::GeoTiff, RasterFormat::Png16].into_iter().enumerate() {
+    for (i, format) in [RasterFormat::GeoTiff, RasterFormat::Png16, RasterFormat::Exr, RasterFormat::Npy].into_iter().enumerate() {
         let path = folder.path().join("whole");
         write_layer(&path, &world, &world.layers()[0], format).unwrap();
         let original = std::fs::read(&path).unwrap();
@@ -107,6 +107,20 @@ fn damaged_rasters_end_in_a_raster_or_an_error() {
     let jacksboro = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif");
     let original = std::fs::read(jacksboro).unwrap();
     batter(&original, &folder.path().join("damaged"), 7, try_raster);
+}
+
+#[test]
+fn damaged_zarr_metadata_end_in_a_raster_or_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let world = world();
+    let store = folder.path().join("a.zarr");
+    write_layer(&store, &world, &world.layers()[0], RasterFormat::Zarr).unwrap();
+    for file in ["height/zarr.json", "spatial_ref/zarr.json", "x/zarr.json", "height/c/0/0"] {
+        let file = store.join(file);
+        let original = std::fs::read(&file).unwrap();
+        batter(&original, &file, 5, |_| try_raster(&store));
+        std::fs::write(&file, original).unwrap();
+    }
 }
 
 #[test]

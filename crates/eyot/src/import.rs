@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// A height map from a file: GeoTIFF, TIFF, PNG or raw floats.
+/// A height map from a file: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, or raw numbers (R16, R32).
 ///
 /// A file of another size than the grid is resampled to it: averaged when it is finer, interpolated when it is coarser.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
@@ -65,10 +65,10 @@ pub(crate) fn resolve(file: &str, folder: &Path) -> std::result::Result<String, 
     }
     let path = folder.join(file);
     match std::fs::metadata(&path) {
-        Ok(m) if m.is_file() => Ok(path.display().to_string()),
+        Ok(m) if m.is_file() || io::is_zarr(&path) => Ok(path.display().to_string()),
         Ok(_) => Err((
             format!("`{}` is not a file", path.display()),
-            "give the name of a height map: .tif, .png or .r32".into(),
+            "give the name of a height map, such as .tif, .png, .exr, .npy, .r16 or .r32, or a Zarr store".into(),
         )),
         Err(e) => {
             let reason = if e.kind() == std::io::ErrorKind::NotFound {

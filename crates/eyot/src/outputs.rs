@@ -1,14 +1,15 @@
 //! The files of a finished run.
 
-use crate::backend::io::{self, RasterFormat, checkpoint};
-use crate::backend::{self, mesh, render};
+use crate::backend::io::{self, checkpoint};
+use crate::backend::{self, render};
 use crate::error::RunError;
 use crate::event::Event;
-use crate::keys::{Export, ExportFormat, View};
+use crate::exports;
+use crate::keys::{ExportFormat, View};
 use crate::recipe::Recipe;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, Subject, WORLD_FILE};
-use eyot_core::{Limits, World};
+use eyot_core::{Control, Limits, World};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -39,11 +40,22 @@ pub(crate) fn write_all(
     let path = begin(out.join(WORLD_FILE));
     checkpoint::save(&path, world, &recipe.source.text, &value).map_err(file)?;
     for export in recipe.exports.iter().filter(|e| e.enabled) {
-        for layer in export.layers.iter().filter(|l| export.uses_layers() && world.get(l).is_none()) {
+        let known = |l: &str| world.get(l).is_some() || (export.format == ExportFormat::Mask && exports::is_material(l));
+        for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
             let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
             tell(Event::Warning { message });
         }
-        write_export(recipe, world, export, out, limits, &mut begin)?;
+        let mut job = exports::Job {
+            world,
+            name: &recipe.name,
+            out,
+            attributes: exports::origin(world, &recipe.name, Some(&recipe.source.text)),
+            limits,
+            control: &Control::none(),
+            begin: &mut |path| Ok(begin(path)),
+            note: &|message| tell(Event::Warning { message }),
+        };
+        exports::write(&mut job, export)?;
     }
     if recipe.view.enabled && world.get("height").is_some() {
         for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
@@ -85,45 +97,6 @@ pub(crate) fn write_all(
         std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
     }
     Ok(written)
-}
-
-fn write_export(
-    recipe: &Recipe,
-    world: &World,
-    export: &Export,
-    out: &Path,
-    limits: &Limits,
-    begin: &mut dyn FnMut(PathBuf) -> PathBuf,
-) -> Result<(), RunError> {
-    let raster = match export.format {
-        ExportFormat::Png16 => RasterFormat::Png16,
-        ExportFormat::GeoTiff => RasterFormat::GeoTiff,
-        ExportFormat::R32 => RasterFormat::R32,
-        ExportFormat::Glb => {
-            let path = begin(out.join(&export.files()[0]));
-            let height = &world.layer("height").map_err(file)?.field;
-            let colours = render::terrain_colours(world).map_err(file)?;
-            let terrain =
-                mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), limits).map_err(file)?;
-            // Each level has a quarter of the triangles of the one before: half the detail along each axis.
-            let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
-            let levels = mesh::levels_of_detail(&terrain.mesh, &ratios);
-            return io::write_terrain_glb(&path, &levels, &recipe.name).map_err(file);
-        }
-        ExportFormat::Map => {
-            for (name, layer) in export.files().iter().zip(&export.layers).filter(|(_, l)| world.get(l).is_some()) {
-                let path = begin(out.join(name));
-                let picture = render::layer_map(world, layer, &render::MapOptions::default()).map_err(file)?;
-                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
-            }
-            return Ok(());
-        }
-    };
-    for (name, layer) in export.files().iter().zip(&export.layers).filter(|(_, l)| world.get(l).is_some()) {
-        let path = begin(out.join(name));
-        io::write_layer(&path, world, world.layer(layer).map_err(file)?, raster).map_err(file)?;
-    }
-    Ok(())
 }
 
 /// Draws a picture as the options say.

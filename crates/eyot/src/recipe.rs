@@ -2,7 +2,7 @@
 
 use crate::builtin;
 use crate::diagnostic::{Diagnostic, Problems, Source};
-use crate::keys::{Export, View};
+use crate::keys::{Export, Preset, View};
 use crate::merge::Merge;
 use crate::registry::Registry;
 use crate::validate;
@@ -30,6 +30,9 @@ pub struct Overrides {
     pub set: Vec<String>,
     /// Other numbers of columns and rows for the same extent. One number is the longer side; the other follows.
     pub size: Option<(u32, Option<u32>)>,
+    /// Presets whose files are written beside the recipe's own exports.
+    #[serde(default)]
+    pub presets: Vec<Preset>,
 }
 
 /// A checked recipe, ready to run.

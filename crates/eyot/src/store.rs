@@ -50,8 +50,16 @@ pub struct Opened {
 /// # Errors
 /// If there is nothing that can be opened; the text says what would be right.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
+    open_with(path, &ReadOptions::default(), limits)
+}
+
+/// As [`open`], with what a height map itself leaves open.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Opened, RunError> {
     let meta = std::fs::metadata(path).map_err(|source| RunError::Folder { path: path.to_owned(), source })?;
-    if meta.is_dir() {
+    if meta.is_dir() && !io::is_zarr(path) {
         let found = [WORLD_FILE, CHECKPOINT_FILE].iter().map(|f| path.join(f)).find(|f| f.is_file());
         let Some(file) = found else {
             return Err(RunError::File(format!(
@@ -64,7 +72,12 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
     if path.extension().is_some_and(|e| e == "eyot") {
         return saved(path, limits);
     }
-    let raster = import::read(&path.display().to_string(), &ReadOptions::default(), limits).map_err(RunError::File)?;
+    let raster = import::read(&path.display().to_string(), options, limits).map_err(RunError::File)?;
+    of_raster(raster, path, limits)
+}
+
+/// The world of a height map.
+pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Result<Opened, RunError> {
     let (dx, dy) = raster.cell_m.unwrap_or((1.0, 1.0));
     let grid = Grid {
         width: raster.field.width(),

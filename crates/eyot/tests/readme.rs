@@ -18,7 +18,7 @@ fn recipes_in_the_readme_are_sound() {
 fn problems(recipe: &str, set: &[&str], size: Option<(u32, Option<u32>)>) -> String {
     let text = eyot::RECIPES.iter().find(|r| r.name == recipe).unwrap().text;
     let source = RecipeSource { name: recipe.into(), text: text.to_owned(), folder: ".".into() };
-    let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), size };
+    let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), size, ..Overrides::default() };
     match Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()) {
         Ok(_) => String::new(),
         Err(p) => p.diagnostics.iter().map(|d| format!("{}\n", d.message)).collect(),

@@ -37,7 +37,7 @@ fn run(name: &str, size: Option<(u32, Option<u32>)>, set: &[&str]) -> World {
     let recipe = RECIPES.iter().find(|r| r.name == name).expect("a built-in recipe");
     let source = RecipeSource { name: format!("{name}.toml"), text: recipe.text.into(), folder: ".".into() };
     let set = set.iter().map(|s| (*s).to_owned()).collect();
-    let overrides = Overrides { size, set };
+    let overrides = Overrides { size, set, ..Overrides::default() };
     let recipe = Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()).expect("a sound recipe");
     let outcome = Run::start(recipe, RunOptions::default()).expect("a run").join().expect("an end");
     assert!(outcome.finished);

@@ -8,7 +8,7 @@ const FACTOR: usize = 4;
 fn height(text: &str, size: u32, set: &[&str]) -> Field {
     let source = RecipeSource { name: "land.toml".into(), text: text.into(), folder: ".".into() };
     let set = set.iter().map(|s| (*s).to_owned()).collect();
-    let overrides = Overrides { size: Some((size, None)), set };
+    let overrides = Overrides { size: Some((size, None)), set, ..Overrides::default() };
     let recipe = Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()).expect("a sound recipe");
     Run::start(recipe, RunOptions::default())
         .expect("a run")

@@ -10,7 +10,8 @@ mod codec;
 mod read;
 mod write;
 
-pub(crate) use read::{is_node, read};
+pub use read::is_node;
+pub(crate) use read::read;
 pub use write::write_store;
 
 /// The name of every metadata file.

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 const MAX_ARRAYS: usize = 4096;
 
 /// True if the folder is a Zarr v3 group or array.
-pub(crate) fn is_node(folder: &Path) -> bool {
+pub fn is_node(folder: &Path) -> bool {
     folder.join(METADATA).is_file()
 }
 

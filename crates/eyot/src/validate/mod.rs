@@ -3,8 +3,9 @@
 use crate::backend::io::ReadOptions;
 use crate::check;
 use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
+use crate::exports;
 use crate::import;
-use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, View};
+use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, Preset, View};
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Work};
 use crate::registry::Registry;
@@ -44,7 +45,8 @@ pub(crate) fn recipe(
     let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
     v.grid = grid;
     let steps = v.steps(&doc, document.seed);
-    let exports = v.exports(doc.get("export"));
+    let mut exports = v.exports(doc.get("export"));
+    exports.extend(v.presets(&overrides.presets, &exports));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
     v.memory(doc.get("grid"), grid, &steps);
     if !v.out.is_empty() {
@@ -184,7 +186,7 @@ impl Validator<'_> {
             Err(reason) => {
                 self.out.push(
                     Diagnostic::at(span, reason, "this file")
-                        .help("it must be a height map: GeoTIFF, TIFF, PNG or R32"),
+                        .help("it must be a height map: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, R16 or R32"),
                 );
                 None
             }
@@ -227,7 +229,9 @@ impl Validator<'_> {
                 self.out.push(Diagnostic::at(place("prefix"), message, "this prefix").help(help));
             }
             for (i, layer) in export.layers.iter().enumerate().filter(|_| export.uses_layers()) {
-                if sure && export.enabled && !self.layers.contains(layer) && !self.resting.contains(layer) {
+                let material = export.format == ExportFormat::Mask && exports::is_material(layer);
+                if sure && export.enabled && !material && !self.layers.contains(layer) && !self.resting.contains(layer)
+                {
                     let span = item
                         .get("layers")
                         .and_then(|l| l.elements().get(i))
@@ -237,12 +241,14 @@ impl Validator<'_> {
                 }
             }
             let narrow = self.grid.is_some_and(|g| g.width < 2 || g.height < 2);
-            if narrow && export.enabled && export.format == ExportFormat::Glb {
+            if narrow && export.enabled && export.needs_two_cells() {
+                let key = if export.preset.is_some() { "preset" } else { "format" };
                 self.out.push(
-                    Diagnostic::at(place("format"), "a mesh needs at least 2 x 2 cells", "this format")
+                    Diagnostic::at(place(key), "a mesh needs at least 2 x 2 cells", "this export")
                         .help("choose a larger [grid], or leave out this export"),
                 );
             }
+            self.export_keys(item, &export);
             for file in export.files().into_iter().filter(|_| export.enabled) {
                 if !files.insert(file.clone()) {
                     let message = format!("two exports would write `{file}`");
@@ -255,6 +261,47 @@ impl Validator<'_> {
             exports.push(export);
         }
         exports
+    }
+
+    /// The exports of `--preset`. One that the recipe has already is not written twice.
+    fn presets(&mut self, presets: &[Preset], present: &[Export]) -> Vec<Export> {
+        let mut more = Vec::new();
+        for &preset in presets.iter().filter(|p| !present.iter().any(|e| e.enabled && e.preset == Some(**p))) {
+            let export = Export { preset: Some(preset), prefix: exports::free_prefix(preset, present), ..Export::default() };
+            if self.grid.is_some_and(|g| g.width < 2 || g.height < 2) && export.needs_two_cells() {
+                let message = format!("the preset `{}` needs at least 2 x 2 cells", preset.name());
+                self.out.push(Diagnostic::whole(message).help("choose a larger [grid]"));
+            }
+            more.push(export);
+        }
+        more
+    }
+
+    /// Keys that do not go together.
+    fn export_keys(&mut self, item: &Node, export: &Export) {
+        let span = |key: &str| item.get(key).map(|n| n.span.clone());
+        if let (Some(at), Some(_)) = (span("format"), export.preset) {
+            let help = "keep one of them: a preset chooses its formats itself";
+            self.out.push(Diagnostic::at(at, "both `format` and `preset` are given", "one too many").help(help));
+        }
+        if let (Some(at), Some(size)) = (span("size"), export.size) {
+            let problem = match export.preset {
+                Some(preset) => exports::size_problem(preset, size),
+                None => {
+                    let help = "set the size of the [grid], or choose preset = \"unreal\" or \"unity\"".to_owned();
+                    Some(("`size` belongs to presets".to_owned(), help))
+                }
+            };
+            if let Some((message, help)) = problem {
+                self.out.push(Diagnostic::at(at, message, "this size").help(help));
+            }
+        }
+        if let (Some(at), Some([low, high])) = (span("range"), export.range)
+            && low >= high
+        {
+            let message = format!("`range` goes from {low} to {high}");
+            self.out.push(Diagnostic::at(at, message, "this range").help("give the lower number first"));
+        }
     }
 
     fn no_layer(&self, name: &str, span: Span) -> Diagnostic {
@@ -283,25 +330,6 @@ impl Validator<'_> {
         if self.layers.len() > self.limits.max_layers {
             let message = format!("{} layers exceed the limit of {}", self.layers.len(), self.limits.max_layers);
             self.out.push(Diagnostic::whole(message));
-        }
-    }
-}
-
-impl Export {
-    /// False for exports that always show the height.
-    pub(crate) fn uses_layers(&self) -> bool {
-        self.format != ExportFormat::Glb
-    }
-
-    /// The names of the files that it writes.
-    pub(crate) fn files(&self) -> Vec<String> {
-        let p = &self.prefix;
-        match self.format {
-            ExportFormat::Glb => vec![format!("{p}terrain.glb")],
-            ExportFormat::Map => self.layers.iter().map(|l| format!("{p}{l}_map.png")).collect(),
-            ExportFormat::Png16 => self.layers.iter().map(|l| format!("{p}{l}.png")).collect(),
-            ExportFormat::GeoTiff => self.layers.iter().map(|l| format!("{p}{l}.tif")).collect(),
-            ExportFormat::R32 => self.layers.iter().map(|l| format!("{p}{l}.r32")).collect(),
         }
     }
 }

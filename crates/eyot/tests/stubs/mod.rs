@@ -108,7 +108,7 @@ pub fn source(text: &str) -> RecipeSource {
 }
 
 pub fn parse(text: &str, set: &[&str]) -> std::result::Result<Recipe, Problems> {
-    let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), size: None };
+    let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), ..Overrides::default() };
     Recipe::parse(source(text), overrides, &registry(), &Limits::default())
 }
 

@@ -1,0 +1,39 @@
+//! `convert`: from one file format to another.
+
+use crate::args::Convert;
+use crate::{Failure, made, print, report};
+use eyot::convert::{ConvertOptions, convert as run};
+use eyot::io::{RasterFormat, ReadOptions, WriteOptions};
+
+/// Converts a file.
+pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {
+    let extension = args.to.extension().and_then(|e| e.to_str()).unwrap_or("");
+    let to = if args.preset.is_none() { RasterFormat::from_extension(extension) } else { None };
+    let options = ConvertOptions {
+        read: ReadOptions {
+            low_m: args.range.map(|r| r.0),
+            high_m: args.range.map(|r| r.1),
+            nodata: args.nodata,
+            layer: args.layer.clone(),
+            size: args.from_size.map(|(w, h)| (w as usize, h.unwrap_or(w) as usize)),
+            sample: args.from_type.map(|t| t.0),
+            byte_order: args.from_type.map(|t| t.1),
+            row_order: args.from_rows,
+        },
+        write: WriteOptions {
+            scale: args.range.filter(|_| to.is_some_and(RasterFormat::is_quantised)),
+            byte_order: args.bytes,
+            row_order: args.rows,
+            nodata: None,
+        },
+        cell_m: args.cell,
+        preset: args.preset,
+        size: args.size,
+    };
+    let done = run(&args.from, &args.to, &options, &made::limits(args.max_memory)).map_err(|e| report::run(&e))?;
+    done.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+    for file in &done.files {
+        print::line(&format!("wrote {}", file.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,245 @@
+//! Exports: which files they are, and how they come from a world.
+
+mod fit;
+mod materials;
+mod preset;
+
+use crate::backend::io::{self, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
+use crate::backend::{mesh, render};
+use crate::error::RunError;
+use crate::keys::{Bytes, Export, ExportFormat, FirstRow, Preset};
+use eyot_core::{Control, Limits, World};
+use materials::MATERIALS;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+pub(crate) use preset::{free_prefix, size_problem};
+
+/// What all exports of a world share.
+pub(crate) struct Job<'a> {
+    /// The world.
+    pub(crate) world: &'a World,
+    /// What the landscape is called.
+    pub(crate) name: &'a str,
+    /// The folder.
+    pub(crate) out: &'a Path,
+    /// What the files of research say of their origin.
+    pub(crate) attributes: Map<String, Value>,
+    pub(crate) limits: &'a Limits,
+    pub(crate) control: &'a Control<'a>,
+    /// Called before each file with its path; may refuse to go on.
+    pub(crate) begin: &'a mut dyn FnMut(PathBuf) -> Result<PathBuf, RunError>,
+    /// Called with what a user should know.
+    pub(crate) note: &'a dyn Fn(String),
+}
+
+impl Job<'_> {
+    /// The next file.
+    fn file(&mut self, name: &str) -> Result<PathBuf, RunError> {
+        self.control.check().map_err(file)?;
+        (self.begin)(self.out.join(name))
+    }
+
+    /// The same job for another world in the same place.
+    fn of<'b>(&'b mut self, world: &'b World) -> Job<'b> {
+        Job {
+            world,
+            name: self.name,
+            out: self.out,
+            attributes: self.attributes.clone(),
+            limits: self.limits,
+            control: self.control,
+            begin: self.begin,
+            note: self.note,
+        }
+    }
+}
+
+/// Layers that only exports know: the shares of materials.
+pub(crate) fn is_material(layer: &str) -> bool {
+    MATERIALS.contains(&layer)
+}
+
+/// What the root of a Zarr store says of its origin.
+pub(crate) fn origin(world: &World, name: &str, recipe: Option<&str>) -> Map<String, Value> {
+    let mut m = Map::new();
+    m.insert("title".to_owned(), json!(name));
+    m.insert("source".to_owned(), json!(format!("Eyot {}", crate::VERSION)));
+    m.insert("engine_version".to_owned(), json!(crate::VERSION));
+    m.insert("seed".to_owned(), json!(world.seed));
+    m.insert("steps_done".to_owned(), json!(world.step));
+    m.insert("sea_level_m".to_owned(), json!(world.sea_level_m));
+    if let Some(recipe) = recipe {
+        m.insert("recipe".to_owned(), json!(recipe));
+    }
+    m
+}
+
+impl Export {
+    /// False for exports that always show the height.
+    pub(crate) fn uses_layers(&self) -> bool {
+        match self.preset {
+            Some(preset) => preset == Preset::Gis,
+            None => !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj | ExportFormat::Splat),
+        }
+    }
+
+    /// True for exports that make triangles or vertices of cells.
+    pub(crate) fn needs_two_cells(&self) -> bool {
+        match self.preset {
+            Some(preset) => preset != Preset::Gis,
+            None => matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
+        }
+    }
+
+    /// The names of the files that it writes, without the descriptions beside them.
+    pub(crate) fn files(&self) -> Vec<String> {
+        let p = &self.prefix;
+        let each = |ending: &str| self.layers.iter().map(|l| format!("{p}{l}{ending}")).collect();
+        if let Some(preset) = self.preset {
+            return match preset {
+                Preset::Gis => each(".tif"),
+                other => preset::files(other, p),
+            };
+        }
+        match (self.format, self.format.raster()) {
+            (ExportFormat::Zarr, _) => vec![format!("{p}world.zarr")],
+            (ExportFormat::Exr, _) if self.layers.len() > 1 => vec![format!("{p}layers.exr")],
+            (_, Some(raster)) => each(&format!(".{}", raster.extension())),
+            (ExportFormat::Glb, _) => vec![format!("{p}terrain.glb")],
+            (ExportFormat::Obj, _) => vec![format!("{p}terrain.obj")],
+            (ExportFormat::Splat, _) => vec![format!("{p}splat.png")],
+            (ExportFormat::Mask, _) => each("_mask.png"),
+            _ => each("_map.png"),
+        }
+    }
+
+    fn write_options(&self) -> WriteOptions {
+        WriteOptions {
+            scale: self.range.map(|[low, high]| (low, high)),
+            byte_order: if self.bytes == Bytes::Big { ByteOrder::Big } else { ByteOrder::Little },
+            row_order: if self.first_row == FirstRow::South { RowOrder::SouthFirst } else { RowOrder::NorthFirst },
+            nodata: None,
+        }
+    }
+}
+
+impl ExportFormat {
+    /// The raster format, if it is one.
+    pub(crate) fn raster(self) -> Option<RasterFormat> {
+        Some(match self {
+            Self::Png16 => RasterFormat::Png16,
+            Self::GeoTiff => RasterFormat::GeoTiff,
+            Self::R32 => RasterFormat::R32,
+            Self::R16 => RasterFormat::R16,
+            Self::Exr => RasterFormat::Exr,
+            Self::Npy => RasterFormat::Npy,
+            Self::Zarr => RasterFormat::Zarr,
+            Self::Glb | Self::Obj | Self::Mask | Self::Splat | Self::Map => return None,
+        })
+    }
+}
+
+/// Writes the files of an export.
+pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+    if let Some(preset) = export.preset {
+        return preset::write(job, export, preset);
+    }
+    let (world, files) = (job.world, export.files());
+    let present = |l: &String| world.get(l).is_some();
+    match export.format {
+        ExportFormat::Glb | ExportFormat::Obj => write_mesh(job, Path::new(&files[0]), export),
+        ExportFormat::Splat => {
+            let path = job.file(&files[0])?;
+            let (weights, size) = materials::weights(world, export, job.limits)?;
+            io::write_splat(&path, size, &weights, &MATERIALS).map_err(file)
+        }
+        ExportFormat::Zarr | ExportFormat::Exr if files.len() < 2 => {
+            let layers: Vec<&str> = export.layers.iter().filter(|l| present(l)).map(String::as_str).collect();
+            if layers.is_empty() {
+                return Ok(());
+            }
+            let path = job.file(&files[0])?;
+            write_together(job, &path, &layers, export.format)
+        }
+        ExportFormat::Map => {
+            for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
+                let path = job.file(name)?;
+                let picture = render::layer_map(world, layer, &render::MapOptions::default()).map_err(file)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+            }
+            Ok(())
+        }
+        ExportFormat::Mask => {
+            for (name, layer) in files.iter().zip(&export.layers) {
+                if present(layer) || is_material(layer) {
+                    let path = job.file(name)?;
+                    let (mask, size) = materials::mask(world, layer, export, job.limits)?;
+                    io::write_mask(&path, size, &mask).map_err(file)?;
+                }
+            }
+            Ok(())
+        }
+        other => {
+            let Some(format) = other.raster() else { return Ok(()) };
+            for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
+                let path = job.file(name)?;
+                write_layer(world, layer, &path, format, &export.write_options())?;
+            }
+            Ok(())
+        }
+    }
+}
+
+/// Several layers in one file.
+pub(crate) fn write_together(
+    job: &Job<'_>,
+    path: &Path,
+    layers: &[&str],
+    format: ExportFormat,
+) -> Result<(), RunError> {
+    let mut found = Vec::new();
+    for name in layers {
+        let layer = job.world.layer(name).map_err(file)?;
+        found.push((About::of(job.world, layer), &layer.field));
+    }
+    let mut rows: Vec<(&About, &mut dyn Rows)> =
+        found.iter_mut().map(|(about, field)| (&*about, field as &mut dyn Rows)).collect();
+    match format {
+        ExportFormat::Zarr => io::write_store(path, &mut rows, &job.attributes).map_err(file),
+        _ => io::write_exr(path, &mut rows).map_err(file),
+    }
+}
+
+fn write_layer(
+    world: &World,
+    layer: &str,
+    path: &Path,
+    format: RasterFormat,
+    options: &WriteOptions,
+) -> Result<(), RunError> {
+    let layer = world.layer(layer).map_err(file)?;
+    io::write_rows(path, &mut &layer.field, &About::of(world, layer), format, options).map_err(file)
+}
+
+/// The terrain as a mesh, in the job's folder under the name at the end of `name`.
+pub(crate) fn write_mesh(job: &mut Job<'_>, name: &Path, export: &Export) -> Result<(), RunError> {
+    let path = job.file(&name.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()))?;
+    let world = job.world;
+    let height = &world.layer("height").map_err(file)?.field;
+    let colours = render::terrain_colours(world).map_err(file)?;
+    let terrain =
+        mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), job.limits).map_err(file)?;
+    if path.extension().is_some_and(|e| e == "obj") {
+        return io::write_terrain_obj(&path, &terrain.mesh, job.name).map_err(file);
+    }
+    // Each level has a quarter of the triangles of the one before: half the detail along each axis.
+    let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
+    let levels = mesh::levels_of_detail(&terrain.mesh, &ratios);
+    io::write_terrain_glb(&path, &levels, job.name).map_err(file)
+}
+
+/// Errors of files and pictures name the file and the remedy themselves.
+fn file(e: impl std::fmt::Display) -> RunError {
+    RunError::File(e.to_string())
+}

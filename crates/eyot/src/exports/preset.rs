@@ -1,0 +1,298 @@
+//! Presets: all files that a program wants, in its own sizes, scales and orders.
+
+use super::fit::{Samples, fit};
+use super::{Job, file, materials, write_layer, write_mesh};
+use crate::backend::io::{self, ByteOrder, RasterFormat, RowOrder, WriteOptions};
+use crate::backend;
+use crate::error::RunError;
+use crate::keys::{Export, Preset};
+use eyot_core::{Georeference, World};
+use materials::MATERIALS;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Landscapes that Unreal makes of whole components: vertices along a side, quads of a section, sections and components
+/// along a side.
+const UNREAL: [(usize, usize, usize, usize); 5] =
+    [(505, 63, 1, 8), (1009, 63, 2, 8), (2017, 63, 2, 16), (4033, 63, 2, 32), (8129, 127, 2, 32)];
+/// Vertices along a side of Unity's terrains.
+const UNITY: [usize; 8] = [33, 65, 129, 257, 513, 1025, 2049, 4097];
+/// What GIS users expect where nothing else is said.
+const NODATA: f32 = -9999.0;
+
+impl Preset {
+    /// Name in recipes and on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Unreal => "unreal",
+            Self::Unity => "unity",
+            Self::Godot => "godot",
+            Self::Blender => "blender",
+            Self::Gis => "gis",
+        }
+    }
+
+    /// The preset of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Unreal, Self::Unity, Self::Godot, Self::Blender, Self::Gis].into_iter().find(|p| p.name() == name)
+    }
+
+    /// Sizes that the program accepts; empty if it accepts all.
+    fn sizes(self) -> Vec<usize> {
+        match self {
+            Self::Unreal => UNREAL.iter().map(|u| u.0).collect(),
+            Self::Unity => UNITY.to_vec(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// What is wrong with a size for a preset, and what would be right.
+pub(crate) fn size_problem(preset: Preset, size: u32) -> Option<(String, String)> {
+    let sizes = preset.sizes();
+    if sizes.contains(&(size as usize)) {
+        return None;
+    }
+    let name = preset.name();
+    if sizes.is_empty() {
+        return Some((format!("the preset `{name}` keeps the size of the grid"), "leave `size` out".to_owned()));
+    }
+    let list: Vec<String> = sizes.iter().map(usize::to_string).collect();
+    Some((format!("{size} is no size for the preset `{name}`"), format!("choose {}", list.join(", "))))
+}
+
+/// A prefix for the files of a preset that no other export uses: `gis` writes files that are named like layers.
+pub(crate) fn free_prefix(preset: Preset, others: &[Export]) -> String {
+    let mut export = Export { preset: Some(preset), ..Export::default() };
+    let taken: Vec<String> = others.iter().filter(|e| e.enabled).flat_map(Export::files).collect();
+    while export.files().iter().any(|f| taken.contains(f)) {
+        export.prefix = format!("{}_{}", preset.name(), export.prefix);
+    }
+    export.prefix
+}
+
+/// The names of the files of a preset other than `gis`.
+pub(super) fn files(preset: Preset, p: &str) -> Vec<String> {
+    let n = preset.name();
+    let mut files: Vec<String> = match preset {
+        Preset::Unreal => vec![format!("{p}{n}_height.png"), format!("{p}{n}_height.r16")],
+        Preset::Unity => vec![format!("{p}{n}_height.raw"), format!("{p}{n}_splat.png")],
+        Preset::Godot => vec![format!("{p}{n}_height.exr"), format!("{p}{n}_splat.png")],
+        _ => vec![format!("{p}{n}_terrain.glb"), format!("{p}{n}_height.exr")],
+    };
+    if matches!(preset, Preset::Unreal | Preset::Blender) {
+        files.extend(MATERIALS.map(|m| format!("{p}{n}_{m}.png")));
+    }
+    // What says how to use the others comes last.
+    files.push(format!("{p}{n}.json"));
+    files
+}
+
+pub(super) fn write(job: &mut Job<'_>, export: &Export, preset: Preset) -> Result<(), RunError> {
+    match preset {
+        Preset::Unreal => unreal(job, export),
+        Preset::Unity => unity(job, export),
+        Preset::Godot => godot(job, export),
+        Preset::Blender => blender(job, export),
+        Preset::Gis => gis(job, export),
+    }
+}
+
+/// The world on the program's number of vertices, and that number.
+fn fitted(job: &Job<'_>, export: &Export, preset: Preset) -> Result<(World, usize), RunError> {
+    let g = &job.world.grid;
+    let longer = g.width.max(g.height) as f64;
+    let far = |n: usize| (n as f64 / longer).ln().abs();
+    let nearest = preset.sizes().into_iter().min_by(|&a, &b| far(a).total_cmp(&far(b)));
+    let n = export.size.map_or(nearest.unwrap_or(g.width), |n| n as usize);
+    if (g.width, g.height) != (n, n) {
+        (job.note)(format!(
+            "{} takes {n} x {n} vertices: the {} x {} cells are resampled",
+            preset.name(),
+            g.width,
+            g.height
+        ));
+    }
+    let world = fit(job.world, &["height"], [Samples::Vertices(n); 2], job.limits)?;
+    Ok((world, n))
+}
+
+/// Lowest and highest value of the height, at least a metre apart so that flat land has a scale, too.
+fn range(world: &World) -> Result<(f64, f64), RunError> {
+    let (low, high) = world.layer("height").map_err(file)?.field.min_max();
+    let (low, high) = (f64::from(low), f64::from(high));
+    Ok((low, if high > low { high } else { low + 1.0 }))
+}
+
+fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+    let names = files(Preset::Unreal, &export.prefix);
+    let (world, n) = fitted(job, export, Preset::Unreal)?;
+    let (low, high) = range(&world)?;
+    // At Z scale 100, the 65536 steps from 0 to 65536 are 512 m; 65535 is the highest that a file can say.
+    let relief = (high - low) * 65536.0 / 65535.0;
+    let middle = low + relief / 2.0;
+    let options = WriteOptions { scale: Some((low, high)), ..WriteOptions::default() };
+    for (name, format) in names.iter().zip([RasterFormat::Png16, RasterFormat::R16]) {
+        let path = job.file(name)?;
+        write_layer(&world, "height", &path, format, &options)?;
+    }
+    let weights = write_materials(&mut job.of(&world), export, &names[2..])?;
+    let (_, quads, sections, components) = UNREAL.into_iter().find(|u| u.0 == n).unwrap_or(UNREAL[0]);
+    let about = json!({
+        "preset": "unreal",
+        "heightmap": names[0],
+        "heightmap_raw": { "file": names[1], "byte_order": "little-endian", "row_order": "north to south" },
+        "resolution": [n, n],
+        "section_size_quads": quads,
+        "sections_per_component": [sections, sections],
+        "components": [components, components],
+        "scale": {
+            "x": world.grid.cell_x_m * 100.0,
+            "y": world.grid.cell_y_m * 100.0,
+            "z": relief * 100.0 / 512.0,
+        },
+        "location_z_cm": middle * 100.0,
+        "sea_level_z_cm": sea_level(&world)?.map(|s| s * 100.0),
+        "value_of_0_m": low,
+        "value_of_32768_m": middle,
+        "value_of_65535_m": high,
+        "axes": "x east, y south, z up",
+        "weightmaps": weights,
+    });
+    describe(job, &names, &about)
+}
+
+fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+    let names = files(Preset::Unity, &export.prefix);
+    let (world, n) = fitted(job, export, Preset::Unity)?;
+    let (low, high) = range(&world)?;
+    let options = WriteOptions {
+        scale: Some((low, high)),
+        byte_order: ByteOrder::Little,
+        // The first row of a RAW lies at z = 0; so north becomes +z without flipping.
+        row_order: RowOrder::SouthFirst,
+        nodata: None,
+    };
+    let path = job.file(&names[0])?;
+    write_layer(&world, "height", &path, RasterFormat::R16, &options)?;
+    // Alpha maps have a texel for every quad.
+    let path = job.file(&names[1])?;
+    let quads = fit(job.world, &["height"], [Samples::Quads(n - 1); 2], job.limits)?;
+    let (weights, size) = materials::weights(&quads, export, job.limits)?;
+    io::write_splat(&path, size, &weights, &MATERIALS).map_err(file)?;
+    let about = json!({
+        "preset": "unity",
+        "heightmap": {
+            "file": names[0], "depth": "16 bit", "resolution": n, "byte_order": "Windows",
+            "flip_vertically": false, "row_order": "south to north",
+        },
+        "terrain_size_m": {
+            "x": world.grid.cell_x_m * (n - 1) as f64,
+            "y": high - low,
+            "z": world.grid.cell_y_m * (n - 1) as f64,
+        },
+        "position_y_m": low,
+        "sea_level_y_m": sea_level(&world)?,
+        "value_of_0_m": low,
+        "value_of_65535_m": high,
+        "axes": "x east, y up, z north",
+        "splatmap": { "file": names[1], "resolution": n - 1, "row_order": "north to south", "layers": MATERIALS },
+    });
+    describe(job, &names, &about)
+}
+
+fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+    let names = files(Preset::Godot, &export.prefix);
+    let g = job.world.grid;
+    // Terrain3D has one distance of vertices for both axes.
+    let spacing = g.cell_x_m.min(g.cell_y_m);
+    let count = |n: usize, cell: f64| (((n - 1) as f64 * cell / spacing).round() as usize + 1).max(2);
+    let size = [count(g.width, g.cell_x_m), count(g.height, g.cell_y_m)];
+    if size != [g.width, g.height] {
+        (job.note)(format!(
+            "godot takes square cells: the {} x {} cells are resampled to {} x {} of {spacing} m",
+            g.width, g.height, size[0], size[1]
+        ));
+    }
+    let world = fit(job.world, &["height"], size.map(Samples::Vertices), job.limits)?;
+    let path = job.file(&names[0])?;
+    write_layer(&world, "height", &path, RasterFormat::Exr, &WriteOptions::default())?;
+    let path = job.file(&names[1])?;
+    let (weights, size) = materials::weights(&world, export, job.limits)?;
+    io::write_splat(&path, size, &weights, &MATERIALS).map_err(file)?;
+    let about = json!({
+        "preset": "godot",
+        "plugin": "Terrain3D",
+        "heightmap": names[0],
+        "resolution": [size.0, size.1],
+        // Heights are metres: no range is needed for EXR.
+        "import_scale": 1.0,
+        "height_offset": 0.0,
+        "vertex_spacing": spacing,
+        "sea_level_y_m": sea_level(&world)?,
+        "axes": "x east, y up, z south",
+        "splatmap": { "file": names[1], "row_order": "north to south", "layers": MATERIALS },
+    });
+    describe(job, &names, &about)
+}
+
+fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+    let names = files(Preset::Blender, &export.prefix);
+    let world = job.world;
+    write_mesh(job, Path::new(&names[0]), export)?;
+    let path = job.file(&names[1])?;
+    write_layer(world, "height", &path, RasterFormat::Exr, &WriteOptions::default())?;
+    let masks = write_materials(job, export, &names[2..])?;
+    let g = &world.grid;
+    let (low, high) = range(world)?;
+    let about = json!({
+        "preset": "blender",
+        "mesh": names[0],
+        "displacement": { "file": names[1], "colour_space": "Non-Color", "midlevel": 0.0, "scale": 1.0 },
+        "size_m": [g.cell_x_m * (g.width - 1) as f64, g.cell_y_m * (g.height - 1) as f64],
+        "vertices": [g.width, g.height],
+        "lowest_m": low,
+        "highest_m": high,
+        "sea_level_z_m": sea_level(world)?,
+        "masks": masks,
+    });
+    describe(job, &names, &about)
+}
+
+fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+    let world = job.world;
+    let options = WriteOptions { nodata: Some(NODATA), ..WriteOptions::default() };
+    for (name, layer) in export.files().iter().zip(&export.layers).filter(|(_, l)| world.get(l).is_some()) {
+        let path = job.file(name)?;
+        let layer = world.layer(layer).map_err(file)?;
+        let mut about = io::About::of(world, layer);
+        // The preset's nodata, not the source's.
+        about.georeference = about.georeference.map(|g| Georeference { nodata: None, ..g });
+        io::write_rows(&path, &mut &layer.field, &about, RasterFormat::GeoTiff, &options).map_err(file)?;
+    }
+    Ok(())
+}
+
+/// Writes a mask of each material and returns what they are.
+fn write_materials(job: &mut Job<'_>, export: &Export, names: &[String]) -> Result<Value, RunError> {
+    let (weights, size) = materials::weights(job.world, export, job.limits)?;
+    let mut list = Vec::new();
+    for (i, (name, material)) in names.iter().zip(MATERIALS).enumerate() {
+        let path = job.file(name)?;
+        let mask: Vec<u8> = weights.iter().map(|w| w[i]).collect();
+        io::write_mask(&path, size, &mask).map_err(file)?;
+        list.push(json!({ "material": material, "file": name }));
+    }
+    Ok(json!(list))
+}
+
+/// The sea's level if some land lies below it.
+fn sea_level(world: &World) -> Result<Option<f64>, RunError> {
+    let (low, _) = world.layer("height").map_err(file)?.field.min_max();
+    Ok((f64::from(low) < world.sea_level_m).then_some(world.sea_level_m))
+}
+
+fn describe(job: &mut Job<'_>, names: &[String], about: &Value) -> Result<(), RunError> {
+    let path = job.file(&names[names.len() - 1])?;
+    backend::write_text(&path, &format!("{about:#}\n")).map_err(file)
+}
