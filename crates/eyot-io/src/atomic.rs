@@ -54,11 +54,7 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
 /// As [`write_atomically`] for a folder: `write` fills a temporary folder beside `path`, which then takes its place.
 ///
 /// A former folder is replaced if it holds `mark`, the file that tells what it is; nothing else is ever removed.
-pub(crate) fn write_folder_atomically(
-    path: &Path,
-    mark: &str,
-    write: impl FnOnce(&Path) -> Result<()>,
-) -> Result<()> {
+pub(crate) fn write_folder_atomically(path: &Path, mark: &str, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
     let parent = match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
         _ => Path::new("."),
@@ -71,7 +67,8 @@ pub(crate) fn write_folder_atomically(
         let problem = format!("something else is there already, which holds no {mark}");
         return Err(Error::format(path, problem, "choose another name, or remove it first"));
     }
-    let temporary = folder_builder(PREFIX, SUFFIX).tempdir_in(parent).map_err(Error::io(parent, "write to the folder"))?;
+    let temporary =
+        folder_builder(PREFIX, SUFFIX).tempdir_in(parent).map_err(Error::io(parent, "write to the folder"))?;
     // Tells `remove_leftovers` that somebody is at work in it.
     let lock = File::open(temporary.path()).ok();
     let _ = lock.as_ref().map(File::try_lock);

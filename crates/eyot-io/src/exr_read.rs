@@ -24,9 +24,8 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
     let header = reader.headers()[part].clone();
     check(path, reader.headers(), &header, channel, bytes, limits)?;
     let (width, height) = (header.layer_size.x(), header.layer_size.y());
-    let chunks = reader
-        .filter_chunks(true, |_, _, block| block.layer == part && block.level == Vec2(0, 0))
-        .map_err(failed)?;
+    let chunks =
+        reader.filter_chunks(true, |_, _, block| block.layer == part && block.level == Vec2(0, 0)).map_err(failed)?;
     let meta = chunks.meta_data().clone();
     let mut field = Field::new(width, height, 0.0);
     let mut missing = Missing::new(width, height, options.nodata);
@@ -125,7 +124,9 @@ fn check(path: &Path, all: &[Header], h: &Header, channel: usize, bytes: u64, li
         return Err(Error::format(path, problem, "it is truncated or damaged: copy or export it again"));
     }
     // Compressed, decompressed and sorted.
-    limits.check_bytes("a block of the image", 3 * pixels * h.channels.bytes_per_pixel as u128).map_err(Error::core(path))
+    limits
+        .check_bytes("a block of the image", 3 * pixels * h.channels.bytes_per_pixel as u128)
+        .map_err(Error::core(path))
 }
 
 fn description(h: &Header, size: (usize, usize)) -> Sidecar {

@@ -56,9 +56,8 @@ impl Missing {
     pub(crate) fn fill(self, path: &Path, field: &mut Field) -> Result<usize> {
         match self.marks {
             None => Ok(0),
-            Some(marks) => fill(field, &marks).ok_or_else(|| {
-                Error::format(path, "every cell is marked as missing", "check the nodata value")
-            }),
+            Some(marks) => fill(field, &marks)
+                .ok_or_else(|| Error::format(path, "every cell is marked as missing", "check the nodata value")),
         }
     }
 }

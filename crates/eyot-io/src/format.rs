@@ -2,8 +2,8 @@
 
 use crate::about::About;
 use crate::error::{Error, Result};
-use crate::sample::{ByteOrder, RowOrder, Sample};
 use crate::rows::Rows;
+use crate::sample::{ByteOrder, RowOrder, Sample};
 use crate::{exr_write, geotiff, npy, png_write, raw, zarr};
 use eyot_core::{Layer, World};
 use std::path::Path;
@@ -29,8 +29,7 @@ pub enum RasterFormat {
 
 impl RasterFormat {
     /// All formats.
-    pub const ALL: [Self; 7] =
-        [Self::Png16, Self::GeoTiff, Self::R32, Self::R16, Self::Exr, Self::Npy, Self::Zarr];
+    pub const ALL: [Self; 7] = [Self::Png16, Self::GeoTiff, Self::R32, Self::R16, Self::Exr, Self::Npy, Self::Zarr];
     /// Their names in recipes, in the order of [`RasterFormat::ALL`].
     pub const NAMES: [&'static str; 7] = ["png16", "geotiff", "r32", "r16", "exr", "npy", "zarr"];
 
@@ -122,7 +121,11 @@ pub fn write_rows(
 ) -> Result<()> {
     let (width, height) = rows.size();
     if width == 0 || height == 0 {
-        return Err(Error::format(path, format!("a raster of {width}x{height} cells"), "both sides must be at least 1"));
+        return Err(Error::format(
+            path,
+            format!("a raster of {width}x{height} cells"),
+            "both sides must be at least 1",
+        ));
     }
     match format {
         RasterFormat::Png16 => png_write::write_png16(path, rows, about, options),

@@ -22,7 +22,12 @@ pub fn write_mask(path: &Path, (width, height): (usize, usize), values: &[u8]) -
 /// # Errors
 /// If there are not `width * height` weights, if a cell's weights do not sum to 255, if there are no or more than four
 /// names, or if a file cannot be written.
-pub fn write_splat(path: &Path, (width, height): (usize, usize), weights: &[[u8; 4]], materials: &[&str]) -> Result<()> {
+pub fn write_splat(
+    path: &Path,
+    (width, height): (usize, usize),
+    weights: &[[u8; 4]],
+    materials: &[&str],
+) -> Result<()> {
     if materials.is_empty() || materials.len() > 4 {
         let problem = format!("{} materials are to be written", materials.len());
         return Err(Error::format(path, problem, "a picture holds one to four"));

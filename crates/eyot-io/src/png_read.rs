@@ -46,7 +46,9 @@ pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &
     };
     let field = if interlaced {
         // The passes of an interlaced image come together only in memory.
-        limits.check_bytes("the interlaced image", (line as u128) * height as u128 + held).map_err(Error::core(path))?;
+        limits
+            .check_bytes("the interlaced image", (line as u128) * height as u128 + held)
+            .map_err(Error::core(path))?;
         let mut bytes = vec![0; line * height];
         reader.next_frame(&mut bytes).map_err(failed)?;
         let mut field = Field::new(width, height, 0.0);
@@ -58,7 +60,11 @@ pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &
             let samples = reader.next_row().map_err(failed)?;
             let samples = samples.as_ref().map_or(&[][..], |r| r.data());
             if samples.len() < wide * channels * width {
-                return Err(Error::format(path, "the PNG ends too early", "it is truncated: copy or download it again"));
+                return Err(Error::format(
+                    path,
+                    "the PNG ends too early",
+                    "it is truncated: copy or download it again",
+                ));
             }
             values(y, row, samples);
         }

@@ -98,7 +98,9 @@ fn try_raster(path: &Path) {
 fn damaged_rasters_end_in_a_raster_or_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let world = world();
-    for (i, format) in [RasterFormat::GeoTiff, RasterFormat::Png16, RasterFormat::Exr, RasterFormat::Npy].into_iter().enumerate() {
+    for (i, format) in
+        [RasterFormat::GeoTiff, RasterFormat::Png16, RasterFormat::Exr, RasterFormat::Npy].into_iter().enumerate()
+    {
         let path = folder.path().join("whole");
         write_layer(&path, &world, &world.layers()[0], format).unwrap();
         let original = std::fs::read(&path).unwrap();

@@ -42,12 +42,7 @@ pub struct Converted {
 ///
 /// # Errors
 /// If the input cannot be read, the output's format is not known, or it cannot be written.
-pub fn convert(
-    input: &Path,
-    output: &Path,
-    options: &ConvertOptions,
-    limits: &Limits,
-) -> Result<Converted, RunError> {
+pub fn convert(input: &Path, output: &Path, options: &ConvertOptions, limits: &Limits) -> Result<Converted, RunError> {
     let is_run = input.extension().is_some_and(|e| e == "eyot") || (input.is_dir() && !io::is_zarr(input));
     let kind = if options.preset.is_some() { Kind::Preset } else { Kind::of(output)? };
     match kind {
@@ -127,8 +122,7 @@ fn world(
     let mut files = Vec::new();
     let folder = match kind {
         Kind::Preset => {
-            std::fs::create_dir_all(output)
-                .map_err(|source| RunError::Folder { path: output.to_owned(), source })?;
+            std::fs::create_dir_all(output).map_err(|source| RunError::Folder { path: output.to_owned(), source })?;
             output
         }
         _ => output.parent().unwrap_or(Path::new("")),
@@ -136,6 +130,7 @@ fn world(
     let control = Control::none();
     let mut job = Job {
         world: &world,
+        source: &world,
         name: &name,
         out: folder,
         attributes: exports::origin(&world, &name, None),

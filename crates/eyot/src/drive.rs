@@ -4,7 +4,7 @@ use crate::backend::io::checkpoint;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry, Progress};
 use crate::layers;
-use crate::outputs;
+use crate::outputs::Outputs;
 use crate::process_set;
 use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work};
 use crate::run::{Outcome, RunOptions};
@@ -17,6 +17,8 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+
+mod streamed;
 
 /// Chunks of steps aim at this long: short enough for commands, long enough to cost nothing.
 const CHUNK_TIME: Duration = Duration::from_millis(300);
@@ -94,6 +96,9 @@ impl Driver {
             resumed: self.resumed,
             out: self.options.out.clone(),
         });
+        if self.state.streamed {
+            return self.drive_streamed();
+        }
         let steps = std::mem::take(&mut self.recipe.steps);
         let mut flow = Flow::Continue;
         for step in steps.iter().skip(self.state.done_steps) {
@@ -366,6 +371,7 @@ impl Driver {
 
     fn end(mut self, flow: Flow) -> Result<End, RunError> {
         let finished = flow == Flow::Continue;
+        let fingerprint = self.world.fingerprint();
         let outputs = if finished {
             self.state.seconds = self.seconds();
             self.state.finished = true;
@@ -373,7 +379,17 @@ impl Driver {
             let tell = |event| drop(outbox.send(event));
             match &self.options.out {
                 Some(out) => {
-                    outputs::write_all(&self.recipe, &self.world, &self.state, out, &self.options.limits, &tell)?
+                    let outputs = Outputs {
+                        recipe: &self.recipe,
+                        world: &self.world,
+                        source: &self.world,
+                        fingerprint,
+                        out,
+                        limits: &self.options.limits,
+                        control: &Control::none(),
+                        tell: &tell,
+                    };
+                    outputs.write(&mut self.state, &mut |_| Ok(()))?
                 }
                 None => Vec::new(),
             }
@@ -381,7 +397,8 @@ impl Driver {
             self.checkpoint()?.into_iter().collect()
         };
         let seconds = self.seconds();
-        Ok(End { outcome: Outcome { world: self.world, finished, outputs, journal: self.state.journal }, seconds })
+        let outcome = Outcome { world: self.world, fingerprint, finished, outputs, journal: self.state.journal };
+        Ok(End { outcome, seconds })
     }
 
     fn tell(&self, event: Event) {

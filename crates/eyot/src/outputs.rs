@@ -4,99 +4,144 @@ use crate::backend::io::{self, checkpoint};
 use crate::backend::{self, render};
 use crate::error::RunError;
 use crate::event::Event;
-use crate::exports;
-use crate::keys::{ExportFormat, View};
+use crate::exports::{self, Source};
+use crate::keys::{Export, ExportFormat, View};
 use crate::recipe::Recipe;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, Subject, WORLD_FILE};
 use eyot_core::{Control, Limits, World};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Writes everything that a finished run leaves: the world, the exports, the pictures and the report. Each file
-/// appears whole or not at all; the checkpoint goes last, so that a failure here costs nothing.
-pub(crate) fn write_all(
-    recipe: &Recipe,
-    world: &World,
-    state: &State,
-    out: &Path,
-    limits: &Limits,
-    tell: &dyn Fn(Event),
-) -> Result<Vec<PathBuf>, RunError> {
-    // An older run's report must not vouch for a mixture of its files and these, nor its world pass for this one: the
-    // report goes last, so that at no moment there is a world without one that is not this run's.
-    if out.join(REPORT_FILE).exists() {
-        for old in [WORLD_FILE, REPORT_FILE].map(|f| out.join(f)).into_iter().filter(|f| f.exists()) {
-            std::fs::remove_file(&old).map_err(|source| RunError::Folder { path: old, source })?;
+/// What a finished run leaves, and where.
+pub(crate) struct Outputs<'a> {
+    pub(crate) recipe: &'a Recipe,
+    /// The world; of a streamed one, an overview in coarser cells.
+    pub(crate) world: &'a World,
+    /// The layers in full.
+    pub(crate) source: &'a dyn Source,
+    /// Of the whole world.
+    pub(crate) fingerprint: u64,
+    pub(crate) out: &'a Path,
+    pub(crate) limits: &'a Limits,
+    pub(crate) control: &'a Control<'a>,
+    pub(crate) tell: &'a dyn Fn(Event),
+}
+
+impl Outputs<'_> {
+    /// Writes everything: the world unless it is streamed, the exports, the pictures and the report. Each file appears whole
+    /// or not at all; the checkpoint goes last, so that a failure here costs nothing.
+    ///
+    /// Exports that `state` counts as done and that are still there are left alone; `exported` is called after each other.
+    pub(crate) fn write(
+        &self,
+        state: &mut State,
+        exported: &mut dyn FnMut(&mut State) -> Result<(), RunError>,
+    ) -> Result<Vec<PathBuf>, RunError> {
+        let (recipe, out) = (self.recipe, self.out);
+        // An older run's report must not vouch for a mixture of its files and these, nor its world pass for this one: the
+        // report goes last, so that at no moment there is a world without one that is not this run's.
+        if out.join(REPORT_FILE).exists() {
+            for old in [WORLD_FILE, REPORT_FILE].map(|f| out.join(f)).into_iter().filter(|f| f.exists()) {
+                std::fs::remove_file(&old).map_err(|source| RunError::Folder { path: old, source })?;
+            }
         }
+        let mut written = Vec::new();
+        if !state.streamed {
+            let value = serde_json::to_value(&*state).map_err(|e| RunError::Fault(e.to_string()))?;
+            let path = self.begin(WORLD_FILE, &mut written);
+            checkpoint::save(&path, self.world, &recipe.source.text, &value).map_err(file)?;
+        }
+        for (i, export) in recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
+            let files = export.files();
+            if i < state.done_exports && files.iter().all(|f| out.join(f).exists()) {
+                written.extend(files.iter().map(|f| out.join(f)));
+                continue;
+            }
+            self.export(export, &mut written)?;
+            state.done_exports = i + 1;
+            exported(state)?;
+        }
+        if recipe.view.enabled && self.world.get("height").is_some() {
+            for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
+                let path = self.begin(name, &mut written);
+                let picture = draw(self.world, &recipe.view, subject).map_err(file)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+            }
+        }
+        let path = self.begin(REPORT_FILE, &mut written);
+        let report = self.report(state, &written);
+        let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
+        text.push('\n');
+        backend::write_text(&path, &text).map_err(file)?;
+        let left = out.join(CHECKPOINT_FILE);
+        if left.exists() {
+            std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
+        }
+        Ok(written)
     }
-    let mut written = Vec::new();
-    let mut begin = |path: PathBuf| {
-        tell(Event::Writing { path: path.clone() });
+
+    fn begin(&self, name: &str, written: &mut Vec<PathBuf>) -> PathBuf {
+        let path = self.out.join(name);
+        (self.tell)(Event::Writing { path: path.clone() });
         written.push(path.clone());
         path
-    };
-    let value = serde_json::to_value(state).map_err(|e| RunError::Fault(e.to_string()))?;
-    let path = begin(out.join(WORLD_FILE));
-    checkpoint::save(&path, world, &recipe.source.text, &value).map_err(file)?;
-    for export in recipe.exports.iter().filter(|e| e.enabled) {
-        let known = |l: &str| world.get(l).is_some() || (export.format == ExportFormat::Mask && exports::is_material(l));
+    }
+
+    fn export(&self, export: &Export, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+        let (world, recipe) = (self.world, self.recipe);
+        let known =
+            |l: &str| world.get(l).is_some() || (export.format == ExportFormat::Mask && exports::is_material(l));
         for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
             let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
-            tell(Event::Warning { message });
+            (self.tell)(Event::Warning { message });
         }
         let mut job = exports::Job {
             world,
+            source: self.source,
             name: &recipe.name,
-            out,
+            out: self.out,
             attributes: exports::origin(world, &recipe.name, Some(&recipe.source.text)),
-            limits,
-            control: &Control::none(),
-            begin: &mut |path| Ok(begin(path)),
-            note: &|message| tell(Event::Warning { message }),
+            limits: self.limits,
+            control: self.control,
+            begin: &mut |path| {
+                (self.tell)(Event::Writing { path: path.clone() });
+                written.push(path.clone());
+                Ok(path)
+            },
+            note: &|message| (self.tell)(Event::Warning { message }),
         };
-        exports::write(&mut job, export)?;
+        exports::write(&mut job, export)
     }
-    if recipe.view.enabled && world.get("height").is_some() {
-        for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
-            let path = begin(out.join(name));
-            let picture = draw(world, &recipe.view, subject).map_err(file)?;
-            io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
-        }
+
+    fn report(&self, state: &State, written: &[PathBuf]) -> Value {
+        let (recipe, world) = (self.recipe, self.world);
+        let names: Vec<String> =
+            written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
+        let g = &recipe.grid;
+        json!({
+            "name": recipe.name,
+            "about": recipe.about,
+            "engine_version": crate::VERSION,
+            "seed": recipe.seed,
+            "size": [g.width, g.height],
+            "cell_m": [g.cell_x_m, g.cell_y_m],
+            "fingerprint": format!("{:016x}", self.fingerprint),
+            "streamed": state.streamed,
+            "steps_done": world.step,
+            "sea_level_m": world.sea_level_m,
+            "seconds": state.seconds,
+            "timings": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
+            "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
+            "ledger": world.ledger,
+            "outputs": names,
+            "set": recipe.overrides.set,
+            "size_flag": recipe.overrides.size,
+            "journal": state.journal,
+            "recipe_file": recipe.source.name,
+            "recipe": recipe.source.text,
+        })
     }
-    let path = begin(out.join(REPORT_FILE));
-    let names: Vec<String> =
-        written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
-    let g = &world.grid;
-    let report = json!({
-        "name": recipe.name,
-        "about": recipe.about,
-        "engine_version": crate::VERSION,
-        "seed": recipe.seed,
-        "size": [g.width, g.height],
-        "cell_m": [g.cell_x_m, g.cell_y_m],
-        "fingerprint": format!("{:016x}", world.fingerprint()),
-        "steps_done": world.step,
-        "sea_level_m": world.sea_level_m,
-        "seconds": state.seconds,
-        "timings": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
-        "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
-        "ledger": world.ledger,
-        "outputs": names,
-        "set": recipe.overrides.set,
-        "size_flag": recipe.overrides.size,
-        "journal": state.journal,
-        "recipe_file": recipe.source.name,
-        "recipe": recipe.source.text,
-    });
-    let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
-    text.push('\n');
-    backend::write_text(&path, &text).map_err(file)?;
-    let left = out.join(CHECKPOINT_FILE);
-    if left.exists() {
-        std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
-    }
-    Ok(written)
 }
 
 /// Draws a picture as the options say.

@@ -60,7 +60,15 @@ fn every_format_of_a_recipe_is_written() {
         let r = raster(&out.join(file));
         assert!(r.field.iter().zip(field.iter()).all(|(a, b)| (a - b).abs() <= 0.51 * step), "{file}");
     }
-    for file in ["terrain.glb", "terrain.obj", "splat.png", "splat.png.json", "height_map.png", "grass_mask.png", "rock_mask.png"] {
+    for file in [
+        "terrain.glb",
+        "terrain.obj",
+        "splat.png",
+        "splat.png.json",
+        "height_map.png",
+        "grass_mask.png",
+        "rock_mask.png",
+    ] {
         assert!(out.join(file).metadata().unwrap().len() > 0, "{file}");
     }
     let root = json(&out.join("world.zarr/zarr.json"));
@@ -190,10 +198,15 @@ fn conversions_go_around_without_loss() {
     let (ox, oy) = original.cell_m.unwrap();
     assert!((x - ox).abs() < 1e-6 && (y - oy).abs() < 1e-6, "{x} {ox}");
     // Through every format of 16 bits: the numbers stay.
-    go(&real, &at("a.r16"), &ConvertOptions { write: WriteOptions { scale: Some((-100.0, 3000.0)), ..d.write.clone() }, ..d.clone() });
+    go(
+        &real,
+        &at("a.r16"),
+        &ConvertOptions { write: WriteOptions { scale: Some((-100.0, 3000.0)), ..d.write.clone() }, ..d.clone() },
+    );
     go(&at("a.r16"), &at("b.png"), &d);
     go(&at("b.png"), &at("c.tif"), &d);
-    let scaled = ConvertOptions { write: WriteOptions { scale: Some((-100.0, 3000.0)), ..d.write.clone() }, ..d.clone() };
+    let scaled =
+        ConvertOptions { write: WriteOptions { scale: Some((-100.0, 3000.0)), ..d.write.clone() }, ..d.clone() };
     go(&at("c.tif"), &at("d.r16"), &scaled);
     go(&at("b.png"), &at("e.r16"), &d);
     let bytes = |name: &str| std::fs::read(at(name)).unwrap();

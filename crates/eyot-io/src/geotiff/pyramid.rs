@@ -100,7 +100,8 @@ fn push(levels: &mut [Level], rows: &[f32]) -> io::Result<()> {
         }
         let band = &level.pending[..ready];
         let across = level.width.div_ceil(TILE);
-        let tiles = (0..across).into_par_iter().map(|i| tile(band, level.width, i * TILE)).collect::<io::Result<Vec<_>>>()?;
+        let tiles =
+            (0..across).into_par_iter().map(|i| tile(band, level.width, i * TILE)).collect::<io::Result<Vec<_>>>()?;
         let halved = if coarser.is_empty() { Vec::new() } else { halve(band, level.width) };
         level.pending.drain(..ready);
         level.rows_done += ready / level.width;

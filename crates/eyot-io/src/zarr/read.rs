@@ -4,8 +4,8 @@ use super::array::{Array, metadata};
 use super::{METADATA, PLACE};
 use crate::error::{Error, Result};
 use crate::fill::Missing;
-use crate::geotiff_read::face_north;
 use crate::georef::cell_size_m;
+use crate::geotiff_read::face_north;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::sample::{ByteOrder, Sample};
 use eyot_core::{Field, Georeference, Limits};
@@ -81,7 +81,9 @@ fn choose(path: &Path, wanted: Option<&str>) -> Result<PathBuf> {
             Err(Error::format(path, format!("the store has no array `{name}`"), format!("there is {there}")))
         }
         (None, [one]) => Ok(path.join(one)),
-        (None, []) => Err(Error::format(path, "the store has no arrays of rows and columns", "is this the right folder?")),
+        (None, []) => {
+            Err(Error::format(path, "the store has no arrays of rows and columns", "is this the right folder?"))
+        }
         (None, _) if names.iter().any(|n| n == "height") => Ok(path.join("height")),
         (None, _) => {
             let problem = format!("the store has the arrays {there}");
@@ -185,7 +187,8 @@ fn describe(array: &Array, store: &Path, raster: &mut Raster, limits: &Limits) {
     };
     // A world of its own has coordinates, too; they say how large its cells are and which way its rows go.
     let axes = axis(1, width).zip(axis(2, height));
-    let degrees = |a: &Array| a.attributes.get("units").and_then(Value::as_str).is_some_and(|u| u.starts_with("degree"));
+    let degrees =
+        |a: &Array| a.attributes.get("units").and_then(Value::as_str).is_some_and(|u| u.starts_with("degree"));
     let mut own = axes.as_ref().map(|((x, dx, ax), (y, dy, _))| Georeference {
         transform: [x - dx / 2.0, *dx, 0.0, y - dy / 2.0, 0.0, *dy],
         geographic: degrees(ax),

@@ -25,11 +25,7 @@ const ABSENT: [u8; 16] = [0xff; 16];
 /// # Errors
 /// If there is no layer, if layers differ in size, have the same name or one that cannot name a folder, if `rows` fail or
 /// give a value that is not finite, if something else than a store is at `path`, or if it cannot be written.
-pub fn write_store(
-    path: &Path,
-    layers: &mut [(&About, &mut dyn Rows)],
-    attributes: &Map<String, Value>,
-) -> Result<()> {
+pub fn write_store(path: &Path, layers: &mut [(&About, &mut dyn Rows)], attributes: &Map<String, Value>) -> Result<()> {
     let Some((width, height)) = layers.first().map(|(_, rows)| rows.size()) else {
         return Err(Error::format(path, "no layer is to be written", "name at least one"));
     };

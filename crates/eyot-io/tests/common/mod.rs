@@ -22,7 +22,11 @@ impl Fixture {
 }
 
 pub fn read(path: &Path) -> Result<Raster> {
-    read_raster(path, &ReadOptions { low_m: Some(0.0), high_m: Some(100.0), ..ReadOptions::default() }, &Limits::default())
+    read_raster(
+        path,
+        &ReadOptions { low_m: Some(0.0), high_m: Some(100.0), ..ReadOptions::default() },
+        &Limits::default(),
+    )
 }
 
 /// The error's text, which must name the file.

@@ -119,14 +119,8 @@ fn moved(g: &Georeference, [(sx, x0), (sy, y0)]: [(f64, f64); 2]) -> Georeferenc
     let t = g.transform;
     // Corner of the first new cell, in old cells: half a new cell before the first sample.
     let (cx, cy) = (0.5 + x0 - 0.5 * sx, 0.5 + y0 - 0.5 * sy);
-    let transform = [
-        t[0] + cx * t[1] + cy * t[2],
-        t[1] * sx,
-        t[2] * sy,
-        t[3] + cx * t[4] + cy * t[5],
-        t[4] * sx,
-        t[5] * sy,
-    ];
+    let transform =
+        [t[0] + cx * t[1] + cy * t[2], t[1] * sx, t[2] * sy, t[3] + cx * t[4] + cy * t[5], t[4] * sx, t[5] * sy];
     Georeference { transform, ..g.clone() }
 }
 

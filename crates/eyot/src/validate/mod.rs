@@ -7,9 +7,10 @@ use crate::exports;
 use crate::import;
 use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, Preset, View};
 use crate::node::{Kind, Node, Span};
-use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Work};
+use crate::recipe::{Overrides, Recipe, RecipeSource, Step};
 use crate::registry::Registry;
 use crate::set;
+use crate::stream::{self, Place};
 use eyot_core::process::{Parameters, schema_of};
 use eyot_core::{Georeference, Grid, Limits, Rim};
 use serde_json::Value;
@@ -48,7 +49,7 @@ pub(crate) fn recipe(
     let mut exports = v.exports(doc.get("export"));
     exports.extend(v.presets(&overrides.presets, &exports));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
-    v.memory(doc.get("grid"), grid, &steps);
+    v.memory(&doc, grid, &steps, &exports);
     if !v.out.is_empty() {
         return Err(Problems::new(sources, v.out));
     }
@@ -267,7 +268,8 @@ impl Validator<'_> {
     fn presets(&mut self, presets: &[Preset], present: &[Export]) -> Vec<Export> {
         let mut more = Vec::new();
         for &preset in presets.iter().filter(|p| !present.iter().any(|e| e.enabled && e.preset == Some(**p))) {
-            let export = Export { preset: Some(preset), prefix: exports::free_prefix(preset, present), ..Export::default() };
+            let export =
+                Export { preset: Some(preset), prefix: exports::free_prefix(preset, present), ..Export::default() };
             if self.grid.is_some_and(|g| g.width < 2 || g.height < 2) && export.needs_two_cells() {
                 let message = format!("the preset `{}` needs at least 2 x 2 cells", preset.name());
                 self.out.push(Diagnostic::whole(message).help("choose a larger [grid]"));
@@ -313,19 +315,29 @@ impl Validator<'_> {
         Diagnostic::at(span, format!("no step makes a layer `{name}`"), "unknown layer").help(help)
     }
 
-    /// Two buffers a layer while the engine runs, and two more fields for a generator at work.
-    fn memory(&mut self, node: Option<&Node>, grid: Option<Grid>, steps: &[Step]) {
-        let (Some(node), Some(grid)) = (node, grid) else { return };
-        let most = self.layers.len().max(1) as u128 * 2
-            + if steps.iter().any(|s| matches!(s.work, Work::Generate(_))) { 2 } else { 0 };
-        let bytes = grid.cells() as u128 * 4 * most;
+    /// Worlds that do not fit in one piece must be such that they can be streamed.
+    fn memory(&mut self, doc: &Node, grid: Option<Grid>, steps: &[Step], exports: &[Export]) {
+        let (Some(node), Some(grid)) = (doc.get("grid"), grid) else { return };
+        let size = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
         let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
-        if let Err(e) = self.limits.check_bytes(&what, bytes) {
-            let span = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
-            self.out.push(
-                Diagnostic::at(span, e.to_string(), "this grid")
-                    .help("choose fewer cells, or raise the limit with --max-memory"),
-            );
+        if let Err(e) = self.limits.check_bytes(&what, stream::bytes_whole(steps, self.layers.len(), &grid)) {
+            if let Some(obstacle) = stream::obstacle(steps, exports, &grid) {
+                let item = match obstacle.place {
+                    Place::Step(number) => doc.get("step").and_then(|n| n.elements().get(number - 1)),
+                    Place::Export(i) => doc.get("export").and_then(|n| n.elements().get(i)),
+                };
+                let span = item.map_or(size, |n| n.span.clone());
+                let help = "choose fewer cells, raise the limit with --max-memory, or switch this off: \
+                            a world that is only generated and written as a raster is streamed";
+                let message = format!("{}, and there is not enough: {e}", obstacle.reason);
+                self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
+            } else if self.out.is_empty()
+                && let Err(e) = stream::bytes_streamed(steps, &grid)
+                    .and_then(|bytes| self.limits.check_bytes(&format!("{what}, even streamed,"), bytes))
+            {
+                let help = "choose fewer cells, or raise the limit with --max-memory";
+                self.out.push(Diagnostic::at(size, e.to_string(), "this grid").help(help));
+            }
         }
         if self.layers.len() > self.limits.max_layers {
             let message = format!("{} layers exceed the limit of {}", self.layers.len(), self.limits.max_layers);
