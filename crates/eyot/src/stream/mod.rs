@@ -9,6 +9,8 @@
 mod plan;
 mod stages;
 mod survey;
+#[cfg(test)]
+mod tests;
 mod world;
 
 pub(crate) use plan::{Place, bytes_streamed, bytes_whole, chosen, obstacle};

@@ -11,8 +11,8 @@ use eyot_core::{Grid, Result};
 
 /// Rows that writers hold at a time, with their compressed form: the shards of a Zarr store are the tallest.
 const WRITER_ROWS: usize = 3 * 512;
-/// What pictures need for each cell of the overview.
-const PICTURE_BYTES: u128 = 64;
+/// What drawing needs for each cell of the overview. Measured: 96.
+const PICTURE_BYTES: u128 = 96;
 
 /// Where in a recipe something stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,16 +62,17 @@ pub(crate) fn bytes_whole(steps: &[Step], layers: usize, grid: &Grid) -> u128 {
     grid.cells() as u128 * 4 * fields as u128
 }
 
-/// Memory of a streamed run: windows, writers, overview and pictures.
+/// Memory of a streamed run: the windows, the overview, and whichever is more of writers and pictures.
 ///
 /// # Errors
 /// If a step is not what it seemed to be.
 pub(crate) fn bytes_streamed(steps: &[Step], grid: &Grid) -> Result<u128> {
     let stages = Stages::new(steps, *grid, 0.0)?;
-    let rows = stages.rows_held() + WRITER_ROWS.min(3 * grid.height);
+    let row = grid.width as u128 * 4;
     let overview = grid.cells().min(OVERVIEW * OVERVIEW) as u128;
-    let windows = grid.width as u128 * 4 * rows as u128;
-    Ok(windows + overview * (PICTURE_BYTES + 4 * stages.layers().len() as u128))
+    let writers = row * WRITER_ROWS.min(3 * grid.height) as u128;
+    let windows = row * stages.rows_held() as u128;
+    Ok(windows + overview * 4 * stages.layers().len() as u128 + writers.max(overview * PICTURE_BYTES))
 }
 
 /// Whether a run is streamed.

@@ -77,6 +77,11 @@ impl<'a> StreamedWorld<'a> {
         Ok(survey)
     }
 
+    #[cfg(test)]
+    pub(super) fn set_band(&mut self, rows: usize) {
+        self.stages().unwrap().band = rows;
+    }
+
     /// Rows of the layer as a stage leaves it.
     pub(super) fn rows(&self, stage: usize) -> LayerRows<'_> {
         LayerRows { world: self, stage }
