@@ -13,8 +13,8 @@ use std::path::Path;
 
 /// Columns and rows of a tile.
 pub(super) const TILE: usize = 256;
-/// A third of the time of the usual level 6; files of terrain grow by a hundredth (measured: fBm, 4096^2).
-const LEVEL: u32 = 3;
+/// Files of terrain are 0.4 % larger than with the usual level 6, in six tenths of the time (measured: fBm, 2048^2).
+const LEVEL: u32 = 4;
 
 /// Where a tile lies among the tiles of its level.
 #[derive(Clone, Copy)]
