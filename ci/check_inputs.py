@@ -1,4 +1,4 @@
-"""Makes rasters with GDAL and Pillow in many variants, lets Eyot read them, and compares.
+"""Makes rasters with GDAL, Pillow, NumPy, OpenEXR and xarray in many variants, lets Eyot read them, and compares.
 
 Usage: python check_inputs.py FOLDER -- COMMAND...
 
@@ -13,7 +13,10 @@ import subprocess
 import sys
 
 import numpy as np
+import OpenEXR
 import rasterio
+import xarray
+import zarr
 from PIL import Image
 from rasterio.transform import Affine, from_origin
 
@@ -112,10 +115,68 @@ def make(folder):
     expected["grey16.png"] = (grey.astype(np.float32), None)
     Image.fromarray(land("uint8")).save(folder / "grey8.png")
     expected["grey8.png"] = (land("uint8").astype(np.float32) * 257, None)
+    make_arrays(folder, expected)
+    make_exrs(folder, expected)
+    make_stores(folder, expected)
     return expected, skipped
 
 
-REFUSED = {"rgb.tif": "bands", "rgb.png": "colour", "palette.png": "colour", "complex.tif": "", "lzma.tif": "COMPRESS=DEFLATE", "holes-unmarked.tif": "NaN"}
+def make_arrays(folder, expected):
+    for dtype in ("u1", "<i2", ">i2", "<u4", "<f2", "<f4", ">f4", "<f8", "?"):
+        name = f"array-{dtype.strip('<>?') or 'bool'}{'-big' if dtype[0] == '>' else ''}.npy"
+        values = land("float64") > 100 if dtype == "?" else land("float64").astype(dtype)
+        np.save(folder / name, values)
+        expected[name] = (values.astype(np.float32), None)
+    np.save(folder / "fortran.npy", np.asfortranarray(land("float32")))
+    expected["fortran.npy"] = (land("float32"), None)
+
+
+def make_exrs(folder, expected):
+    kinds = {"zip": OpenEXR.ZIP_COMPRESSION, "zips": OpenEXR.ZIPS_COMPRESSION, "piz": OpenEXR.PIZ_COMPRESSION, "rle": OpenEXR.RLE_COMPRESSION, "none": OpenEXR.NO_COMPRESSION}
+    for kind, compression in kinds.items():
+        for dtype in ("float32", "float16", "uint32"):
+            name = f"{kind}-{dtype}.exr"
+            values = land("float64").astype(dtype)
+            header = {"compression": compression, "type": OpenEXR.scanlineimage}
+            with OpenEXR.File(header, {"Y": values}) as exr:
+                exr.write(str(folder / name))
+            expected[name] = (values.astype(np.float32), None)
+    with OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, {"height": land("float32"), "mask": 0 * land("float32")}) as exr:
+        exr.write(str(folder / "channels.exr"))
+    expected["channels.exr"] = (land("float32"), None)
+
+
+def make_stores(folder, expected):
+    """Stores as xarray and zarr-python write them, with and without places, shards and times."""
+    x, y = 500015.0 + 10 * np.arange(WIDTH), 4100010.0 - 20 * np.arange(HEIGHT)
+    codecs = {"usual": None, "gzip": zarr.codecs.GzipCodec(), "zstd-crc": [zarr.codecs.ZstdCodec(), zarr.codecs.Crc32cCodec()], "none": []}
+    for dtype in ("float32", "float64", "int16", "uint8"):
+        for codec, compressors in codecs.items():
+            name = f"store-{dtype}-{codec}.zarr"
+            data = xarray.DataArray(land(dtype), coords={"y": y, "x": x}, dims=("y", "x"), name="elevation")
+            encoding = {} if codec == "usual" else {"compressors": compressors}
+            data.to_dataset().to_zarr(folder / name, encoding={"elevation": encoding}, zarr_format=3, mode="w")
+            expected[name] = (land(dtype).astype(np.float32), (10, 20))
+    south = xarray.DataArray(land("float32")[::-1], coords={"y": y[::-1], "x": x}, dims=("y", "x"), name="height")
+    south.to_dataset().to_zarr(folder / "store-south.zarr", zarr_format=3, mode="w")
+    expected["store-south.zarr"] = (land("float32"), (10, 20))
+    times = xarray.DataArray(np.stack([0 * land("float32"), land("float32")]), coords={"time": [0, 10], "y": y, "x": x}, dims=("time", "y", "x"), name="height")
+    for name, chunks, shards in (("store-times.zarr", (1, 50, 60), None), ("store-times-sharded.zarr", (1, 32, 64), (2, 64, 128))):
+        encoding = {"height": {"chunks": chunks, "shards": shards}}
+        times.to_dataset().to_zarr(folder / name, encoding=encoding, zarr_format=3, mode="w", safe_chunks=False)
+        expected[name] = (land("float32"), (10, 20))
+    hole = land("float32")
+    hole[40:90, 100:160] = np.nan
+    holed = xarray.DataArray(hole, coords={"y": y, "x": x}, dims=("y", "x"), name="height")
+    holed.to_dataset().to_zarr(folder / "store-hole.zarr", zarr_format=3, mode="w")
+    expected["store-hole.zarr"] = (hole, (10, 20))
+    for name, order in (("start", "start"), ("end", "end")):
+        array = zarr.create_array(folder / f"plain-{name}.zarr", shape=(HEIGHT, WIDTH), dtype="float32", chunks=(32, 32), shards=zarr.core.array.ShardsConfigParam(shape=(64, 96), index_location=order))
+        array[:] = land("float32")
+        expected[f"plain-{name}.zarr"] = (land("float32"), None)
+
+
+REFUSED = {"rgb.tif": "bands", "rgb.png": "colour", "palette.png": "colour", "complex.tif": "", "lzma.tif": "COMPRESS=DEFLATE", "holes-unmarked.tif": "NaN", "complex.npy": "astype", "cube.npy": "dimensions", "rgb.exr": "--layer", "blosc.zarr": "blosc", "version2.zarr": "zarr_format=3"}
 
 
 def make_refused(folder):
@@ -127,6 +188,13 @@ def make_refused(folder):
     with rasterio.open(folder / "complex.tif", "w", driver="GTiff", width=9, height=9, count=1, dtype="complex64") as tif:
         tif.write(np.zeros((1, 9, 9), np.complex64))
     write(folder / "lzma.tif", land("int16"), {"compress": "lzma"}, {})
+    np.save(folder / "complex.npy", np.zeros((3, 4), "c8"))
+    np.save(folder / "cube.npy", np.zeros((3, 4, 5), "f4"))
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    with OpenEXR.File(header, {c: land("float32") for c in "RGB"}) as exr:
+        exr.write(str(folder / "rgb.exr"))
+    zarr.create_array(folder / "blosc.zarr", shape=(9, 9), dtype="float32", compressors=zarr.codecs.BloscCodec(), overwrite=True)[:] = 1
+    zarr.create_array(folder / "version2.zarr", shape=(9, 9), dtype="float32", zarr_format=2, overwrite=True)[:] = 1
     hole = land("float32")
     hole[3, 4] = np.nan
     write(folder / "holes-unmarked.tif", hole, {}, {})

@@ -101,7 +101,7 @@ fn front_ends_use_the_facade() {
 
 #[test]
 fn unsafe_code_gives_its_reason() {
-    for folder in ["crates", "apps", "xtask"] {
+    for folder in ["crates", "apps", "fuzz", "xtask"] {
         for (path, text) in rust_files(folder) {
             let allows = text.contains("allow(unsafe_code)");
             let gives_reason = text.lines().take(15).any(|l| l.contains("Reason for the exception"));

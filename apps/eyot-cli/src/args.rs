@@ -1,6 +1,6 @@
 //! What the command line takes.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use eyot::Preset;
 use eyot::Stream;
 use eyot::bench::BenchSubject;
@@ -43,6 +43,8 @@ pub(crate) enum Verb {
     Check(Check),
     /// Explain a generator, a process or a table of the recipe
     Describe(Describe),
+    /// Print the literature and data that a recipe rests on
+    Cite(Cite),
     /// Print the JSON Schema of recipes, for editors
     Schema,
     /// Draw a picture of a finished run or of a height map
@@ -157,6 +159,29 @@ pub(crate) struct Check {
 }
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot cite island
+  eyot cite mine.toml --format bibtex > mine.bib")]
+pub(crate) struct Cite {
+    /// A recipe file, or the name of a built-in recipe
+    pub(crate) recipe: String,
+    /// A list to read, BibTeX, or CSL-JSON for reference managers
+    #[arg(long, value_enum, default_value = "text")]
+    pub(crate) format: CiteFormat,
+    #[command(flatten)]
+    pub(crate) change: Change,
+}
+
+/// How citations are printed.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum CiteFormat {
+    Text,
+    Bibtex,
+    Json,
+}
+
+#[derive(Args)]
 pub(crate) struct Describe {
     /// A generator, a process, or a table: recipe, grid, generate, simulate, export, view
     pub(crate) name: String,
@@ -184,8 +209,8 @@ pub(crate) struct Render {
     /// From above, with shaded relief
     #[arg(long)]
     pub(crate) relief: bool,
-    /// Width x height of a view in pixels
-    #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = size)]
+    /// Width x height of a view in pixels; the longer side of a relief
+    #[arg(long, value_name = "WxH", conflicts_with = "layer", allow_negative_numbers = true, value_parser = size)]
     pub(crate) size: Option<(u32, Option<u32>)>,
     /// Where the camera stands, degrees clockwise from north
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, -360.0, 360.0))]
@@ -279,7 +304,7 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, noise or reef
+    /// What to measure: hydraulic, thermal, noise, reef or drainage
     #[arg(value_name = "WHAT")]
     pub(crate) what: BenchSubject,
     /// Cells along each side
@@ -401,6 +426,20 @@ mod tests {
     #[test]
     fn the_command_is_sound() {
         Cli::command().debug_assert();
+    }
+
+    /// The page of the book that lists the command's verbs and flags is written by hand.
+    #[test]
+    fn the_book_names_every_verb_and_flag() {
+        let page = include_str!("../../../docs/book/src/reference/command.md");
+        for verb in Cli::command().get_subcommands() {
+            let start = format!("| `eyot {}", verb.get_name());
+            let row =
+                page.lines().find(|l| l.starts_with(&start)).unwrap_or_else(|| panic!("reference/command.md: {start}"));
+            for flag in verb.get_arguments().filter_map(|a| a.get_long()) {
+                assert!(row.contains(&format!("`--{flag}")), "reference/command.md, `{}`: --{flag}", verb.get_name());
+            }
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     let size = match args.size {
         None => d.size,
         Some((w, Some(h))) => [w, h],
+        Some((w, None)) if args.relief => [w, w],
         Some((w, None)) => [w, (w * 5 / 8).max(1)],
     };
     if !size.iter().all(|n| (16..=16384).contains(n)) {
@@ -44,18 +45,18 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     }
     let subject = match &args.layer {
         Some(layer) => Subject::Layer(layer),
-        None if args.relief => Subject::Relief,
+        None if args.relief => args.size.map_or(Subject::Relief, |(w, h)| Subject::ReliefAt(h.map_or(w, |h| w.max(h)))),
         None => Subject::View,
     };
     let out = args.out.clone().unwrap_or_else(|| {
         let name = match subject {
             Subject::View => "render.png".to_owned(),
-            Subject::Relief => "render_relief.png".to_owned(),
+            Subject::Relief | Subject::ReliefAt(_) => "render_relief.png".to_owned(),
             Subject::Layer(l) => format!("{l}_map.png"),
         };
         if args.from.is_dir() { args.from.join(name) } else { args.from.with_extension(format!("eyot.{name}")) }
     });
-    store::draw(&opened.world, &view, subject, &out).map_err(|e| report::run(&e))?;
+    store::draw(&opened.world, &view, subject, &out, &Limits::default()).map_err(|e| report::run(&e))?;
     print::line(&format!("wrote {}", out.display()))
 }
 
@@ -68,12 +69,11 @@ pub(crate) fn stats(args: &Stats) -> Result<(), Failure> {
     }
     let g = &opened.world.grid;
     print::line(&format!(
-        "{}: {} x {} cells of {} x {} m",
+        "{}: {} x {} cells of {}",
         opened.file.display(),
         g.width,
         g.height,
-        g.cell_x_m,
-        g.cell_y_m
+        print::cell(g.cell_x_m, g.cell_y_m)
     ))?;
     table(&stats, 1)
 }
@@ -145,11 +145,12 @@ fn open(path: &std::path::Path) -> Result<store::Opened, Failure> {
     let opened = store::open(path, &Limits::default()).map_err(|e| match &e {
         eyot::RunError::Folder { path, source } => report::usage(
             &format!("cannot open `{}`: {source}", path.display()),
-            "give the --out folder of a run, or a height map (.tif, .png, .r32)",
+            "give the --out folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)",
         ),
-        eyot::RunError::File(text) => {
-            report::usage(text, "give the --out folder of a run, or a height map (.tif, .png, .r32)")
-        }
+        eyot::RunError::File(text) => report::usage(
+            text,
+            "give the --out folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)",
+        ),
         _ => report::run(&e),
     })?;
     opened.notes.iter().for_each(|n| print::note(&format!("note: {n}")));

@@ -1,6 +1,6 @@
-//! `new` and `check`: recipe files.
+//! `new`, `check` and `cite`: recipe files.
 
-use crate::args::{Change, Check, New};
+use crate::args::{Change, Check, Cite, CiteFormat, New};
 use crate::{Failure, print, report};
 use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, Work};
 use std::io::Write;
@@ -38,12 +38,11 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
     let g = recipe.grid;
     let (w_m, h_m) = g.extent_m();
     let mut text = format!(
-        "{}: {} x {} cells of {} x {} m ({:.2} x {:.2} km)\n",
+        "{}: {} x {} cells of {} ({:.2} x {:.2} km)\n",
         recipe.name,
         g.width,
         g.height,
-        g.cell_x_m,
-        g.cell_y_m,
+        print::cell(g.cell_x_m, g.cell_y_m),
         w_m / 1e3,
         h_m / 1e3
     );
@@ -59,6 +58,17 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
         text += &format!("  {}. {}: {what}{off}\n", step.number, step.name);
     }
     print::line(&(text + "the recipe is sound"))
+}
+
+/// Says what a recipe rests on.
+pub(crate) fn cite(args: &Cite) -> Result<(), Failure> {
+    let recipe = read(&args.recipe, &args.change, &[])?;
+    let citations = eyot::cite(&recipe).map_err(|m| Failure::Failed(report::plain(&m, None)))?;
+    match args.format {
+        CiteFormat::Text => print::line(citations.to_text().trim_end()),
+        CiteFormat::Bibtex => print::line(&citations.to_bibtex()),
+        CiteFormat::Json => print::line(&format!("{:#}", citations.to_json())),
+    }
 }
 
 /// Reads a recipe with the changes of the command line.

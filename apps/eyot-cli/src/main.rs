@@ -5,6 +5,7 @@
 
 mod args;
 mod convert;
+mod excerpt;
 mod look;
 mod made;
 mod print;
@@ -15,6 +16,8 @@ mod words;
 
 use args::{Cli, Verb};
 use clap::Parser;
+use eyot::core::isa::Isa;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 /// Why a command did not succeed.
@@ -30,21 +33,12 @@ enum Failure {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
     report::install();
-    let result = match cli.verb {
-        Verb::Run(a) => runs::run(&a),
-        Verb::Resume(a) => runs::resume(&a),
-        Verb::List(a) => words::list(&a),
-        Verb::New(a) => made::new(&a),
-        Verb::Check(a) => made::check(&a),
-        Verb::Describe(a) => words::describe(&a),
-        Verb::Schema => words::schema(),
-        Verb::Render(a) => look::render(&a),
-        Verb::Stats(a) => look::stats(&a),
-        Verb::Convert(a) => convert::convert(&a),
-        Verb::Bench(a) => look::measure(&a),
+    let cli = match parse() {
+        Ok(cli) => cli,
+        Err(code) => return code,
     };
+    let result = choose_isa().and_then(|()| work(cli.verb));
     match result {
         Ok(()) | Err(Failure::Closed) => ExitCode::SUCCESS,
         Err(Failure::Usage(r)) => {
@@ -56,5 +50,54 @@ fn main() -> ExitCode {
             ExitCode::from(1)
         }
         Err(Failure::Stopped) => ExitCode::from(130),
+    }
+}
+
+/// The command line; help and version are printed as everything else, so that it shows if they cannot be.
+fn parse() -> Result<Cli, ExitCode> {
+    Cli::try_parse().map_err(|e| {
+        if e.use_stderr() || std::io::stdout().is_terminal() {
+            e.exit();
+        }
+        match print::line(&e.render().to_string()) {
+            Ok(()) | Err(Failure::Closed) => ExitCode::SUCCESS,
+            Err(Failure::Usage(r) | Failure::Failed(r)) => {
+                report::show(&r);
+                ExitCode::from(1)
+            }
+            Err(Failure::Stopped) => ExitCode::from(130),
+        }
+    })
+}
+
+/// `EYOT_ISA=scalar|baseline|avx2|avx512` asks for a lesser instruction set than the processor has.
+fn choose_isa() -> Result<(), Failure> {
+    let Some(name) = std::env::var_os("EYOT_ISA").filter(|n| !n.is_empty()) else { return Ok(()) };
+    let known: Vec<Isa> = Isa::ALL.into_iter().filter(|i| i.is_available()).collect();
+    let names: Vec<&str> = known.iter().map(|i| i.name()).collect();
+    match known.iter().find(|i| name == i.name()) {
+        Some(isa) => isa.use_at_most(),
+        None => {
+            let message = format!("EYOT_ISA is \"{}\", which this processor does not have", name.to_string_lossy());
+            return Err(report::usage(&message, &format!("unset it, or choose one of: {}", names.join(", "))));
+        }
+    }
+    Ok(())
+}
+
+fn work(verb: Verb) -> Result<(), Failure> {
+    match verb {
+        Verb::Run(a) => runs::run(&a),
+        Verb::Resume(a) => runs::resume(&a),
+        Verb::List(a) => words::list(&a),
+        Verb::New(a) => made::new(&a),
+        Verb::Check(a) => made::check(&a),
+        Verb::Describe(a) => words::describe(&a),
+        Verb::Cite(a) => made::cite(&a),
+        Verb::Schema => words::schema(),
+        Verb::Render(a) => look::render(&a),
+        Verb::Stats(a) => look::stats(&a),
+        Verb::Convert(a) => convert::convert(&a),
+        Verb::Bench(a) => look::measure(&a),
     }
 }

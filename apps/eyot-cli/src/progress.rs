@@ -48,13 +48,9 @@ impl Bars {
             Event::Started { name, size, cell_m, seed, steps, threads, resumed, .. } => {
                 self.steps = *steps;
                 let again = if *resumed { ", resumed" } else { "" };
-                let cell = if cell_m[0] == cell_m[1] {
-                    format!("{}", cell_m[0])
-                } else {
-                    format!("{} x {}", cell_m[0], cell_m[1])
-                };
+                let cell = print::cell(cell_m[0], cell_m[1]);
                 self.say(&format!(
-                    "{name}: {} x {} cells of {cell} m, seed {seed}, {threads} threads{again}",
+                    "{name}: {} x {} cells of {cell}, seed {seed}, {threads} threads{again}",
                     size[0], size[1]
                 ));
             }

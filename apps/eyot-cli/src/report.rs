@@ -1,10 +1,14 @@
 //! Errors as people read them: the source, the place, the remedy.
 
 use crate::Failure;
+use crate::excerpt::{clipped, excerpt};
 use eyot::{Problems, RunError};
 use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, NamedSource, Report, SourceCode};
 use std::fmt;
 use std::io::IsTerminal;
+
+/// Messages quote names, and a name may be a whole book, characters.
+const LONGEST_MESSAGE: usize = 1500;
 
 /// Chooses how reports look.
 pub(crate) fn install() {
@@ -38,16 +42,19 @@ pub(crate) fn recipe(problems: &Problems) -> Failure {
         .iter()
         .map(|d| {
             let place = d.span.as_ref().and_then(|s| Some((s, problems.source(s)?)));
-            One {
-                message: d.message.clone(),
-                help: d.help.clone(),
-                label: place.map(|(s, source)| {
-                    let end = s.end.min(source.text.len());
-                    LabeledSpan::new(Some(d.label.clone()), s.start.min(end), end - s.start.min(end))
-                }),
-                source: place
-                    .map(|(_, source)| NamedSource::new(&source.name, source.text.clone()).with_language("TOML")),
-            }
+            let (label, source) = place
+                .map(|(s, source)| {
+                    let (text, at, column) = excerpt(&source.text, s.start..s.end);
+                    let label = match column {
+                        Some(c) => format!("{} (column {c} of a long line)", d.label),
+                        None => d.label.clone(),
+                    };
+                    let label = LabeledSpan::new(Some(label), at.start, at.len());
+                    (label, NamedSource::new(&source.name, text).with_language("TOML"))
+                })
+                .unzip();
+            let message = clipped(&d.message, LONGEST_MESSAGE).into_owned();
+            One { message, help: d.help.as_deref().map(|h| clipped(h, LONGEST_MESSAGE).into_owned()), label, source }
         })
         .collect();
     let name = problems.sources.first().map_or("the recipe", |s| s.name.as_str());

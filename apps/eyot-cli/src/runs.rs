@@ -113,12 +113,14 @@ impl Interrupts {
 fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> Result<(), Failure> {
     interrupts.connect(&handle);
     let mut bars = (!work.quiet && !work.json).then(Bars::new);
-    let mut closed = false;
+    let mut unheard = None;
     for event in handle.events() {
         if work.json {
-            // A reader that has gone away does not stop the run: its files are still wanted.
+            // A reader that has gone away or a full device do not stop the run: its files are still wanted.
             let text = serde_json::to_string(&event).unwrap_or_default();
-            closed = closed || print::line(&text).is_err();
+            if unheard.is_none() {
+                unheard = print::line(&text).err();
+            }
         } else if let Some(bars) = &mut bars {
             bars.show(&event);
         }
@@ -131,7 +133,8 @@ fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> R
     drop(bars);
     let outcome = handle.join().map_err(|e| report::run(&e))?;
     if outcome.finished {
-        return Ok(());
+        // Without all the events, a script must not take the run for a success.
+        return unheard.filter(|f| !matches!(f, Failure::Closed)).map_or(Ok(()), Err);
     }
     print::note(&format!("stopped; continue with: eyot resume {}", out.display()));
     Err(Failure::Stopped)

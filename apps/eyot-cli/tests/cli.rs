@@ -133,6 +133,22 @@ fn words_are_printed_and_parse() {
 }
 
 #[test]
+fn sources_follow_the_recipe_and_come_once() {
+    let here = Path::new(".");
+    let text = said(here, &["cite", "island"], 0);
+    let order = ["Eyot", "Perlin", "Xing Mei", "Jacob Olsen", "Bosscher"].map(|name| text.find(name).expect(name));
+    assert!(order.is_sorted(), "{text}");
+    assert_eq!(text.matches("An Image Synthesizer").count(), 1, "{text}");
+    assert!(!text.contains("Radar"), "{text}");
+    let off = said(here, &["cite", "island", "--set", "reef.enabled=false"], 0);
+    assert!(off.contains("Xing Mei") && !off.contains("Bosscher"), "{off}");
+    assert!(said(here, &["cite", "real", "--format", "bibtex"], 0).contains("@article{farr2007,"));
+    let items: serde_json::Value = serde_json::from_str(&said(here, &["cite", "real", "--format", "json"], 0)).unwrap();
+    assert_eq!((&items[0]["id"], &items[0]["type"]), (&"eyot".into(), &"software".into()));
+    assert_eq!(items[1]["author"][0]["literal"], "NASA");
+}
+
+#[test]
 fn a_reader_who_leaves_is_no_error() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_eyot"))
         .arg("schema")
@@ -171,4 +187,105 @@ fn an_interrupted_run_can_be_resumed() {
         assert!(text.contains("eyot resume long"), "{text}");
         assert!(folder.path().join("long/checkpoint.eyot").is_file());
     }
+}
+
+#[test]
+fn an_endless_line_is_not_echoed() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    let long = "x".repeat(100_000);
+    std::fs::write(f.join("broken.toml"), format!("name = \"{long}\nseed = 1\n")).unwrap();
+    std::fs::write(f.join("key.toml"), format!("{long} = 1\n{SMALL}")).unwrap();
+    for args in [&["check", "broken.toml"][..], &["check", "key.toml"], &["run", "island", "--set", &long]] {
+        let text = said(f, args, 2);
+        assert!(text.len() < 8000, "{} characters", text.len());
+        assert!(text.contains("of a long line"), "{text}");
+    }
+}
+
+/// A grey picture that does not say which heights it means, 3 x 2.
+const SILENT_PNG: &[u8] = &[
+    137, 80, 78, 71, 13, 10, 26, 10, 0, 0, 0, 13, 73, 72, 68, 82, 0, 0, 0, 3, 0, 0, 0, 2, 8, 0, 0, 0, 0, 184, 31, 57,
+    198, 0, 0, 0, 16, 73, 68, 65, 84, 120, 156, 99, 96, 16, 80, 96, 248, 223, 224, 0, 0, 5, 69, 1, 240, 166, 192, 91,
+    65, 0, 0, 0, 0, 73, 69, 78, 68, 174, 66, 96, 130,
+];
+
+#[test]
+fn a_picture_without_heights_gives_a_grid_and_the_right_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("grey.png"), SILENT_PNG).unwrap();
+    let recipe = "[grid]\nfrom = \"grey.png\"\n[[step]]\ngenerate = \"import\"\nfile = \"grey.png\"\n";
+    std::fs::write(f.join("bare.toml"), recipe).unwrap();
+    std::fs::write(f.join("told.toml"), format!("{recipe}low_m = 0.0\nhigh_m = 90.0\n")).unwrap();
+    assert!(said(f, &["check", "told.toml"], 0).contains("3 x 2 cells of 10 m"));
+    said(f, &["run", "told.toml"], 0);
+    for (args, code) in [(&["run", "bare.toml"][..], 1), (&["stats", "grey.png"], 2), (&["render", "grey.png"], 2)] {
+        let text = said(f, args, code);
+        let flat = text.split_whitespace().filter(|w| *w != "|").collect::<Vec<_>>().join(" ");
+        assert!(flat.contains("generate = \"import\" with low_m and high_m"), "{text}");
+    }
+}
+
+#[test]
+fn reliefs_have_the_size_that_was_asked_for_and_bad_places_are_found_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("small.toml"), SMALL).unwrap();
+    said(f, &["run", "small.toml", "--set", "grid.size=[48, 30]"], 0);
+    for (size, expected) in [("1000", [1000, 625]), ("100x300", [300, 188]), ("20", [20, 13])] {
+        said(f, &["render", "small", "--relief", "--size", size, "--out", "r.png"], 0);
+        let png = std::fs::read(f.join("r.png")).unwrap();
+        let side = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+        assert_eq!([side(16), side(20)], expected, "--size {size}");
+    }
+    // At this size a picture takes far longer than the test may.
+    let big = ["render", "small", "--size", "16384x16384", "--out"];
+    for out in ["nothere/r.png", "small", "/dev/null"] {
+        said(f, &[&big[..], &[out]].concat(), 1);
+    }
+    assert!(said(f, &["render", "small", "--layer", "height", "--size", "100"], 2).contains("--layer"));
+}
+
+#[test]
+fn pictures_and_meshes_count_as_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("small.toml"), format!("{SMALL}[[export]]\nformat = \"glb\"\n")).unwrap();
+    let flat = |t: String| t.split_whitespace().filter(|w| *w != "|").collect::<Vec<_>>().join(" ");
+    let check = |set: &str, most: &str, code| {
+        flat(said(f, &["check", "small.toml", "--set", set, "--set", "grid.size=2000", "--max-memory", most], code))
+    };
+    // The land alone: 64 MB while a generator is at work. Its view needs 400 MB, its mesh 1.6 GB.
+    let text = check("view.size=[64, 64]", "200M", 2);
+    assert!(text.contains("drawing the pictures") && text.contains("view.enabled=false"), "{text}");
+    assert!(text.contains("terrain.glb") && text.contains("leave out this export"), "{text}");
+    assert!(check("view.enabled=false", "200M", 2).contains("terrain.glb"));
+    let text = check("export.2.enabled=false", "200M", 2);
+    assert!(text.contains("drawing the pictures") && !text.contains("terrain.glb"), "{text}");
+    check("view.size=[64, 64]", "2G", 0);
+    // A large picture of small land.
+    let args = ["check", "small.toml", "--max-memory", "100M", "--set", "view.size=[16384, 16384]"];
+    assert!(flat(said(f, &args, 2)).contains("make it smaller with `size`"));
+}
+
+#[test]
+fn a_wrong_instruction_set_is_refused_and_a_lesser_one_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("small.toml"), SMALL).unwrap();
+    let with = |isa: &str| {
+        let mut c = Command::new(env!("CARGO_BIN_EXE_eyot"));
+        c.args(["run", "small.toml", "--out", "out", "--restart"]).env("EYOT_ISA", isa).current_dir(f).output().unwrap()
+    };
+    let o = with("avx3");
+    let text = String::from_utf8_lossy(&o.stderr).into_owned();
+    assert_eq!(o.status.code(), Some(2), "{text}");
+    assert!(text.contains("avx3") && text.contains("scalar, baseline"), "{text}");
+    let mut worlds = ["scalar", "baseline", ""].map(|isa| {
+        assert!(with(isa).status.success());
+        std::fs::read(f.join("out/world.eyot")).unwrap()
+    });
+    worlds.sort();
+    assert_eq!(worlds.first(), worlds.last());
 }

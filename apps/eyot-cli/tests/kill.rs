@@ -1,10 +1,12 @@
 //! Runs that are killed: whenever it happens, going on leads to the bytes of a run in one piece.
 
-use serde_json::Value;
+mod common;
+
+use common::{assert_same, contents, eyot};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// Every process, both forms of water, layers that come late, an open rim (whose fluxes leave through the last faces),
@@ -64,12 +66,6 @@ const SHORT: &[&str] = &["--set", "rain.steps=40", "--set", "pipes.steps=20"];
 /// Checkpoints come as often as the engine looks whether one is due.
 const OFTEN: &[&str] = &["--checkpoint-seconds", "0.02"];
 
-fn eyot(folder: &Path, args: &[&str]) -> Command {
-    let mut c = Command::new(env!("CARGO_BIN_EXE_eyot"));
-    c.args(args).current_dir(folder).stdin(Stdio::null());
-    c
-}
-
 fn finish(folder: &Path, args: &[&str]) -> Output {
     let o = eyot(folder, args).output().expect("the command starts");
     assert!(!String::from_utf8_lossy(&o.stderr).contains("panicked"), "{args:?}: {o:?}");
@@ -79,16 +75,6 @@ fn finish(folder: &Path, args: &[&str]) -> Output {
 fn finish_well(folder: &Path, args: &[&str]) {
     let o = finish(folder, args);
     assert!(o.status.success(), "{args:?}: {}", String::from_utf8_lossy(&o.stderr));
-}
-
-/// What must not depend on how a run came to its end: the fingerprint, and the bytes of the exported files.
-fn result(out: &Path) -> (String, BTreeMap<String, Vec<u8>>) {
-    let text = std::fs::read_to_string(out.join("run.json")).expect("a report");
-    let report: Value = serde_json::from_str(&text).expect("whole JSON");
-    let files = report["outputs"].as_array().expect("outputs").iter().map(|o| o.as_str().expect("a name").to_owned());
-    let exported = |n: &String| n.ends_with(".r32") || n.ends_with(".png");
-    let bytes = files.filter(exported).map(|n| (n.clone(), std::fs::read(out.join(n)).expect("an output"))).collect();
-    (report["fingerprint"].as_str().expect("a fingerprint").to_owned(), bytes)
 }
 
 /// Nothing but results: no checkpoint, no lock, no half-written file.
@@ -174,58 +160,67 @@ fn place() -> tempfile::TempDir {
     folder
 }
 
-/// The result in one piece, and the time it took.
-fn in_one_piece(start: &[&str]) -> ((String, BTreeMap<String, Vec<u8>>), Duration) {
-    let folder = place();
+/// What a run in one piece leaves, and the time it took. The folder is then as before: a saved world says where its recipe
+/// lies, so runs are compared that were started in one place.
+fn in_one_piece(folder: &Path, start: &[&str]) -> (BTreeMap<String, Vec<u8>>, Duration) {
     let begun = Instant::now();
-    finish_well(folder.path(), &[start, &["--quiet", "--threads", "2"]].concat());
-    (result(&folder.path().join("out")), begun.elapsed())
+    finish_well(folder, &[start, &["--quiet", "--threads", "2"]].concat());
+    let time = begun.elapsed();
+    let whole = contents(&folder.join("out"));
+    clear(folder);
+    (whole, time)
+}
+
+fn clear(folder: &Path) {
+    let out = folder.join("out");
+    if out.exists() {
+        std::fs::remove_dir_all(out).expect("a folder of ours");
+    }
+}
+
+fn assert_whole(folder: &Path, whole: &BTreeMap<String, Vec<u8>>, what: &str) {
+    let out = folder.join("out");
+    assert_same(&contents(&out), whole, what);
+    assert_tidy(&out, what);
 }
 
 #[test]
 fn a_run_killed_at_any_moment_goes_on_to_the_same_bytes() {
     let start = [&["run", "shore.toml", "--out", "out"], OFTEN].concat();
-    let (whole, time) = in_one_piece(&start);
-    assert_eq!(whole.1.len(), 5, "three layers and two pictures");
+    let (folder, first) = (place(), [&start[..], &["--quiet", "--threads", "2"]].concat());
+    let folder = folder.path();
+    let (whole, time) = in_one_piece(folder, &start);
+    assert_eq!(whole.len(), 3 + 3 + 2 + 2, "three layers and what describes them, two pictures, world and report");
     let mut dice = Dice(20);
-    let (mut killed, mut resumed) = (0, 0);
+    let mut resumed = 0;
     for i in 0..20 {
         let mut moment = time.mul_f64((f64::from(i) + dice.roll()) / 20.0);
-        let mut folder = place();
-        let first = [&start[..], &["--quiet", "--threads", "2"]].concat();
-        let mut was_killed = kill_after(folder.path(), &first, moment);
-        // Machines get faster when another test ends.
-        for _ in 0..3 {
-            if !was_killed {
-                moment = moment.mul_f64(0.7);
-                folder = place();
-                was_killed = kill_after(folder.path(), &first, moment);
-            }
+        // Machines get faster when another test ends; an earlier moment will do as well.
+        while !kill_after(folder, &first, moment) {
+            clear(folder);
+            moment = moment.mul_f64(0.7);
         }
-        let went_on = go_on(folder.path(), &start, ["1", "2", "3"][i as usize % 3]);
-        killed += usize::from(was_killed);
-        resumed += usize::from(was_killed && went_on);
-        let out = folder.path().join("out");
-        assert!(result(&out) == whole, "killed after {moment:?} of {time:?}: other bytes");
-        assert_tidy(&out, &format!("killed after {moment:?}"));
+        resumed += usize::from(go_on(folder, &start, ["1", "2", "3"][i as usize % 3]));
+        assert_whole(folder, &whole, &format!("killed after {moment:?} of {time:?}"));
+        clear(folder);
     }
-    assert!(killed >= 18 && resumed >= 8, "{killed} of 20 runs were killed, {resumed} of them left a checkpoint");
+    assert!(resumed >= 8, "only {resumed} of 20 runs left a checkpoint");
 }
 
 #[test]
 fn a_run_killed_while_it_writes_its_results_goes_on_to_the_same_bytes() {
     let start = [&["run", "shore.toml", "--out", "out"], SHORT].concat();
-    let (whole, _) = in_one_piece(&start);
+    let folder = place();
+    let folder = folder.path();
+    let (whole, _) = in_one_piece(folder, &start);
     // World, three layers, two pictures, the report: with a checkpoint to return to, and without.
     for often in [OFTEN, &[]] {
         let mut killed = 0;
         for n in 1..=7 {
-            let folder = place();
-            killed += usize::from(kill_while_writing(folder.path(), &[&start, often].concat(), n));
-            go_on(folder.path(), &start, "2");
-            let out = folder.path().join("out");
-            assert!(result(&out) == whole, "killed at file {n}: other bytes");
-            assert_tidy(&out, &format!("killed at file {n}"));
+            killed += usize::from(kill_while_writing(folder, &[&start, often].concat(), n));
+            go_on(folder, &start, "2");
+            assert_whole(folder, &whole, &format!("killed at file {n}"));
+            clear(folder);
         }
         assert!(killed >= 4, "only {killed} of 7 runs were killed");
     }
@@ -235,45 +230,53 @@ fn a_run_killed_while_it_writes_its_results_goes_on_to_the_same_bytes() {
 fn a_run_killed_over_an_older_result_does_not_pass_for_finished() {
     let start = [&["run", "shore.toml", "--out", "out"], SHORT].concat();
     let other = [&start[..], &["--seed", "6"]].concat();
-    let (whole, _) = in_one_piece(&other);
+    let folder = place();
+    let folder = folder.path();
+    let (whole, _) = in_one_piece(folder, &other);
     for n in [1, 3, 6] {
-        let folder = place();
-        finish_well(folder.path(), &[&start[..], &["--quiet"]].concat());
-        if kill_while_writing(folder.path(), &other, n) {
-            go_on(folder.path(), &other, "2");
+        finish_well(folder, &[&start[..], &["--quiet"]].concat());
+        if kill_while_writing(folder, &other, n) {
+            let old = std::fs::read_to_string(folder.join("out/run.json")).is_ok_and(|t| t.contains("\"seed\": 5"));
+            assert!(!old || n == 1, "the older report stands beside files of the other run");
+            if old && !folder.join("out/checkpoint.eyot").exists() {
+                // Killed before anything of it was whole: the older result is still there, all of it.
+                finish_well(folder, &[&other[..], &["--quiet"]].concat());
+            } else {
+                go_on(folder, &other, "2");
+            }
         }
-        assert!(result(&folder.path().join("out")) == whole, "killed at file {n}: a mixture of two runs");
+        assert_whole(folder, &whole, &format!("killed at file {n}"));
+        clear(folder);
     }
 }
 
 #[test]
 fn a_run_killed_again_and_again_goes_on_to_the_same_bytes() {
     let start = [&["run", "shore.toml", "--out", "out"], OFTEN].concat();
-    let (whole, time) = in_one_piece(&start);
     let folder = place();
+    let folder = folder.path();
+    let (whole, time) = in_one_piece(folder, &start);
     let part = time.mul_f64(0.4);
-    kill_after(folder.path(), &[&start[..], &["--threads", "2"]].concat(), part);
+    kill_after(folder, &[&start[..], &["--threads", "2"]].concat(), part);
     for threads in ["1", "3"] {
         let again = [&["resume", "out", "--threads", threads], OFTEN].concat();
-        kill_after(folder.path(), &again, part);
+        kill_after(folder, &again, part);
     }
-    go_on(folder.path(), &start, "2");
-    let out = folder.path().join("out");
-    assert!(result(&out) == whole);
-    assert_tidy(&out, "killed three times");
+    go_on(folder, &start, "2");
+    assert_whole(folder, &whole, "killed three times");
 }
 
 #[test]
 fn half_written_files_and_locks_of_the_dead_are_in_nobodys_way() {
     let start = [&["run", "shore.toml", "--out", "out"], SHORT].concat();
-    let (whole, _) = in_one_piece(&start);
     let folder = place();
-    let out = folder.path().join("out");
+    let folder = folder.path();
+    let (whole, _) = in_one_piece(folder, &start);
+    let out = folder.join("out");
     std::fs::create_dir(&out).unwrap();
     std::fs::write(out.join(".eyot-abcdef.tmp"), b"EYOTCKPT half a check").unwrap();
     std::fs::write(out.join("eyot.lock"), "4194304\n").unwrap();
-    assert_eq!(finish(folder.path(), &["resume", "out"]).status.code(), Some(2));
-    finish_well(folder.path(), &[&start[..], &["--quiet"]].concat());
-    assert!(result(&out) == whole);
-    assert_tidy(&out, "files of a dead run");
+    assert_eq!(finish(folder, &["resume", "out"]).status.code(), Some(2));
+    finish_well(folder, &[&start[..], &["--quiet"]].concat());
+    assert_whole(folder, &whole, "files of a dead run");
 }

@@ -6,20 +6,22 @@
 //! disjoint rows, so each set runs in parallel without copies and without computing anything twice; inside each, rows
 //! are swept as a skewed wave, so that a row stays in cache through all passes of all steps of the chain.
 //!
-//! Every cell's value is a pure function of the plan, so bands, chains and threads never change a bit. Sums are kept
-//! per row, each row's in the order of time, and folded over the rows from north to south.
+//! Every cell's value is a pure function of the plan, so bands, chains and threads never change a bit. Nor do they change
+//! a sum: each pass keeps its own per row, which are folded in a fixed order and added to the ledger's accounts in the
+//! order of the plan, so that it does not matter either where a simulation is cut into spans.
 
 // Reason for the exception: rows of one field are handed to several threads at once, as the schedule allows.
 #![allow(unsafe_code)]
 
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::field::{Field, RawField};
+use crate::field::{Field, RawField, STAGGERS};
 use crate::grid::{Edge, Grid};
 use crate::isa::Isa;
 use crate::kernel::{ROWS, RowJob};
 use crate::lanes::WIDTH;
-use crate::layer::{Beyond, Layer, LayerSpec, Stagger};
+use crate::layer::{Beyond, LayerSpec, Stagger};
+use crate::ledger::Ledger;
 use crate::limits::Limits;
 use crate::plan::{Pass, Plan};
 use crate::process::{Moment, Scheduled, Span};
@@ -87,13 +89,23 @@ impl CpuEngine {
         let mut done = 0;
         let mut outcome = control.check();
         while done < span.steps && outcome.is_ok() {
-            let steps = chain.min(span.steps - done);
+            let at = span.from + done;
+            if acts(processes, at) {
+                outcome = self.acting_step(&mut arena, world, processes, at, control);
+                if outcome.is_ok() {
+                    done += 1;
+                    outcome = control.tick(done, span.steps);
+                }
+                continue;
+            }
+            let most = chain.min(span.steps - done);
+            let steps = (1..most).find(|i| acts(processes, at + i)).unwrap_or(most);
             let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
             let mut plan = Plan::default();
             for i in 0..steps {
-                plan_step(processes, span.from + done + i, &mut moment, &mut plan);
+                plan_step(processes, at + i, &mut moment, &mut plan);
             }
-            outcome = arena.run(self, &plan);
+            outcome = arena.run(self, &plan, &world.ledger);
             if outcome.is_ok() {
                 (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
                 done += steps;
@@ -103,6 +115,43 @@ impl CpuEngine {
         arena.give_back(world);
         world.check_finite(&format!("step {}", world.step))?;
         outcome
+    }
+
+    /// One step in which some process acts on the whole world. On an error the world is as it was before the step.
+    fn acting_step(
+        &self,
+        arena: &mut Arena,
+        world: &mut World,
+        processes: &[Scheduled],
+        local_step: u64,
+        control: &Control<'_>,
+    ) -> Result<()> {
+        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut before: Option<Saved> = None;
+        let mut plan = Plan::default();
+        let outcome = processes.iter().filter(|s| due(s, local_step)).try_for_each(|s| {
+            plan_process(s, local_step, &mut moment, &mut plan);
+            if let Some(action) = s.process.action() {
+                if before.is_none() {
+                    before = Some(arena.save(world)?);
+                }
+                arena.run(self, &std::mem::take(&mut plan), &world.ledger)?;
+                arena.lend(world, |world| action.act(&moment, world, control))?;
+            }
+            s.process.advance(&mut moment);
+            Ok(())
+        });
+        // Nothing can stop the passes after the last action.
+        match outcome.and_then(|()| arena.run(self, &plan, &world.ledger)) {
+            Ok(()) => (world.step, world.sea_level_m) = (moment.step + 1, moment.sea_level_m),
+            Err(e) => {
+                if let Some(saved) = before {
+                    arena.restore(world, saved);
+                }
+                return Err(e);
+            }
+        }
+        Ok(())
     }
 
     /// Steps of a chain for plans of so many passes a step.
@@ -120,18 +169,35 @@ impl CpuEngine {
 
 /// Adds one step of all processes that are due to the plan, and moves the moment on.
 pub(crate) fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut Moment, plan: &mut Plan) {
-    for s in processes {
-        if local_step.is_multiple_of(s.every.max(1)) {
-            plan.step = moment.step;
-            moment.turn = local_step / s.every.max(1);
-            s.process.plan(moment, plan);
-            s.process.advance(moment);
-        }
+    for s in processes.iter().filter(|s| due(s, local_step)) {
+        plan_process(s, local_step, moment, plan);
+        s.process.advance(moment);
     }
     moment.step += 1;
 }
 
-/// Buffers of a simulation: two copies of each layer as needed, scratch layers, sums per row.
+fn plan_process(s: &Scheduled, local_step: u64, moment: &mut Moment, plan: &mut Plan) {
+    plan.step = moment.step;
+    moment.turn = local_step / s.every.max(1);
+    s.process.plan(moment, plan);
+}
+
+fn due(s: &Scheduled, local_step: u64) -> bool {
+    local_step.is_multiple_of(s.every.max(1))
+}
+
+/// True if a process that is due in this step has an action.
+fn acts(processes: &[Scheduled], local_step: u64) -> bool {
+    processes.iter().any(|s| due(s, local_step) && s.process.action().is_some())
+}
+
+/// A world before a step: layers and ledger.
+struct Saved {
+    fields: Vec<Field>,
+    ledger: Ledger,
+}
+
+/// Buffers of a simulation: two copies of each layer as needed, scratch layers, sums.
 struct Arena {
     grid: Grid,
     seed: u64,
@@ -143,9 +209,10 @@ struct Arena {
     current: Vec<usize>,
     zeros: Field,
     dummy: Field,
-    tallies: Vec<Tally>,
-    /// Of each tally, a sum per row.
-    sums: Vec<Vec<f64>>,
+    /// The accounts of all sums so far and what is in them.
+    accounts: Vec<(Tally, f64)>,
+    /// Sums per row: for each pass of a chain, for each of its sums, all rows.
+    sums: Vec<f64>,
 }
 
 impl Arena {
@@ -153,34 +220,50 @@ impl Arena {
     fn new(limits: Limits, world: &mut World) -> Self {
         let g = world.grid;
         let specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
-        let take = |l: &mut Layer| [Some(std::mem::replace(&mut l.field, Field::new(0, 0, 0.0))), None];
-        let mut fields: Vec<[Option<Field>; 2]> = world.layers_mut().iter_mut().map(take).collect();
-        for (pair, spec) in fields.iter_mut().zip(&specs) {
-            let Some(raw) = pair[0].as_mut().map(Field::raw) else { continue };
-            // Faces north of an open rim are a row of their own.
-            let first = if spec.stagger == Stagger::FaceY && g.rim.y == Edge::Open { -1 } else { 0 };
-            for y in first..g.height as isize {
-                // SAFETY: this thread owns the field.
-                unsafe { finish_row(raw.row(y), &g, spec, y) };
-            }
-        }
-        Self {
+        let mut arena = Self {
             grid: g,
             seed: world.seed,
             limits,
             current: vec![0; specs.len()],
             world_layers: specs.len(),
-            fields,
+            fields: vec![[const { None }; 2]; specs.len()],
             zeros: Field::new(g.width, 1, 0.0),
             dummy: Field::new(g.width, MAX_WRITES, 0.0),
-            tallies: Vec::new(),
+            accounts: Vec::new(),
             sums: Vec::new(),
             specs,
+        };
+        arena.take(world);
+        arena
+    }
+
+    /// Takes the world's fields and makes their padding what the rim says.
+    fn take(&mut self, world: &mut World) {
+        let mut taken = Staggers::default();
+        for (l, layer) in world.layers_mut().iter_mut().enumerate().take(self.world_layers) {
+            let mut field = std::mem::replace(&mut layer.field, Field::new(0, 0, 0.0));
+            // Fields that were put into the world may all have the same one.
+            let stagger = taken.this_or_free(field.stagger());
+            if stagger != field.stagger() {
+                field = field.restaggered(stagger);
+            }
+            self.finish(&self.specs[l], &mut field);
+            self.fields[l][self.current[l]] = Some(field);
         }
     }
 
-    /// Runs a plan: as one chain, or as several if its lag would leave the bands too low.
-    fn run(&mut self, engine: &CpuEngine, plan: &Plan) -> Result<()> {
+    /// Makes the padding of a layer what the rim says.
+    fn finish(&self, spec: &LayerSpec, field: &mut Field) {
+        // Faces north of an open rim are a row of their own.
+        let first = if spec.stagger == Stagger::FaceY && self.grid.rim.y == Edge::Open { -1 } else { 0 };
+        for y in first..self.grid.height as isize {
+            // SAFETY: this thread owns the field.
+            unsafe { finish_row(field.raw().row(y), &self.grid, spec, y) };
+        }
+    }
+
+    /// Runs a plan: as one chain, or as several if its lag would leave the bands too low. If it fails, nothing has changed.
+    fn run(&mut self, engine: &CpuEngine, plan: &Plan, ledger: &Ledger) -> Result<()> {
         for spec in plan.scratch_layers() {
             debug_assert!(
                 self.specs.iter().skip(self.world_layers).all(|s| s.name != spec.name || s == spec),
@@ -194,28 +277,29 @@ impl Arena {
             }
         }
         let most_lag = (self.grid.height / (8 * rayon::current_num_threads())).clamp(4, 64);
-        let mut passes = &plan.passes[..];
+        let mut chains = Vec::new();
+        let (mut passes, mut current) = (&plan.passes[..], self.current.clone());
         while !passes.is_empty() {
-            let schedule = Schedule::new(passes, &self.specs, &self.current, most_lag)?;
+            let schedule = Schedule::new(passes, &self.specs, &current, most_lag)?;
             let (now, later) = passes.split_at(schedule.passes.len());
-            self.provide(&schedule)?;
-            self.sweep(engine, now, &schedule);
-            self.current = schedule.current;
+            current.clone_from(&schedule.current);
+            chains.push((now, schedule));
             passes = later;
+        }
+        // All of it before the first pass: a world must not be left in the middle of a step.
+        self.provide(&chains)?;
+        for (passes, schedule) in chains {
+            self.sweep(engine, passes, &schedule);
+            self.post(passes, ledger);
+            self.current = schedule.current;
         }
         Ok(())
     }
 
-    /// Makes what a schedule needs and is not there yet: scratch layers, second copies, sums.
-    fn provide(&mut self, schedule: &Schedule) -> Result<()> {
-        for t in &schedule.tallies {
-            if !self.tallies.iter().any(|k| k.account == t.account) {
-                self.tallies.push(*t);
-                self.sums.push(vec![0.0; self.grid.height]);
-            }
-        }
+    /// Makes what the schedules need and is not there yet: scratch layers, second copies, sums.
+    fn provide(&mut self, chains: &[(&[Pass], Schedule)]) -> Result<()> {
         let mut missing: Vec<Buffer> = Vec::new();
-        for p in &schedule.passes {
+        for p in chains.iter().flat_map(|(_, s)| &s.passes) {
             for b in p.writes.iter().chain(p.reads.iter().map(|r| &r.0)) {
                 if self.fields[b.layer][b.copy].is_none() && !missing.contains(b) {
                     missing.push(*b);
@@ -224,12 +308,16 @@ impl Arena {
         }
         let held = self.fields.iter().flatten().flatten().count();
         let cells = (self.grid.width as u128 + 64) * (self.grid.height as u128 + 2);
-        self.limits.check_bytes("the layers of this simulation", cells * 4 * (held + missing.len()) as u128)?;
-        for (i, b) in missing.into_iter().enumerate() {
-            // Odd staggers; the world's own fields have even ones.
-            let stagger = 2 * (held + i) + 1;
-            self.fields[b.layer][b.copy] = Some(Field::staggered(self.grid.width, self.grid.height, 0.0, stagger));
+        let sums = chains.iter().map(|(passes, _)| count_sums(passes)).max().unwrap_or(0) * self.grid.height;
+        let bytes = cells * 4 * (held + missing.len()) as u128 + 8 * sums as u128;
+        self.limits.check_bytes("the layers of this simulation", bytes)?;
+        let mut taken = Staggers::default();
+        self.fields.iter().flatten().flatten().for_each(|f| taken.0[f.stagger()] += 1);
+        for b in missing {
+            let field = Field::staggered(self.grid.width, self.grid.height, 0.0, taken.free());
+            self.fields[b.layer][b.copy] = Some(field);
         }
+        self.sums.resize(self.sums.len().max(sums), 0.0);
         Ok(())
     }
 
@@ -239,10 +327,12 @@ impl Arena {
             .iter_mut()
             .map(|pair| [pair[0].as_mut().map(Field::raw), pair[1].as_mut().map(Field::raw)])
             .collect();
-        // Schedules number the sums in their own order.
-        let ours = |t: &Tally| self.tallies.iter().position(|k| k.account == t.account);
-        let places: Vec<usize> = schedule.tallies.iter().filter_map(ours).collect();
-        let sums: Vec<SumsPointer> = places.into_iter().map(|i| SumsPointer(self.sums[i].as_mut_ptr())).collect();
+        let mut first = 0;
+        let starts = passes.iter().map(|p| {
+            first += p.rule.tallies().len();
+            first - p.rule.tallies().len()
+        });
+        let first_sums = starts.collect();
         let sweep = Sweep {
             isa: engine.isa,
             grid: self.grid,
@@ -253,27 +343,127 @@ impl Arena {
             raw: &raw,
             zeros: self.zeros.raw(),
             dummy: self.dummy.raw(),
-            sums: &sums,
+            first_sums,
+            sums: SumsPointer(self.sums.as_mut_ptr()),
         };
         sweep.run(engine.band);
     }
 
-    /// Puts the fields back into the world and the sums into its ledger.
-    fn give_back(mut self, world: &mut World) {
+    /// Adds the sums of a chain that has run to the accounts.
+    fn post(&mut self, passes: &[Pass], ledger: &Ledger) {
+        let area = self.grid.cell_area_m2();
+        let mut rows = self.sums.chunks_exact(self.grid.height);
+        for t in passes.iter().flat_map(|p| p.rule.tallies()) {
+            let sum = fold(rows.next().unwrap_or_default());
+            let amount = match t.unit {
+                TallyUnit::Thickness => sum * area,
+                TallyUnit::Count => sum,
+            };
+            match self.accounts.iter_mut().find(|(k, _)| k.account == t.account) {
+                Some((_, total)) => *total += amount,
+                None => self.accounts.push((*t, ledger.amount(t.account) + amount)),
+            }
+        }
+    }
+
+    /// Lends the world its layers while `f` works on it.
+    fn lend(&mut self, world: &mut World, f: impl FnOnce(&mut World) -> Result<()>) -> Result<()> {
+        self.put_back(world);
+        self.settle(world);
+        let outcome = f(world);
+        let sound = world.layers().len() == self.world_layers
+            && world
+                .layers()
+                .iter()
+                .all(|l| (l.field.width(), l.field.height()) == (self.grid.width, self.grid.height));
+        assert!(sound, "an action changed what layers there are, or their size");
+        self.take(world);
+        outcome
+    }
+
+    /// What [`Arena::restore`] needs.
+    fn save(&mut self, world: &mut World) -> Result<Saved> {
+        self.settle(world);
+        let held = self.fields.iter().flatten().flatten().chain(self.world_fields()).map(Field::bytes);
+        self.limits.check_bytes("a copy of the world to go back to", held.map(|b| b as u128).sum())?;
+        let fields = self.world_fields().cloned().collect();
+        Ok(Saved { fields, ledger: world.ledger.clone() })
+    }
+
+    /// Takes back everything since `saved`.
+    fn restore(&mut self, world: &mut World, saved: Saved) {
+        for (l, mut field) in saved.fields.into_iter().enumerate() {
+            self.finish(&self.specs[l], &mut field);
+            self.fields[l][self.current[l]] = Some(field);
+        }
+        self.accounts.clear();
+        world.ledger = saved.ledger;
+    }
+
+    /// The current copies of the world's layers.
+    fn world_fields(&self) -> impl Iterator<Item = &Field> {
+        (0..self.world_layers).filter_map(|l| self.fields[l][self.current[l]].as_ref())
+    }
+
+    /// Puts the fields back into the world.
+    fn put_back(&mut self, world: &mut World) {
         for (l, layer) in world.layers_mut().iter_mut().enumerate().take(self.world_layers) {
             if let Some(f) = self.fields[l][self.current[l]].take() {
                 layer.field = f;
             }
         }
-        let area = world.grid.cell_area_m2();
-        for (t, rows) in self.tallies.iter().zip(&self.sums) {
-            let sum: f64 = rows.iter().sum();
-            let (amount, unit) = match t.unit {
-                TallyUnit::Thickness => (sum * area, "m3"),
-                TallyUnit::Count => (sum, "1"),
+    }
+
+    /// Puts the fields back into the world and the sums into its ledger.
+    fn give_back(mut self, world: &mut World) {
+        self.put_back(world);
+        self.settle(world);
+    }
+
+    /// Writes the sums to the ledger.
+    fn settle(&mut self, world: &mut World) {
+        for (t, total) in self.accounts.drain(..) {
+            let unit = match t.unit {
+                TallyUnit::Thickness => "m3",
+                TallyUnit::Count => "1",
             };
-            world.ledger.add(t.account, amount, unit, t.meaning, t.sign);
+            world.ledger.set(t.account, total, unit, t.meaning, t.sign);
         }
+    }
+}
+
+fn count_sums(passes: &[Pass]) -> usize {
+    passes.iter().map(|p| p.rule.tallies().len()).sum()
+}
+
+/// The sum of all rows: every fourth from the north, then the four of them. One sum after the other would wait for each.
+fn fold(rows: &[f64]) -> f64 {
+    let mut parts = [0.0; 4];
+    for four in rows.chunks(4) {
+        parts.iter_mut().zip(four).for_each(|(p, v)| *p += v);
+    }
+    (parts[0] + parts[1]) + (parts[2] + parts[3])
+}
+
+/// How many buffers have each stagger. Buffers of one simulation get different ones as long as there are any.
+#[derive(Default)]
+struct Staggers([usize; STAGGERS]);
+
+impl Staggers {
+    /// The first of those that the fewest have; now one more has it.
+    fn free(&mut self) -> usize {
+        let least = (0..STAGGERS).min_by_key(|&i| self.0[i]).unwrap_or(0);
+        self.0[least] += 1;
+        least
+    }
+
+    /// `wanted` if nobody has it or nothing better is left, else a free one; now one more has it.
+    fn this_or_free(&mut self, wanted: usize) -> usize {
+        if self.0[wanted] == 0 || self.0.iter().all(|&n| n > 0) {
+            self.0[wanted] += 1;
+            return wanted;
+        }
+        self.free()
     }
 }
 
@@ -296,8 +486,9 @@ struct Sweep<'a> {
     raw: &'a [[Option<RawField>; 2]],
     zeros: RawField,
     dummy: RawField,
-    /// For each of the schedule's tallies, a sum per row.
-    sums: &'a [SumsPointer],
+    /// Where the sums of each pass begin, in numbers of sums.
+    first_sums: Vec<usize>,
+    sums: SumsPointer,
 }
 
 impl Sweep<'_> {
@@ -409,9 +600,10 @@ impl Sweep<'_> {
             }
         }
         if y >= 0 {
-            for (i, &sum) in scheduled.sums.iter().enumerate() {
-                // SAFETY: there is a number for each row, and this row belongs to this call.
-                unsafe { *self.sums[sum].0.add(y as usize) += job.sums[i] };
+            for i in 0..pass.rule.tallies().len() {
+                let place = (self.first_sums[p] + i) * g.height + y as usize;
+                // SAFETY: `Arena::provide` made a number for each row of each sum, and this row belongs to this call.
+                unsafe { *self.sums.0.add(place) = job.sums[i] };
             }
         }
     }
@@ -475,5 +667,31 @@ unsafe fn finish_row(row: *mut f32, g: &Grid, spec: &LayerSpec, y: isize) {
             }
             cells[at(width as isize)..].fill(east);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether they were made by the world, copied or put in: the buffers of a simulation must not alias each other.
+    #[test]
+    fn buffers_get_different_staggers_however_the_world_came_about() {
+        let grid = Grid { width: 20, height: 20, cell_x_m: 1.0, cell_y_m: 1.0, rim: crate::Rim::CLOSED };
+        let mut world = World::new(grid, 1);
+        let names = ["a", "b", "c", "d", "e"];
+        for name in names {
+            let spec = LayerSpec::new(name, "1", "", (0.0, 1.0));
+            world.put(&spec, Field::from_fn(20, 20, |x, y| (x + y) as f32)).unwrap();
+        }
+        let staggers = |w: &World| w.layers().iter().map(|l| l.field.stagger()).collect::<Vec<_>>();
+        let before = world.clone();
+        Arena::new(Limits::default(), &mut world).give_back(&mut world);
+        assert_eq!(world, before);
+        let mut found = staggers(&world);
+        assert_eq!(found, staggers(&world.clone()), "a copy is as quick as the original");
+        found.sort_unstable();
+        found.dedup();
+        assert_eq!(found.len(), names.len());
     }
 }

@@ -10,10 +10,13 @@ use crate::lanes::WIDTH;
 pub(crate) const PAD_LEFT: usize = 2 * WIDTH;
 /// Rows stored above row 0: faces on the north side of an open rim live there.
 pub(crate) const PAD_TOP: usize = 1;
+/// Staggers that differ: two cache lines each make 4096 bytes.
+pub(crate) const STAGGERS: usize = 32;
 
 /// A `width` x `height` array of `f32`, row 0 north, stored in rows with padding on both sides.
 ///
-/// The padding is scratch space of the engine; only the interior is a value of the field.
+/// The padding is scratch space of the engine; only the interior is a value of the field, and all that `==` compares. What
+/// layers on faces keep beyond it ([`Field::outer_faces`]) is compared by their [`Layer`](crate::Layer).
 pub struct Field {
     data: Vec<f32>,
     width: usize,
@@ -21,6 +24,8 @@ pub struct Field {
     stride: usize,
     /// Index of (0, 0) in `data`.
     origin: usize,
+    /// Cache lines by which the rows are moved, below [`STAGGERS`].
+    stagger: usize,
 }
 
 impl Field {
@@ -39,7 +44,8 @@ impl Field {
         if (stride * 4).is_multiple_of(1024) {
             stride += WIDTH;
         }
-        let lead = (stagger % 32) * 2 * WIDTH;
+        let stagger = stagger % STAGGERS;
+        let lead = stagger * 2 * WIDTH;
         let len = lead + stride * (height + PAD_TOP) + WIDTH;
         // Zeroed pages come from the system without being touched.
         let mut data = vec![0.0; len + WIDTH];
@@ -48,7 +54,23 @@ impl Field {
         if value != 0.0 {
             data.fill(value);
         }
-        Self { data, width, height, stride, origin }
+        Self { data, width, height, stride, origin, stagger }
+    }
+
+    /// A copy of interior and outer faces with another stagger.
+    pub(crate) fn restaggered(&self, stagger: usize) -> Self {
+        let mut f = Self::staggered(self.width, self.height, 0.0, stagger);
+        for y in 0..self.height {
+            f.row_mut(y).copy_from_slice(self.row(y));
+        }
+        // Both have the same number of faces, so this cannot fail.
+        let _ = f.set_outer_faces(&self.outer_faces());
+        f
+    }
+
+    /// The stagger, below [`STAGGERS`].
+    pub(crate) fn stagger(&self) -> usize {
+        self.stagger
     }
 
     /// A field with the given values, row by row from the north.
@@ -221,15 +243,9 @@ impl Field {
 }
 
 impl Clone for Field {
-    /// Copies the interior and the outer faces; the copy may be aligned differently.
+    /// Copies the interior and the outer faces, with the same stagger.
     fn clone(&self) -> Self {
-        let mut f = Self::new(self.width, self.height, 0.0);
-        for y in 0..self.height {
-            f.row_mut(y).copy_from_slice(self.row(y));
-        }
-        // Both have the same number of faces, so this cannot fail.
-        let _ = f.set_outer_faces(&self.outer_faces());
-        f
+        self.restaggered(self.stagger)
     }
 }
 

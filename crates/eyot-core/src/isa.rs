@@ -3,6 +3,10 @@
 // Reason for the exception: functions compiled for an instruction set may only be called where the processor has it.
 
 use crate::lanes::{LaneBlock, Lanes};
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Where [`Isa::best`] ends.
+static MOST: AtomicU8 = AtomicU8::new(u8::MAX);
 
 /// How a row of cells is computed. Every choice gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,15 +25,17 @@ impl Isa {
     /// All of them, slowest first.
     pub const ALL: [Self; 4] = [Self::Scalar, Self::Baseline, Self::Avx2, Self::Avx512];
 
-    /// The best one that this processor has; `EYOT_ISA=scalar|baseline|avx2|avx512` asks for a lesser one.
+    /// The best one that this processor has, up to what [`Isa::use_at_most`] allows.
     pub fn best() -> Self {
-        let asked = std::env::var("EYOT_ISA").ok().and_then(|name| Self::ALL.into_iter().find(|i| i.name() == name));
-        Self::ALL
-            .into_iter()
-            .rev()
-            .filter(|i| i.is_available())
-            .find(|i| asked.is_none_or(|a| *i as u8 <= a as u8))
-            .unwrap_or(Self::Baseline)
+        let most = MOST.load(Ordering::Relaxed);
+        let allowed = |i: &Self| i.is_available() && *i as u8 <= most;
+        Self::ALL.into_iter().rev().find(allowed).unwrap_or(Self::Scalar)
+    }
+
+    /// Keeps [`Isa::best`] at this one or a lesser one from now on, in the whole program. Results stay the same to the bit, so
+    /// this is for measuring and for looking into trouble with a processor.
+    pub fn use_at_most(self) {
+        MOST.store(self as u8, Ordering::Relaxed);
     }
 
     /// True if this processor can run it.

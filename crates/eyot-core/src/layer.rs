@@ -75,12 +75,22 @@ impl LayerSpec {
 }
 
 /// A named scalar field.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Layer {
     /// What it is.
     pub spec: LayerSpec,
     /// Its values.
     pub field: Field,
+}
+
+impl PartialEq for Layer {
+    /// Compares all that the layer's state is: on faces, the outer ones too.
+    fn eq(&self, other: &Self) -> bool {
+        let on_faces = self.spec.stagger != Stagger::Cell;
+        self.spec == other.spec
+            && self.field == other.field
+            && (!on_faces || self.field.outer_faces() == other.field.outer_faces())
+    }
 }
 
 /// Names and specifications of the layers that several crates share.
@@ -93,6 +103,12 @@ pub mod known {
     /// Standing and flowing fresh water.
     pub const WATER: LayerSpec =
         LayerSpec::new("water", "m", "Depth of fresh water on the ground", (0.0, 12000.0)).empty_outside();
+    /// Lakes that depressions would hold.
+    pub const LAKE: LayerSpec =
+        LayerSpec::new("lake", "m", "Depth of the lake that would stand here if depressions were full", (0.0, 12000.0));
+    /// Area from which water flows through a cell.
+    pub const DRAINED_AREA: LayerSpec =
+        LayerSpec::new("drained_area", "m2", "Area that drains through this cell, itself included", (0.0, f32::MAX));
     /// Sediment carried by the water.
     pub const SEDIMENT: LayerSpec =
         LayerSpec::new("sediment", "m", "Sediment suspended in the water, as thickness of ground", (0.0, 1000.0))

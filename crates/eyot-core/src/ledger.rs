@@ -36,6 +36,12 @@ impl Ledger {
         }
     }
 
+    /// Makes `amount` the sum of an account, which is opened if need be.
+    pub(crate) fn set(&mut self, name: &str, amount: f64, unit: &str, meaning: &str, sign: i8) {
+        let account = Account { amount, unit: unit.to_owned(), meaning: meaning.to_owned(), sign };
+        self.accounts.insert(name.to_owned(), account);
+    }
+
     /// Amount of an account, 0 if it was never opened.
     pub fn amount(&self, name: &str) -> f64 {
         self.accounts.get(name).map_or(0.0, |a| a.amount)

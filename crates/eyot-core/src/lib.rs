@@ -2,6 +2,7 @@
 //!
 //! This crate knows no process, no file format, no GPU and no window; everything else builds on it.
 
+pub mod about;
 pub mod conformance;
 pub mod control;
 pub mod engine;

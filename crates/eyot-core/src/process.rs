@@ -26,7 +26,7 @@ pub struct Moment {
     pub sea_level_m: f64,
 }
 
-/// A named set of rules with one parameter struct and a stability bound.
+/// A named set of rules, or an action, with one parameter struct and a stability bound.
 pub trait Process: Send + Sync {
     /// Layers that the process reads or writes, with the value that a missing one starts from.
     fn layers(&self) -> Vec<(LayerSpec, f32)>;
@@ -49,10 +49,26 @@ pub trait Process: Send + Sync {
     }
 
     /// Adds the passes of one step to the plan, sub-stepped to the process's stability bound.
-    fn plan(&self, moment: &Moment, plan: &mut Plan);
+    fn plan(&self, _moment: &Moment, _plan: &mut Plan) {}
+
+    /// Work of a step that is not rules of cells; done after the passes that [`Process::plan`] adds.
+    fn action(&self) -> Option<&dyn Action> {
+        None
+    }
 
     /// Moves what is not a layer (the sea level) on by one step.
     fn advance(&self, _moment: &mut Moment) {}
+}
+
+/// Work on the whole world at once, which rules of cells cannot do: drainage, rivers, plates.
+pub trait Action: Send + Sync {
+    /// Changes the layers that [`Process::layers`] names, and writes what entered, left or was clamped to the ledger. The
+    /// result must not depend on the number of threads.
+    ///
+    /// # Errors
+    /// If a parameter cannot work on this world, or on a request to stop, which long work must look for. The engine then
+    /// takes the whole step back.
+    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()>;
 }
 
 /// What a generator may look at, and which rows it is to make.
@@ -199,6 +215,8 @@ pub struct Entry<T: ?Sized> {
     pub defaults: fn() -> Value,
     /// Makes it; missing parameters take their defaults.
     pub make: fn(Value) -> Result<Box<T>, serde_json::Error>,
+    /// What it does, its equations and its source, as Markdown: the head of its source file, see [`about!`](crate::about!).
+    pub about: &'static str,
     /// Keys in `references.bib`.
     pub cites: &'static [&'static str],
 }
@@ -210,23 +228,53 @@ pub fn defaults_of<P: Parameters>() -> Value {
 
 /// JSON Schema of `P`.
 pub fn schema_of<P: Parameters>() -> Schema {
-    schemars::generate::SchemaSettings::draft2020_12()
+    let mut schema = schemars::generate::SchemaSettings::draft2020_12()
         .with(|s| s.inline_subschemas = true)
         .into_generator()
-        .into_root_schema_for::<P>()
+        .into_root_schema_for::<P>();
+    // Parameters that several structs share stand in a struct of their own, whose defaults need not be those of `P`.
+    let defaults = defaults_of::<P>();
+    for (name, property) in schema.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten() {
+        if !defaults[name].is_null() {
+            property["default"] = defaults[name].clone();
+        }
+    }
+    schema
+}
+
+/// `P` from a table; what the table leaves out has the default of `P`.
+///
+/// Unknown keys are found here and not by `serde`, which cannot tell them where structs share parameters by `flatten`.
+///
+/// # Errors
+/// If the table holds something else than the parameters of `P`.
+pub fn parameters_from<P: Parameters>(table: Value) -> Result<P, serde_json::Error> {
+    let (mut all, Value::Object(table)) = (defaults_of::<P>(), table) else {
+        return P::deserialize(Value::Null);
+    };
+    if let Some(all) = all.as_object_mut() {
+        if let Some(key) = table.keys().find(|k| !all.contains_key(*k)) {
+            let known: Vec<&str> = all.keys().map(String::as_str).collect();
+            return Err(serde::de::Error::custom(format!("unknown key `{key}`; there are {}", known.join(", "))));
+        }
+        all.extend(table);
+    }
+    serde_json::from_value(all)
 }
 
 impl Entry<dyn Process> {
     /// The entry of a parameter struct that is a process.
     pub const fn process<P: Parameters + Process + 'static>(
         name: &'static str,
+        about: &'static str,
         cites: &'static [&'static str],
     ) -> Self {
         Self {
             name,
             schema: schema_of::<P>,
             defaults: defaults_of::<P>,
-            make: |v| Ok(Box::new(serde_json::from_value::<P>(v)?)),
+            make: |v| Ok(Box::new(parameters_from::<P>(v)?)),
+            about,
             cites,
         }
     }
@@ -236,13 +284,15 @@ impl Entry<dyn Generator> {
     /// The entry of a parameter struct that is a generator.
     pub const fn generator<P: Parameters + Generator + 'static>(
         name: &'static str,
+        about: &'static str,
         cites: &'static [&'static str],
     ) -> Self {
         Self {
             name,
             schema: schema_of::<P>,
             defaults: defaults_of::<P>,
-            make: |v| Ok(Box::new(serde_json::from_value::<P>(v)?)),
+            make: |v| Ok(Box::new(parameters_from::<P>(v)?)),
+            about,
             cites,
         }
     }

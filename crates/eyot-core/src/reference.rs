@@ -147,7 +147,11 @@ impl<T: Number> Reference<T> {
     }
 
     /// Runs `steps` steps of the processes, whose layers are made if they are missing.
+    ///
+    /// # Panics
+    /// If a process has an action: there is only one way to run those, so a reference would compare nothing.
     pub fn simulate(&mut self, processes: &[Scheduled], steps: u64) {
+        assert!(processes.iter().all(|s| s.process.action().is_none()), "the reference runs rules only");
         for s in processes {
             for (spec, value) in s.process.layers() {
                 self.make(&spec, value);

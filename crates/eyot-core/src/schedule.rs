@@ -16,7 +16,6 @@
 use crate::error::{Error, Result};
 use crate::layer::LayerSpec;
 use crate::plan::Pass;
-use crate::rule::Tally;
 
 /// A layer's buffer: which layer, which of its two copies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,8 +30,6 @@ pub(crate) struct Scheduled {
     pub(crate) reads: Vec<(Buffer, usize)>,
     pub(crate) writes: Vec<Buffer>,
     pub(crate) lag: usize,
-    /// Index into [`Schedule::tallies`] of each sum.
-    pub(crate) sums: Vec<usize>,
 }
 
 /// See the module.
@@ -41,7 +38,6 @@ pub(crate) struct Schedule {
     pub(crate) passes: Vec<Scheduled>,
     /// Which copy of each layer holds its value at the end.
     pub(crate) current: Vec<usize>,
-    pub(crate) tallies: Vec<Tally>,
     pub(crate) longest_lag: usize,
 }
 
@@ -81,23 +77,12 @@ impl Schedule {
             if lag > most_lag && !s.passes.is_empty() {
                 break;
             }
-            let sums = pass.rule.tallies().iter().map(|t| s.tally(t)).collect();
             for b in &writes {
                 s.current[b.layer] = b.copy;
             }
             s.longest_lag = s.longest_lag.max(lag);
-            s.passes.push(Scheduled { reads, writes, lag, sums });
+            s.passes.push(Scheduled { reads, writes, lag });
         }
         Ok(s)
-    }
-
-    fn tally(&mut self, t: &Tally) -> usize {
-        match self.tallies.iter().position(|k| k.account == t.account) {
-            Some(i) => i,
-            None => {
-                self.tallies.push(*t);
-                self.tallies.len() - 1
-            }
-        }
     }
 }

@@ -124,6 +124,18 @@ fn slices_of_the_wrong_length_are_refused() {
     assert!(matches!(w.put(&HEIGHT, Field::new(2, 3, 0.0)), Err(Error::Shape { .. })));
 }
 
+#[test]
+fn layers_on_faces_differ_by_their_outer_faces_and_others_do_not() {
+    for (spec, differs) in [(FACES, true), (HEIGHT, false)] {
+        let mut a = World::new(grid(4, 3), 1);
+        a.ensure(&spec, 1.0);
+        let mut b = a.clone();
+        assert_eq!(a, b);
+        b.layer_mut(&spec.name).unwrap().field.set_outer_faces(&[2.0; 7]).unwrap();
+        assert_eq!(a != b, differs, "{}", spec.name);
+    }
+}
+
 // --------------------------------------------------------------------------------------------------------------- World
 
 #[test]

@@ -152,6 +152,7 @@ fn a_cancelled_run_leaves_whole_steps() {
         let mut whole = first_world(Rim::OPEN);
         engine.simulate(&mut whole, &flowing(), Span { from: 0, steps: 20 }, &Control::none()).unwrap();
         assert_eq!(stopped.fingerprint(), whole.fingerprint());
+        assert_eq!(stopped.ledger, whole.ledger);
     }
 }
 
@@ -164,6 +165,53 @@ fn a_refused_run_changes_nothing() {
     let outcome = engine.simulate(&mut w, &flowing(), Span { from: 0, steps: 1 }, &Control::none());
     assert!(matches!(outcome, Err(Error::Limit { .. })));
     assert_eq!(w.fingerprint(), before);
+}
+
+/// Spreads a layer of its own, for which a second copy is needed.
+struct Spread;
+
+impl Rule for Spread {
+    const NAME: &'static str = "test_spread";
+    const READS: &'static [Read] = &[read("smoke", 1)];
+    const WRITES: &'static [&'static str] = &["smoke"];
+    type Params = PushParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &PushParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        ([p.keep * (c.at(0, -1, 0) + c.at(0, 1, 0))], [])
+    }
+}
+
+/// Sub-steps that make several chains of one step, the last of which needs more memory than the others.
+struct Late;
+
+impl Process for Late {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        let smoke = LayerSpec::new("smoke", "1", "Something that spreads", (0.0, 1.0));
+        vec![(STUFF, 1.0), (FLOW_X, 0.0), (FLOW_Y, 0.0), (smoke, 1.0)]
+    }
+    fn plan(&self, _: &Moment, plan: &mut Plan) {
+        for _ in 0..12 {
+            plan.push::<Push>(PushParams { keep: 0.5, push: 0.05 });
+            plan.push::<Move>(PushParams { keep: 0.5, push: 0.05 });
+        }
+        plan.push::<Spread>(PushParams { keep: 0.5, push: 0.0 });
+    }
+}
+
+#[test]
+fn a_step_that_lacks_memory_for_its_last_pass_is_not_begun() {
+    let late = || vec![Scheduled { name: "late", process: Box::new(Late), every: 1 }];
+    let mut w = conformance::random_world((29, 37), Rim::OPEN, 5, &late(), &|_, u| u).unwrap();
+    let before = w.clone();
+    // Four fields of 93 x 39 values with their rims, 12 sums of 37 rows; a fifth field does not fit.
+    let limits = Limits { max_bytes: 4 * 93 * 39 * 4 + 8 * 12 * 37, ..Limits::default() };
+    let engine = CpuEngine { limits, ..Default::default() };
+    let outcome = engine.simulate(&mut w, &late(), Span { from: 0, steps: 1 }, &Control::none());
+    assert!(matches!(outcome, Err(Error::Limit { .. })), "{outcome:?}");
+    assert_eq!(w, before);
 }
 
 /// Multiplies 1e30 with itself.

@@ -8,12 +8,14 @@ use eyot_core::{Grid, Limits, Rim, World, layer::known};
 use eyot_io::{RasterFormat, ReadOptions, read_raster, write_layer};
 use std::path::PathBuf;
 
+const READ: [&str; 5] = ["tif", "png", "exr", "npy", "zarr"];
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("usage: read_all FOLDER")?);
     let options = ReadOptions { low_m: Some(0.0), high_m: Some(65535.0), ..ReadOptions::default() };
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
-        if !path.extension().is_some_and(|e| e == "tif" || e == "png") {
+        if !path.extension().and_then(|e| e.to_str()).is_some_and(|e| READ.contains(&e)) {
             continue;
         }
         let beside = |ending: &str| PathBuf::from(format!("{}.{ending}", path.display()));

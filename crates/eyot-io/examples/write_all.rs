@@ -56,7 +56,7 @@ fn mesh(folder: &Path, name: &str, world: &World, limits: &Limits) -> Result<()>
             l.error_m
         );
     }
-    write_terrain_obj(&folder.join(format!("{name}.obj")), &levels[1].mesh, name)?;
+    write_terrain_obj(&folder.join(format!("{name}.obj")), &levels[0].mesh, name)?;
     write_terrain_glb(&folder.join(format!("{name}.glb")), &levels, name)?;
     Ok(())
 }

@@ -23,6 +23,30 @@ const SUFFIX: &str = ".tmp";
 /// If the folder does not exist or may not be written to, if `path` is there already but no ordinary file, if the disk
 /// is full, or what `write` returns.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
+    let (folder, temporary) = open(path)?;
+    // From here on, dropping `name` removes the temporary file.
+    let (file, name) = temporary.into_parts();
+    // Tells `remove_leftovers` that somebody is at work on it; where there are no locks, nothing is ever removed.
+    let _ = file.try_lock();
+    let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
+    write(&mut out)?;
+    let file = out.into_inner().map_err(|e| Error::io(path, "write")(e.into_error()))?;
+    file.sync_all().map_err(Error::io(path, "write"))?;
+    drop(file);
+    name.persist(path).map_err(|e| Error::io(path, "rename the finished file to")(e.error))?;
+    sync_folder(folder).map_err(Error::io(folder, "flush the folder"))
+}
+
+/// Finds out whether [`write_atomically`] could begin to write `path`, for those who would rather know before their work.
+///
+/// # Errors
+/// As [`write_atomically`] before it writes.
+pub fn check_place(path: &Path) -> Result<()> {
+    open(path).map(drop)
+}
+
+/// The folder of `path` and a new temporary file in it.
+fn open(path: &Path) -> Result<(&Path, tempfile::NamedTempFile)> {
     let folder = match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
         _ => Path::new("."),
@@ -38,17 +62,7 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) ->
         return Err(Error::format(path, format!("this is {kind} already"), "choose another file name"));
     }
     let temporary = builder().tempfile_in(folder).map_err(Error::io(folder, "write to the folder"))?;
-    // From here on, dropping `name` removes the temporary file.
-    let (file, name) = temporary.into_parts();
-    // Tells `remove_leftovers` that somebody is at work on it; where there are no locks, nothing is ever removed.
-    let _ = file.try_lock();
-    let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
-    write(&mut out)?;
-    let file = out.into_inner().map_err(|e| Error::io(path, "write")(e.into_error()))?;
-    file.sync_all().map_err(Error::io(path, "write"))?;
-    drop(file);
-    name.persist(path).map_err(|e| Error::io(path, "rename the finished file to")(e.error))?;
-    sync_folder(folder).map_err(Error::io(folder, "flush the folder"))
+    Ok((folder, temporary))
 }
 
 /// As [`write_atomically`] for a folder: `write` fills a temporary folder beside `path`, which then takes its place.
@@ -122,11 +136,11 @@ pub fn remove_leftovers(folder: &Path) {
             if File::open(&path).is_ok_and(|f| f.try_lock().is_ok()) {
                 let _ = fs::remove_dir_all(&path);
             }
-        } else if kind.is_ok_and(|t| t.is_file()) {
-            if File::options().write(true).open(&path).is_ok_and(|f| f.try_lock().is_ok()) {
-                // What cannot be removed is in nobody's way either.
-                let _ = fs::remove_file(&path);
-            }
+        } else if kind.is_ok_and(|t| t.is_file())
+            && File::options().write(true).open(&path).is_ok_and(|f| f.try_lock().is_ok())
+        {
+            // What cannot be removed is in nobody's way either.
+            let _ = fs::remove_file(&path);
         }
     }
 }

@@ -89,6 +89,7 @@ fn remedy_for(e: &io::Error) -> &'static str {
             "; choose a place that you may write to, or change its permissions"
         }
         K::StorageFull | K::QuotaExceeded => "; make room on the disk or write elsewhere; the former file is unharmed",
+        K::FileTooLarge => "; the file system or a limit (ulimit -f) refuses files of this size: write elsewhere",
         K::IsADirectory => "; give the name of a file in it",
         _ => "",
     }

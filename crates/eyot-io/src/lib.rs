@@ -59,7 +59,7 @@ mod sidecar;
 mod zarr;
 
 pub use about::About;
-pub use atomic::{remove_leftovers, write_atomically};
+pub use atomic::{check_place, remove_leftovers, write_atomically};
 pub use checkpoint::Checkpoint;
 pub use error::{Error, Result};
 pub use exr_write::write_exr;

@@ -101,7 +101,7 @@ fn value_range(path: &Path, reader: &png::Reader<BufReader<File>>, options: &Rea
         None => Err(Error::format(
             path,
             "the file does not say which heights black and white stand for",
-            "give low_m and high_m (--range LOW,HIGH)",
+            "give low_m and high_m in a recipe (generate = \"import\"), or --range LOW,HIGH to eyot convert",
         )),
     }
 }

@@ -94,10 +94,14 @@ pub struct ReadOptions {
 pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
     let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
     if metadata.is_dir() {
-        return match zarr::is_node(path) {
-            true => finite(path, zarr::read(path, options, limits)?),
-            false => Err(Error::format(path, "this is a folder", "give the name of a file in it")),
-        };
+        if zarr::is_node(path) {
+            return finite(path, zarr::read(path, options, limits)?);
+        }
+        if [".zarray", ".zgroup"].iter().any(|f| path.join(f).exists()) {
+            let problem = "this is a Zarr store of version 2, this program reads version 3";
+            return Err(Error::format(path, problem, "write it again with zarr_format=3"));
+        }
+        return Err(Error::format(path, "this is a folder", "give the name of a file in it"));
     }
     if !metadata.is_file() {
         return Err(Error::format(path, "this is no ordinary file", "copy its content to a file first"));

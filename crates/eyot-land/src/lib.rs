@@ -3,5 +3,6 @@
 //! `generate` and `simulate` do not know each other; recipes put them together.
 
 pub mod analyse;
+pub mod drainage;
 pub mod generate;
 pub mod simulate;

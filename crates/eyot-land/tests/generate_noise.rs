@@ -2,10 +2,12 @@
 use eyot_core::isa::Isa;
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Control, Field, Grid, Limits, Rim, World};
+use eyot_land::generate::fractal::{Fractal, Octaves};
 use eyot_land::generate::noise::{Basis, Noise, Sum};
 use eyot_land::generate::{Fbm, Ridged, Warp};
 
-const BASES: [Basis; 2] = [Basis::Simplex, Basis::Perlin];
+const BASES: [Basis; 6] =
+    [Basis::Simplex, Basis::Perlin, Basis::Value, Basis::WorleyF1, Basis::WorleyF2, Basis::WorleyF2F1];
 
 fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
     Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
@@ -18,6 +20,11 @@ fn field(noise: &Noise, grid: &Grid) -> Field {
 fn make(what: &dyn Generator, base: &Field, grid: Grid, seed: u64) -> Field {
     let (world, control) = (World::new(grid, seed), Control::none());
     what.generate(&Site::whole(grid, seed, &world, &control), base).unwrap()
+}
+
+/// Hills of the default size.
+fn fbm(noise: Octaves, warp: f32) -> Fbm {
+    Fbm { fractal: Fractal { noise, warp, ..Fbm::default().fractal } }
 }
 
 /// Mean and standard deviation.
@@ -128,10 +135,22 @@ fn no_row_or_column_stands_out() {
 fn the_same_bytes_for_all_isas_and_threads() {
     for rim in [Rim::CLOSED, Rim::WRAP, Rim { x: eyot_core::Edge::Wrap, y: eyot_core::Edge::Open }] {
         for basis in BASES {
-            for (sum, warp_m) in [(Sum::Fbm, 0.0), (Sum::Ridged(2.0), 0.0), (Sum::Fbm, 90.0), (Sum::Ridged(3.0), 40.0)]
-            {
+            for (sum, warp_m) in [
+                (Sum::Fbm, 0.0),
+                (Sum::Ridged(2.0), 0.0),
+                (Sum::Fbm, 90.0),
+                (Sum::Ridged(3.0), 40.0),
+                (Sum::Billow, 0.0),
+            ] {
                 let g = Grid { width: 541, height: 67, cell_x_m: 3.0, cell_y_m: 4.0, rim };
-                let noise = Noise { basis, sum, scale_m: 300.0, octaves: 12, seed: 5, ..Noise::default() };
+                let noise = Noise {
+                    basis,
+                    sum,
+                    scale_m: 300.0,
+                    octaves: if basis == Basis::Simplex { 12 } else { 3 },
+                    seed: 5,
+                    ..Noise::default()
+                };
                 let reference = noise.warped_field(warp_m, &g, 0..67, Isa::Scalar, &Control::none()).unwrap();
                 for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
                     for threads in [1, 2, 3, 8] {
@@ -154,9 +173,10 @@ fn seeds_make_different_land() {
             [0, 1, 2, 1 << 40].map(|seed| field(&Noise { basis, scale_m: 16.0, seed, ..Noise::default() }, &g)).into();
         for (i, a) in fields.iter().enumerate() {
             for b in &fields[..i] {
-                let correlation = a.iter().zip(b.iter()).map(|(a, b)| f64::from(a * b)).sum::<f64>()
-                    / 65536.0
-                    / (spread(a).1 * spread(b).1);
+                let ((mean_a, deviation_a), (mean_b, deviation_b)) = (spread(a), spread(b));
+                let product = |(a, b): (f32, f32)| (f64::from(a) - mean_a) * (f64::from(b) - mean_b);
+                let correlation =
+                    a.iter().zip(b.iter()).map(product).sum::<f64>() / 65536.0 / (deviation_a * deviation_b);
                 assert!(correlation.abs() < 0.1, "{correlation}");
             }
         }
@@ -177,26 +197,31 @@ fn a_finer_grid_shows_the_same_land() {
         let (flat, flat_fine) = (Field::new(256, 256, 0.0), Field::new(1024, 1024, 0.0));
         let mut worst = 0f64;
         for basis in BASES {
+            // The kinks of cellular noise are rounded off by the mean over cells (measured: 0.060 for ridges of F2 - F1).
+            let most = if matches!(basis, Basis::Simplex | Basis::Perlin | Basis::Value) { 0.03 } else { 0.1 };
+            let of = |octaves| Octaves { basis, octaves, ..Octaves::default() };
+            let ridged = Ridged::default();
+            let crests = Octaves { basis, ..ridged.fractal.noise.clone() };
             let generators: [&dyn Generator; 4] = [
-                &Fbm { basis, ..Fbm::default() },
-                &Fbm { basis, octaves: 12, warp: 0.3, ..Fbm::default() },
-                &Ridged { basis, ..Ridged::default() },
-                &Fbm { basis, scale_m: 2000.0, lacunarity: 1.9, ..Fbm::default() },
+                &fbm(of(8), 0.0),
+                &fbm(of(12), 0.3),
+                &Ridged { fractal: Fractal { noise: crests, ..ridged.fractal.clone() }, ..ridged },
+                &fbm(Octaves { scale_m: 2000.0, lacunarity: 1.9, ..of(8) }, 0.0),
             ];
             for what in generators {
                 let (a, b) = (make(what, &flat, coarse, 3), coarsened(&make(what, &flat_fine, fine, 3)));
                 let relative = distance(&a, &b) / spread(&b).1;
                 worst = worst.max(relative);
-                assert!(relative < 0.03, "{relative}");
+                assert!(relative < most, "{basis:?}: {relative}");
             }
             // A filter: its displacement is the same land, too.
-            let fbm = Fbm { basis, octaves: 5, ..Fbm::default() };
-            let warp = Warp { basis, ..Warp::default() };
+            let fbm = fbm(of(5), 0.0);
+            let warp = Warp { noise: of(3), ..Warp::default() };
             let a = make(&warp, &make(&fbm, &flat, coarse, 3), coarse, 4);
             let b = coarsened(&make(&warp, &make(&fbm, &flat_fine, fine, 3), fine, 4));
             let relative = distance(&a, &b) / spread(&b).1;
             worst = worst.max(relative);
-            assert!(relative < 0.03, "warp: {relative}");
+            assert!(relative < most, "warp, {basis:?}: {relative}");
         }
         println!("{:?}: root mean square difference up to {worst:.4} of the relief", rim.x);
     }
@@ -208,7 +233,8 @@ fn wrapping_rims_have_no_seam() {
     let g = grid(256, 192, 10.0, Rim::WRAP);
     for basis in BASES {
         for warp in [0.0, 0.5] {
-            let fbm = make(&Fbm { basis, warp, octaves: 4, ..Fbm::default() }, &Field::new(256, 192, 0.0), g, 8);
+            let noise = Octaves { basis, octaves: 4, ..Octaves::default() };
+            let fbm = make(&fbm(noise, warp), &Field::new(256, 192, 0.0), g, 8);
             let warped = make(&Warp::default(), &fbm, g, 8);
             for f in [fbm, warped] {
                 for along_x in [true, false] {
@@ -237,7 +263,8 @@ fn wrapping_rims_have_no_seam() {
 /// Far from the origin of a large grid the noise is as smooth as near it: the twelfth octave alone, 16384 cells east.
 #[test]
 fn large_grids_lose_no_precision() {
-    for basis in BASES {
+    // The distances of cellular noise have kinks.
+    for basis in [Basis::Simplex, Basis::Perlin, Basis::Value] {
         let g = grid(16384, 8, 1.0, Rim::CLOSED);
         // Features of 64 cells and smooth: second differences are small, and rounding would dominate them.
         let noise = Noise { basis, octaves: 1, scale_m: 64.0, ..Noise::default() };

@@ -4,6 +4,13 @@ use eyot_core::{Control, Error, Field, Grid, Limits, Rim, World};
 use eyot_land::generate::{Cone, GENERATORS};
 use serde_json::{Value, json};
 
+/// A world with this height.
+fn of_height(grid: Grid, height: &Field) -> World {
+    let mut world = World::new(grid, 1);
+    world.put(&eyot_core::layer::known::HEIGHT, height.clone()).unwrap();
+    world
+}
+
 fn is_numeric(rule: &Value) -> bool {
     let named = |t: &Value| t == "number" || t == "integer";
     named(&rule["type"]) || rule["type"].as_array().is_some_and(|a| a.iter().any(named))
@@ -48,8 +55,8 @@ fn defaults_work_everywhere_and_unknown_names_do_not() {
                 for cell_y_m in [10.0, 25.0] {
                     let grid = Grid { width: w, height: h, cell_x_m: 10.0, cell_y_m, rim };
                     let grid = grid.checked(&Limits::default()).unwrap();
-                    let (world, control) = (World::new(grid, 1), Control::none());
                     let base = Field::from_fn(w, h, |x, y| ((x * 7 + y * 13) % 11) as f32);
+                    let (world, control) = (of_height(grid, &base), Control::none());
                     let site = Site::whole(grid, 1, &world, &control);
                     let field = made.generate(&site, &base).unwrap();
                     assert_eq!((field.width(), field.height()), (w, h));
@@ -63,15 +70,76 @@ fn defaults_work_everywhere_and_unknown_names_do_not() {
 #[test]
 fn generators_chain_in_any_order() {
     let grid = Grid::new(48, 32, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
-    let (world, control) = (World::new(grid, 1), Control::none());
-    let site = Site::whole(grid, 1, &world, &control);
+    let (flat, control) = (Field::new(48, 32, 0.0), Control::none());
     for first in GENERATORS {
-        let base = (first.make)(json!({})).unwrap().generate(&site, &Field::new(48, 32, 0.0)).unwrap();
+        let world = of_height(grid, &flat);
+        let base = (first.make)(json!({})).unwrap().generate(&Site::whole(grid, 1, &world, &control), &flat).unwrap();
+        let world = of_height(grid, &base);
+        let site = Site::whole(grid, 1, &world, &control);
         for second in GENERATORS {
             let field = (second.make)(json!({})).unwrap().generate(&site, &base).unwrap();
             assert_eq!(field.find_not_finite(), None, "{} after {}", second.name, first.name);
         }
     }
+}
+
+/// What leaves its range is found before anything runs, and named with the range.
+#[test]
+fn every_number_is_held_to_its_range() {
+    let grid = Grid::new(8, 8, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+    let mut tried = 0;
+    for entry in GENERATORS {
+        let schema = (entry.schema)().to_value();
+        for (field, rule) in schema["properties"].as_object().unwrap().iter().filter(|(_, rule)| is_numeric(rule)) {
+            let high = rule["maximum"].as_f64().unwrap();
+            let value = if rule["type"] == "integer" { json!(2 * high as u64 + 1) } else { json!(2.0 * high + 1.0) };
+            match (entry.make)(json!({ field: value })).unwrap().check(&grid) {
+                Err(Error::BadParameter { owner, field: named, reason }) => {
+                    assert_eq!((owner.as_str(), &named), (entry.name, field));
+                    assert!(reason.contains(&format!("{high}")), "{owner}.{named}: {reason}");
+                }
+                other => panic!("{}.{field} = {value}: {other:?}", entry.name),
+            }
+            tried += 1;
+        }
+        assert!((entry.make)(json!({})).unwrap().check(&grid).is_ok(), "{}", entry.name);
+    }
+    assert!(tried > 80, "{tried}");
+}
+
+#[test]
+fn parameters_that_contradict_each_other_are_refused() {
+    let grid = Grid::new(8, 8, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+    for (name, parameters, field) in [
+        ("remap", json!({ "points": [[0.0, 0.0]] }), "points"),
+        ("remap", json!({ "points": [[0.5, 0.0], [0.5, 1.0]] }), "points"),
+        ("remap", json!({ "points": [[0.0, 0.0], [1.0, 1e9]] }), "points"),
+        ("mask_height", json!({ "from": 10.0, "to": 5.0 }), "to"),
+        ("mask_slope", json!({ "from": 40.0, "to": 30.0 }), "to"),
+        ("mask_curvature", json!({ "from": 0.3, "to": 0.2 }), "to"),
+    ] {
+        let entry = GENERATORS.iter().find(|e| e.name == name).unwrap();
+        match (entry.make)(parameters.clone()).unwrap().check(&grid) {
+            Err(Error::BadParameter { owner, field: named, .. }) => {
+                assert_eq!((owner.as_str(), named.as_str()), (name, field))
+            }
+            other => panic!("{name} {parameters}: {other:?}"),
+        }
+    }
+}
+
+/// Defaults belong to the generator, also where several generators share a struct of parameters.
+#[test]
+fn what_a_table_leaves_out_has_the_generators_default() {
+    use eyot_core::process::parameters_from;
+    use eyot_land::generate::Ridged;
+    let half: Ridged = parameters_from(json!({ "octaves": 3 })).unwrap();
+    let whole = Ridged::default();
+    assert_eq!(half.fractal.noise.octaves, 3);
+    assert_eq!(half.fractal.noise.basis, whole.fractal.noise.basis);
+    assert_eq!(half.fractal.amplitude, whole.fractal.amplitude);
+    let schema = GENERATORS.iter().find(|e| e.name == "ridged").map(|e| (e.schema)().to_value()).unwrap();
+    assert_eq!(schema["properties"]["basis"]["default"], "perlin");
 }
 
 #[test]

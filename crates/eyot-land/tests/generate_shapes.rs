@@ -197,6 +197,7 @@ fn smoothing_gives_the_same_bytes_everywhere() {
 
 #[test]
 fn warp_moves_and_does_not_make() {
+    use eyot_land::generate::fractal::Octaves;
     use eyot_land::generate::warp::Interpolation;
     for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP] {
         let g = grid(96, 64, 10.0, 10.0, rim);
@@ -210,11 +211,11 @@ fn warp_moves_and_does_not_make() {
         let f = make(&Warp { interpolation: Interpolation::Linear, ..Warp::default() }, &base, g);
         let ((low, high), (l, h)) = (base.min_max(), f.min_max());
         assert!(l >= low && h <= high && f != base);
+        let bends = Octaves { octaves: 3, scale_m: 200.0, ..Octaves::default() };
         // A plane is moved by the displacement, exactly so by both interpolations.
         let plane = Field::from_fn(96, 64, |x, y| (x + 2 * y) as f32);
-        let [a, b] = [Interpolation::Linear, Interpolation::Cubic].map(|interpolation| {
-            make(&Warp { interpolation, scale_m: 200.0, strength: 0.2, ..Warp::default() }, &plane, g)
-        });
+        let [a, b] = [Interpolation::Linear, Interpolation::Cubic]
+            .map(|interpolation| make(&Warp { interpolation, noise: bends.clone(), strength: 0.2 }, &plane, g));
         for y in 8..56 {
             for x in 8..88 {
                 assert!((a.get(x, y) - b.get(x, y)).abs() < 1e-3);

@@ -43,6 +43,14 @@ fn variants(name: &str) -> Vec<Value> {
             json!({ "kernel": "binomial", "passes": 5 }),
             json!({ "kernel": "gentle", "passes": 3 }),
         ],
+        "terraces" => vec![json!({ "step_m": 12.0 })],
+        "remap" => {
+            vec![json!({ "from": [0.0, 90.0], "clamp": false }), json!({ "from": [5.0, 50.0], "curve": "linear" })]
+        }
+        "mask_slope" => vec![json!({ "scale_m": 50.0, "to": 60.0 })],
+        "mask_curvature" => vec![json!({ "shape": "concave", "scale_m": 140.0 })],
+        "diamond_square" => vec![json!({ "scale_m": 77.0, "roughness": 0.7 })],
+        "worley" => vec![json!({ "distance": "f1", "jitter": 0.5 })],
         "warp" => vec![json!({ "strength": 0.1, "interpolation": "linear" })],
         _ => Vec::new(),
     };
@@ -73,7 +81,7 @@ fn windows_make_the_same_bytes() {
             }
         }
     }
-    for name in ["cone", "constant", "crater", "fbm", "ramp", "ridged", "smooth", "warp"] {
+    for name in GENERATORS.iter().map(|e| e.name) {
         assert!(tried.contains(&name), "{name} can be cut, but says that it cannot");
     }
 }

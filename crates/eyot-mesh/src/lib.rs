@@ -27,5 +27,5 @@ mod lod;
 mod terrain;
 
 pub use error::{Error, Result};
-pub use lod::{Lod, levels_of_detail};
-pub use terrain::{MeshOptions, Terrain, TerrainMesh, terrain};
+pub use lod::{Lod, levels_of_detail, levels_of_detail_controlled};
+pub use terrain::{MeshOptions, Terrain, TerrainMesh, terrain, terrain_bytes};

@@ -1,6 +1,7 @@
 //! Coarser levels of a terrain mesh, by edge collapses that leave the rim in place.
 
 use crate::terrain::TerrainMesh;
+use eyot_core::{Control, Result};
 use meshopt::{SimplifyOptions, VertexDataAdapter, utilities::typed_to_bytes};
 
 /// A level counts as coarser only if it saves at least this share of triangles; with the rim locked, small meshes
@@ -25,12 +26,22 @@ pub struct Lod {
 /// landscape fit together at any mix of levels. Levels that the locked rim keeps from getting markedly smaller are
 /// left out, so there may be fewer levels than ratios; values outside 0..1 are left out, too.
 pub fn levels_of_detail(mesh: &TerrainMesh, ratios: &[f64]) -> Vec<Lod> {
+    // Without anybody to stop it, it comes to its end.
+    levels_of_detail_controlled(mesh, ratios, &Control::none()).unwrap_or_default()
+}
+
+/// As [`levels_of_detail`]; can be stopped between two levels.
+///
+/// # Errors
+/// On a request to stop.
+pub fn levels_of_detail_controlled(mesh: &TerrainMesh, ratios: &[f64], control: &Control<'_>) -> Result<Vec<Lod>> {
     let full = mesh.triangles();
     let mut levels = vec![Lod { mesh: compact(mesh, &mesh.indices), ratio: 1.0, error_m: 0.0 }];
     if mesh.positions.is_empty() {
-        return levels;
+        return Ok(levels);
     }
     for &ratio in ratios.iter().filter(|r| (0.0..1.0).contains(*r)) {
+        control.check()?;
         let finer = &levels[levels.len() - 1];
         let target = 3 * ((full as f64 * ratio) as usize).max(1);
         let (indices, error) = simplify(&finer.mesh, target);
@@ -43,7 +54,7 @@ pub fn levels_of_detail(mesh: &TerrainMesh, ratios: &[f64]) -> Vec<Lod> {
         let mesh = compact(&finer.mesh, &indices);
         levels.push(Lod { ratio: mesh.triangles() as f64 / full as f64, mesh, error_m });
     }
-    levels
+    Ok(levels)
 }
 
 /// Indices of about `target` length, and the error in metres.

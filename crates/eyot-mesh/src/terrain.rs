@@ -109,6 +109,17 @@ pub fn terrain(
     Ok(Terrain { mesh: TerrainMesh { positions, normals, colours, indices }, columns, rows, stride })
 }
 
+/// Bytes that a mesh of `width` x `height` cells and its levels of detail take at most while they are made, beside the
+/// heights and colours.
+///
+/// Measured with four levels at 2048 x 2048 cells: 291 bytes a vertex, most of them in the search for the first edges to
+/// collapse.
+pub fn terrain_bytes(width: usize, height: usize, options: &MeshOptions, limits: &Limits) -> u128 {
+    let (w, h) = (width.max(2), height.max(2));
+    let stride = stride_for(w, h, options.max_vertices.min(limits.max_vertices).clamp(4, u64::from(u32::MAX)));
+    320 * samples(w, stride) as u128 * samples(h, stride) as u128
+}
+
 /// Runs `row` for all rows on all cores and joins the results in order.
 fn collect<T: Send>(rows: usize, row: impl Fn(usize) -> Vec<T> + Sync + Send) -> Vec<T> {
     (0..rows).into_par_iter().flat_map_iter(row).collect()

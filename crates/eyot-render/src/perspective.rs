@@ -6,7 +6,7 @@ use crate::picture::{Picture, quantise, tone_map};
 use crate::scene::Scene;
 use crate::sea::sea;
 use crate::view::{Camera, ViewOptions, finite};
-use eyot_core::{Result, World};
+use eyot_core::{Control, Result, World};
 use rayon::prelude::*;
 
 /// Difference of encoded colours from which a pixel counts as an edge.
@@ -17,16 +17,26 @@ const EDGE: f32 = 0.055;
 /// # Errors
 /// If the world has no layer `height`.
 pub fn perspective(world: &World, o: &ViewOptions) -> Result<Picture> {
-    let scene = Scene::new(world, o)?;
+    perspective_controlled(world, o, &Control::none())
+}
+
+/// As [`perspective`]; can be stopped.
+///
+/// # Errors
+/// As [`perspective`], and on a request to stop.
+pub fn perspective_controlled(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Picture> {
+    let scene = Scene::new(world, o, control)?;
     let shot = Shot::new(&scene, o);
     let (w, h) = (o.width, o.height);
     let mut once = vec![[0.0f32; 3]; w * h];
-    once.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, row)| {
+    once.par_chunks_mut(w.max(1)).enumerate().try_for_each(|(y, row)| {
         row.iter_mut().enumerate().for_each(|(x, c)| *c = shot.encoded(x as f32 + 0.5, y as f32 + 0.5));
-    });
+        control.check()
+    })?;
     let samples = o.samples.clamp(1, 16);
     let mut pixels = vec![[0u8; 3]; w * h];
-    pixels.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, row)| {
+    pixels.par_chunks_mut(w.max(1)).enumerate().try_for_each(|(y, row)| {
+        control.check()?;
         for (x, out) in row.iter_mut().enumerate() {
             let mut c = once[y * w + x];
             if samples > 1 && is_edge(&once, w, h, x, y) {
@@ -38,7 +48,8 @@ pub fn perspective(world: &World, o: &ViewOptions) -> Result<Picture> {
             }
             *out = quantise(c, x, y);
         }
-    });
+        Ok(())
+    })?;
     Ok(Picture { width: w, height: h, pixels })
 }
 

@@ -39,7 +39,19 @@ impl Picture {
             (self.width, (self.height as f32 * down / across).round() as usize)
         };
         // Extreme cells would make extreme pictures.
-        if (width, height) == (self.width, self.height) || width.max(height) > 16384 {
+        if width.max(height) > 16384 { self } else { self.resampled(width, height) }
+    }
+
+    /// The picture with so many pixels along its longer side, linearly between the pixels.
+    pub(crate) fn with_longer_side(self, n: usize) -> Self {
+        let longer = self.width.max(self.height);
+        let side = |old: usize| ((old as f64 * n as f64 / longer as f64).round() as usize).max(1);
+        let (width, height) = (side(self.width), side(self.height));
+        self.resampled(width, height)
+    }
+
+    fn resampled(self, width: usize, height: usize) -> Self {
+        if (width, height) == (self.width, self.height) {
             return self;
         }
         let place = |i: usize, new: usize, old: usize| {

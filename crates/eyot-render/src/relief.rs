@@ -10,7 +10,7 @@ use crate::resample::Raster;
 use crate::surface::{Refinement, Surface, b_spline};
 use crate::view::finite;
 use crate::water::Water;
-use eyot_core::{Result, World};
+use eyot_core::{Control, Result, World};
 use rayon::prelude::*;
 
 /// How a relief is drawn. Angles in degrees, bearings clockwise from north.
@@ -20,6 +20,8 @@ pub struct ReliefOptions {
     pub max_size: usize,
     /// Grids with a longer side below this are drawn with several pixels a cell, pixels.
     pub min_size: usize,
+    /// Pixels of the longer side, instead of the two bounds; pixels are then between cells where whole factors do not fit.
+    pub size: Option<usize>,
     /// Bearing of the light. Maps are lit from the north-west by custom.
     pub sun_azimuth_deg: f32,
     /// Height of the light over the horizon, 1 to 89.
@@ -43,6 +45,7 @@ impl Default for ReliefOptions {
         Self {
             max_size: 2048,
             min_size: 512,
+            size: None,
             sun_azimuth_deg: 315.0,
             sun_elevation_deg: 42.0,
             vertical_exaggeration: None,
@@ -60,14 +63,24 @@ impl Default for ReliefOptions {
 /// # Errors
 /// If the world has no layer `height`.
 pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
+    relief_controlled(world, o, &Control::none())
+}
+
+/// As [`relief`]; can be stopped.
+///
+/// # Errors
+/// As [`relief`], and on a request to stop.
+pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>) -> Result<Picture> {
     let ground = Ground::new(world)?;
-    let raster = Raster::new(ground.width, ground.height, o.min_size, o.max_size);
+    control.check()?;
+    let raster = o.raster(ground.width, ground.height);
     let clarity = crate::scene::clarity(o.sea_clarity_m, &ground);
     let sea_water = Water::sea(clarity);
     let fresh_water = Water::fresh(2.0 * ground.river.1);
     let sea = ground.sea && o.sea;
 
     let colours = albedo(world, &ground, finite(o.variation, 1.0).clamp(0.0, 4.0));
+    control.check()?;
     let channels: [Vec<f32>; 3] =
         std::array::from_fn(|k| raster.map(&colours.iter().map(|c| c[k]).collect::<Vec<_>>()));
     let z = raster.map(&ground.z);
@@ -80,13 +93,15 @@ pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
     let azimuth = finite(o.sun_azimuth_deg, 315.0);
     let elevation = finite(o.sun_elevation_deg, 42.0).clamp(1.0, 89.0);
     let shade = Hillshade::new(azimuth, elevation, exaggeration);
+    control.check()?;
     let (sun, open) = cast(&z, [w, h], cell, sea, azimuth, elevation, exaggeration);
     let shadows = finite(o.shadows, 0.45).clamp(0.0, 1.0);
     // Deep water: the tint goes on falling from the end of sight to the deepest place.
     let deepest = (-quantile(&ground.z, 0.0)).max(2.0 * clarity);
 
     let mut pixels = vec![[0u8; 3]; w * h];
-    pixels.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+    pixels.par_chunks_mut(w).enumerate().try_for_each(|(y, row)| {
+        control.check()?;
         for (x, out) in row.iter_mut().enumerate() {
             let i = y * w + x;
             let slope = crate::hillshade::gradient(&z, w, h, cell, x, y);
@@ -113,8 +128,29 @@ pub fn relief(world: &World, o: &ReliefOptions) -> Result<Picture> {
             }
             *out = quantise(tone_map(scale(c, 0.76)), x, y);
         }
-    });
-    Ok(Picture { width: w, height: h, pixels }.square(cell))
+        Ok(())
+    })?;
+    let picture = Picture { width: w, height: h, pixels }.square(cell);
+    Ok(match o.size {
+        Some(n) => picture.with_longer_side(n.clamp(1, 16384)),
+        None => picture,
+    })
+}
+
+impl ReliefOptions {
+    /// How cells become pixels, before the picture is brought to its size.
+    pub(crate) fn raster(&self, width: usize, height: usize) -> Raster {
+        let longer = width.max(height);
+        match self.size.map(|n| n.clamp(1, 16384)) {
+            None => Raster::new(width, height, self.min_size, self.max_size),
+            // The next whole factor that gives no fewer pixels.
+            Some(n) if n >= longer => {
+                let size = longer * n.div_ceil(longer);
+                Raster::new(width, height, size, size)
+            }
+            Some(n) => Raster::new(width, height, 1, longer.div_ceil(longer / n)),
+        }
+    }
 }
 
 /// Colour of the sea from above: the bottom while it can be seen, then tints by depth.

@@ -9,7 +9,7 @@ use crate::sky::Sky;
 use crate::surface::{Refinement, Surface, b_spline, mitchell};
 use crate::view::{Setting, ViewOptions, finite};
 use crate::water::{Water, fresnel, refracted_cos};
-use eyot_core::{Result, World};
+use eyot_core::{Control, Result, World};
 use rayon::prelude::*;
 
 /// What a ray finds at a node.
@@ -45,8 +45,9 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    pub(crate) fn new(world: &World, o: &ViewOptions) -> Result<Self> {
+    pub(crate) fn new(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
         let ground = Ground::new(world)?;
+        control.check()?;
         let refine = Refinement::new(ground.width, ground.height);
         let extent = ground.extent();
         let exaggeration = exaggeration(o, &ground);
@@ -69,6 +70,7 @@ impl Scene {
         let fresh = water.map(|w| refine.refine(w, mitchell));
         let foam = if sea { Some(refine.refine(&surf(&ground, clarity), b_spline)) } else { None };
 
+        control.check()?;
         let sun_elevation = finite(o.sun_elevation_deg, 36.0).clamp(1.0, 89.0);
         let sun_azimuth = finite(o.sun_azimuth_deg, 285.0);
         let sun = Sun::new(&surface, sun_azimuth, sun_elevation);
@@ -78,7 +80,9 @@ impl Scene {
         let sky =
             Sky::new(direction(sun_azimuth, sun_elevation), if block { 0.0 } else { o.clouds }, world.seed as u32);
 
+        control.check()?;
         let colours = albedo(world, &ground, 1.0);
+        control.check()?;
         let channels: [Vec<f32>; 3] = std::array::from_fn(|k| {
             let one: Vec<f32> = colours.iter().map(|c| c[k]).collect();
             refine.refine(&one, b_spline)

@@ -2,6 +2,7 @@
 //!
 //! `peer_fields CASE SIZE STEPS FILE` with CASE = signed, classic, thermal or reef writes FILE (start) and FILE.eyot, the
 //! layers one after the other in the order of the process, and prints their names and the ledger in cell thicknesses.
+//! `peer_fields drainage SIZE 0 FILE` writes the heights that `benches/peers/drainage_peers.py` drains.
 
 use eyot::bench::{self, BenchSubject};
 use eyot_core::engine::CpuEngine;
@@ -14,8 +15,13 @@ use std::path::PathBuf;
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [case, size, steps, file] = args.as_slice() else {
-        return Err("usage: peer_fields signed|classic|thermal|reef SIZE STEPS FILE".into());
+        return Err("usage: peer_fields signed|classic|thermal|reef|drainage SIZE STEPS FILE".into());
     };
+    if case == "drainage" {
+        let (_, height) = bench::drainage_case(size.parse()?)?;
+        std::fs::write(file, height.iter().flat_map(|z| z.to_le_bytes()).collect::<Vec<u8>>())?;
+        return Ok(());
+    }
     let (what, classic) = match case.as_str() {
         "signed" => (BenchSubject::Hydraulic, false),
         "classic" => (BenchSubject::Hydraulic, true),

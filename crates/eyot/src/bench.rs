@@ -7,8 +7,9 @@
 use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, Scheduled, Site, Span};
+use eyot_core::process::{Generator, Moment, Process, Scheduled, Site, Span};
 use eyot_core::{Cancel, Control, Error, Field, Grid, Limits, Result, Rim, World};
+use eyot_land::drainage::{Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Thermal};
@@ -30,11 +31,13 @@ pub enum BenchSubject {
     Noise,
     /// Reef growth: carbon spreads once, then corals grow.
     Reef,
+    /// Filling depressions, D8 routing and counting the cells upstream, once each.
+    Drainage,
 }
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef];
+    pub const ALL: [Self; 5] = [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef, Self::Drainage];
 
     /// Name on the command line.
     pub const fn name(self) -> &'static str {
@@ -43,6 +46,7 @@ impl BenchSubject {
             Self::Thermal => "thermal",
             Self::Noise => "noise",
             Self::Reef => "reef",
+            Self::Drainage => "drainage",
         }
     }
 }
@@ -83,7 +87,7 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise` or `reef`.
+    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise`, `reef` or `drainage`.
     pub what: &'static str,
     /// Cells along a side.
     pub size: usize,
@@ -106,9 +110,10 @@ pub struct BenchReport {
     /// Memory held for a cell while it runs: layers, scratch layers and second copies, padding included.
     pub bytes_per_cell: f64,
     /// What the passes of a step must read and write for a cell if each is on its own: one read or write per layer and
-    /// pass. What reaches memory is less, because a row stays in cache through several passes and steps.
+    /// pass. What reaches memory is less, because a row stays in cache through several passes and steps. 0 for drainage.
     pub bytes_moved_per_cell_step: f64,
-    /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; 0 for noise.
+    /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; 0 for noise and
+    /// drainage.
     pub operations_per_cell_step: usize,
     /// Ledger of the whole run, warm-up included, in the accounts' units.
     pub ledger: BTreeMap<String, f64>,
@@ -135,6 +140,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
         .map_err(|e| bad("threads", e.to_string()))?;
     pool.install(|| match options.what {
         BenchSubject::Noise => noise(options),
+        BenchSubject::Drainage => drainage(options),
         _ => simulation(options),
     })
 }
@@ -145,7 +151,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
 /// If the grid is not sound.
 ///
 /// # Panics
-/// If asked for noise, which is no simulation.
+/// If asked for noise or drainage, which are no simulations.
 pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
     // Cell size, lowest and highest ground (m), process.
     let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
@@ -154,7 +160,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
         // A year a step makes one spreading a growth; the default of ten years takes nine.
         (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
-        (BenchSubject::Noise, _) => panic!("noise is no simulation"),
+        (BenchSubject::Noise | BenchSubject::Drainage, _) => panic!("{} is no simulation", what.name()),
     };
     let grid = Grid::new(size, size, cell_m, Rim::CLOSED, &Limits::default())?;
     let mut world = World::new(grid, 1);
@@ -291,23 +297,8 @@ fn work(world: &World, processes: &[Scheduled]) -> (f64, f64, usize) {
 }
 
 fn noise(options: &BenchOptions) -> Result<BenchReport> {
-    let entry = GENERATORS.iter().find(|e| e.name == "fbm").ok_or_else(|| {
-        let known: Vec<&str> = GENERATORS.iter().map(|e| e.name).collect();
-        bad(
-            "what",
-            format!("noise needs the generator `fbm`, which is not registered; there are: {}", known.join(", ")),
-        )
-    })?;
-    let isa = Isa::best();
-    if let Some(asked) = options.isa.filter(|i| *i != isa) {
-        let name = asked.name();
-        return Err(bad("isa", format!("generators choose theirs when the program starts; set EYOT_ISA={name}")));
-    }
-    let mut parameters = (entry.defaults)();
-    if let Some(octaves) = parameters.get_mut("octaves") {
-        *octaves = serde_json::json!(8);
-    }
-    let generator = (entry.make)(parameters).map_err(|e| bad("what", format!("the generator `fbm` refuses: {e}")))?;
+    let isa = best_isa(options)?;
+    let generator = fbm(8)?;
     let grid = Grid::new(options.size, options.size, 10.0, Rim::CLOSED, &Limits::default())?;
     let (world, base) = (World::new(grid, 1), Field::new(options.size, options.size, 0.0));
     let control = Control::none();
@@ -318,20 +309,82 @@ fn noise(options: &BenchOptions) -> Result<BenchReport> {
         Ok::<_, Error>((start.elapsed().as_secs_f64(), made.bytes()))
     };
     let (once, bytes) = field(0)?;
-    // Fields of a sample: a single one may be too short for the clock.
-    let fields = (options.seconds / f64::from(SAMPLES) / once.max(1e-9)).clamp(1.0, 1e6) as u64;
-    let mut timed = Vec::new();
-    for sample in 0..u64::from(SAMPLES) {
-        let mut seconds = 0.0;
-        for i in 0..fields {
-            seconds += field(1 + sample * fields + i)?.0;
-        }
-        timed.push((fields, seconds));
-    }
+    let timed = samples(options, once, |i| Ok(field(1 + i)?.0))?;
     let mut report = report(options.what.name(), options, isa, &timed);
     report.bytes_per_cell = bytes as f64 / grid.cells() as f64;
     report.bytes_moved_per_cell_step = size_of::<f32>() as f64;
     Ok(report)
+}
+
+/// Grid and heights of the drainage benchmark: ten octaves of fBm, on which water leaves on all sides. 32 in 100 cells lie in
+/// depressions.
+///
+/// # Errors
+/// If the grid is not sound.
+pub fn drainage_case(size: usize) -> Result<(Grid, Vec<f32>)> {
+    let grid = Grid::new(size, size, 30.0, Rim::OPEN, &Limits::default())?;
+    let (world, control) = (World::new(grid, 1), Control::none());
+    let site = Site::whole(grid, 3, &world, &control);
+    Ok((grid, fbm(10)?.generate(&site, &Field::new(size, size, 0.0))?.to_vec()))
+}
+
+fn drainage(options: &BenchOptions) -> Result<BenchReport> {
+    let isa = best_isa(options)?;
+    let (grid, height) = drainage_case(options.size)?;
+    let control = Control::none();
+    let run = || {
+        let start = Instant::now();
+        let mut filled = height.clone();
+        let outlets = outlets(&filled, &grid, &Base::default())?;
+        fill(&mut filled, &grid, &outlets, &control)?;
+        let cells = Routing::new(&filled, &grid, &outlets, &control)?.upstream_cells();
+        std::hint::black_box(cells[0]);
+        Ok::<_, Error>(start.elapsed().as_secs_f64())
+    };
+    let once = run()?;
+    let timed = samples(options, once, |_| run())?;
+    let mut report = report(options.what.name(), options, isa, &timed);
+    // While flats are resolved: heights, outlets, directions, links, and steps from both sides.
+    report.bytes_per_cell = (2 * size_of::<f32>() + 3 + 2 * size_of::<u32>()) as f64;
+    Ok(report)
+}
+
+/// Repeats and seconds of each sample of work that takes about `once` seconds; `work` gets its number.
+fn samples(options: &BenchOptions, once: f64, work: impl Fn(u64) -> Result<f64>) -> Result<Vec<(u64, f64)>> {
+    // Repeats of a sample: a single one may be too short for the clock.
+    let repeats = (options.seconds / f64::from(SAMPLES) / once.max(1e-9)).clamp(1.0, 1e6) as u64;
+    (0..u64::from(SAMPLES))
+        .map(|sample| {
+            let seconds: Result<f64> = (0..repeats).map(|i| work(sample * repeats + i)).sum();
+            Ok((repeats, seconds?))
+        })
+        .collect()
+}
+
+fn best_isa(options: &BenchOptions) -> Result<Isa> {
+    let isa = Isa::best();
+    match options.isa.filter(|i| *i != isa) {
+        Some(asked) => {
+            let reason = format!("this benchmark's is chosen when the program starts; set EYOT_ISA={}", asked.name());
+            Err(bad("isa", reason))
+        }
+        None => Ok(isa),
+    }
+}
+
+/// The generator `fbm` with so many octaves.
+fn fbm(octaves: u32) -> Result<Box<dyn Generator>> {
+    let entry = GENERATORS.iter().find(|e| e.name == "fbm").ok_or_else(|| {
+        let known: Vec<&str> = GENERATORS.iter().map(|e| e.name).collect();
+        let reason =
+            format!("this needs the generator `fbm`, which is not registered; there are: {}", known.join(", "));
+        bad("what", reason)
+    })?;
+    let mut parameters = (entry.defaults)();
+    if let Some(value) = parameters.get_mut("octaves") {
+        *value = serde_json::json!(octaves);
+    }
+    (entry.make)(parameters).map_err(|e| bad("what", format!("the generator `fbm` refuses: {e}")))
 }
 
 /// `timed`: steps and seconds of each sample.
@@ -385,6 +438,16 @@ mod tests {
             assert_eq!(r.bytes_moved_per_cell_step, 4.0 * f64::from(moved), "{what:?}");
             let json = serde_json::to_value(&r).unwrap();
             assert!(json["cell_steps_per_second"].as_f64().unwrap() > 0.0);
+        }
+    }
+
+    #[test]
+    fn noise_and_drainage_report_sound_numbers() {
+        for what in [BenchSubject::Noise, BenchSubject::Drainage] {
+            let r = run(&BenchOptions { what, size: 64, seconds: 0.05, ..Default::default() }).unwrap();
+            assert_eq!((r.samples, r.what), (SAMPLES as usize, what.name()));
+            assert!(r.seconds_per_step > 0.0 && r.seconds_per_step <= r.seconds_per_step_median);
+            assert!(r.bytes_per_cell > 4.0);
         }
     }
 

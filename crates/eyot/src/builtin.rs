@@ -16,12 +16,26 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "real", text: include_str!("../../../recipes/real.toml") },
 ];
 
-/// All built-in height maps, named `builtin:NAME` in recipes.
-pub(crate) const DATA: &[(&str, &[u8])] = &[("jacksboro.tif", include_bytes!("../../../data/jacksboro.tif"))];
+/// A height map that comes with Eyot.
+pub(crate) struct Data {
+    /// Named `builtin:NAME` in recipes.
+    pub(crate) name: &'static str,
+    /// The file.
+    pub(crate) bytes: &'static [u8],
+    /// Keys in `references.bib`.
+    pub(crate) cites: &'static [&'static str],
+}
 
-/// The bytes of a built-in height map.
-pub(crate) fn data(name: &str) -> Option<&'static [u8]> {
-    DATA.iter().find(|d| d.0 == name).map(|d| d.1)
+/// All built-in height maps.
+pub(crate) const DATA: &[Data] = &[Data {
+    name: "jacksboro.tif",
+    bytes: include_bytes!("../../../data/jacksboro.tif"),
+    cites: &["jacksboro", "farr2007"],
+}];
+
+/// The built-in height map of that name.
+pub(crate) fn data(name: &str) -> Option<&'static Data> {
+    DATA.iter().find(|d| d.name == name)
 }
 
 impl BuiltIn {

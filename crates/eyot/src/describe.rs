@@ -9,6 +9,15 @@ use serde::Serialize;
 use serde_json::Value;
 use std::fmt;
 
+/// One of the texts that a parameter may be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Choice {
+    /// The text.
+    pub value: String,
+    /// What it means.
+    pub meaning: String,
+}
+
 /// One parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ParameterInfo {
@@ -25,7 +34,7 @@ pub struct ParameterInfo {
     /// Largest value.
     pub maximum: Option<f64>,
     /// Texts that it may be, if it is a choice.
-    pub choices: Vec<String>,
+    pub choices: Vec<Choice>,
     /// Value if the recipe does not give one.
     pub default: Value,
 }
@@ -43,6 +52,8 @@ pub struct Description {
     pub details: String,
     /// Its parameters.
     pub parameters: Vec<ParameterInfo>,
+    /// What it does, its equations and its source, as Markdown; empty for a table.
+    pub about: String,
     /// Keys of the literature it comes from.
     pub sources: Vec<String>,
 }
@@ -53,10 +64,10 @@ pub struct Description {
 /// If there is nothing of that name; the text suggests one.
 pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> {
     if let Some(e) = registry.generator(name) {
-        return Ok(from_schema(name, "generator", &(e.schema)().to_value(), &(e.defaults)(), e.cites));
+        return Ok(from_schema(name, "generator", &(e.schema)().to_value(), &(e.defaults)(), e.about, e.cites));
     }
     if let Some(e) = registry.process(name) {
-        return Ok(from_schema(name, "process", &(e.schema)().to_value(), &(e.defaults)(), e.cites));
+        return Ok(from_schema(name, "process", &(e.schema)().to_value(), &(e.defaults)(), e.about, e.cites));
     }
     let table = match name {
         "recipe" => schema_of::<keys::Document>(),
@@ -75,10 +86,17 @@ pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> 
             });
         }
     };
-    Ok(from_schema(name, "table", &table.to_value(), &Value::Null, &[]))
+    Ok(from_schema(name, "table", &table.to_value(), &Value::Null, "", &[]))
 }
 
-fn from_schema(name: &str, kind: &'static str, schema: &Value, defaults: &Value, cites: &[&str]) -> Description {
+fn from_schema(
+    name: &str,
+    kind: &'static str,
+    schema: &Value,
+    defaults: &Value,
+    about: &str,
+    cites: &[&str],
+) -> Description {
     let text = schema["description"].as_str().unwrap_or("");
     let (summary, details) = text.split_once("\n\n").unwrap_or((text, ""));
     let bound = |p: &Value, a: &str, b: &str| p[a].as_f64().or_else(|| p[b].as_f64());
@@ -89,7 +107,7 @@ fn from_schema(name: &str, kind: &'static str, schema: &Value, defaults: &Value,
         takes: expects(p),
         minimum: bound(p, "minimum", "exclusiveMinimum"),
         maximum: bound(p, "maximum", "exclusiveMaximum"),
-        choices: choices(p).unwrap_or_default().into_iter().map(str::to_owned).collect(),
+        choices: if choices(p).is_some() { choice_list(p) } else { Vec::new() },
         default: match defaults.get(key) {
             Some(d) => tidy(d),
             None => tidy(&p["default"]),
@@ -101,8 +119,24 @@ fn from_schema(name: &str, kind: &'static str, schema: &Value, defaults: &Value,
         summary: one_line(summary),
         details: details.trim().to_owned(),
         parameters: parameters.collect(),
+        about: about.trim_end().to_owned(),
         sources: cites.iter().map(|c| (*c).to_owned()).collect(),
     }
+}
+
+/// The choices of a schema with the doc comments of the variants.
+fn choice_list(schema: &Value) -> Vec<Choice> {
+    let choice = |value: &Value, about: &Value| {
+        Some(Choice { value: value.as_str()?.to_owned(), meaning: one_line(about.as_str().unwrap_or("")) })
+    };
+    if schema["const"].is_string() {
+        return choice(&schema["const"], &schema["description"]).into_iter().collect();
+    }
+    if let Some(values) = schema["enum"].as_array() {
+        return values.iter().filter_map(|v| choice(v, &Value::Null)).collect();
+    }
+    let branches = schema["oneOf"].as_array().or_else(|| schema["anyOf"].as_array());
+    branches.into_iter().flatten().flat_map(choice_list).collect()
 }
 
 fn one_line(text: &str) -> String {
@@ -138,9 +172,15 @@ impl fmt::Display for Description {
             }
             writeln!(f, "  [{}]", notes.join("; "))?;
             writeln!(f, "{}", wrap(&p.meaning, 6, 100))?;
+            for c in p.choices.iter().filter(|c| !c.meaning.is_empty()) {
+                writeln!(f, "{}", wrap(&format!("{}: {}", c.value, c.meaning), 8, 100))?;
+            }
+        }
+        if !self.about.is_empty() {
+            writeln!(f, "\n{}", indent(&self.about, 2))?;
         }
         if !self.sources.is_empty() {
-            writeln!(f, "\n  Sources: {}", self.sources.join(", "))?;
+            writeln!(f, "\n  Cited as {} (`eyot cite RECIPE`)", self.sources.join(", "))?;
         }
         if self.kind == "process" {
             writeln!(f, "\n  Every process also takes `every` (act in every n-th step) and `enabled`.")?;
@@ -150,7 +190,7 @@ impl fmt::Display for Description {
 }
 
 fn indent(text: &str, by: usize) -> String {
-    text.lines().map(|l| format!("{:by$}{l}", "")).collect::<Vec<_>>().join("\n")
+    text.lines().map(|l| format!("{:by$}{l}", "").trim_end().to_owned()).collect::<Vec<_>>().join("\n")
 }
 
 fn wrap(text: &str, by: usize, width: usize) -> String {

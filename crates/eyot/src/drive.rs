@@ -9,11 +9,11 @@ use crate::process_set;
 use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work};
 use crate::run::{Outcome, RunOptions};
 use crate::state::State;
-use crate::store::CHECKPOINT_FILE;
+use crate::store::{self, CHECKPOINT_FILE, WORLD_FILE};
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Scheduled, Site, Span};
 use eyot_core::{Cancel, Control, Error, World};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -66,7 +66,8 @@ impl Driver {
     ) -> Self {
         let now = Instant::now();
         let allowance = options.paused.then_some(0);
-        let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0);
+        let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0 || state.finished);
+        let state = State { finished: false, ..state };
         Self {
             recipe,
             options,
@@ -370,35 +371,40 @@ impl Driver {
     }
 
     fn end(mut self, flow: Flow) -> Result<End, RunError> {
-        let finished = flow == Flow::Continue;
         let fingerprint = self.world.fingerprint();
-        let outputs = if finished {
-            self.state.seconds = self.seconds();
-            self.state.finished = true;
-            let outbox = &self.outbox;
-            let tell = |event| drop(outbox.send(event));
-            match &self.options.out {
-                Some(out) => {
-                    let outputs = Outputs {
-                        recipe: &self.recipe,
-                        world: &self.world,
-                        source: &self.world,
-                        fingerprint,
-                        out,
-                        limits: &self.options.limits,
-                        control: &Control::none(),
-                        tell: &tell,
-                    };
-                    outputs.write(&mut self.state, &mut |_| Ok(()))?
+        let mut finished = flow == Flow::Continue && !self.cancel.is_raised();
+        let outputs = match self.options.out.clone().filter(|_| finished) {
+            Some(out) => match self.results(&out, fingerprint) {
+                Ok(files) => files,
+                Err(RunError::Stopped) => {
+                    finished = false;
+                    // The world, which is written first, is where writing goes on.
+                    let world = store::unfinished(&out).filter(|p| p.ends_with(WORLD_FILE));
+                    world.map_or_else(|| self.checkpoint(), |w| Ok(Some(w)))?.into_iter().collect()
                 }
-                None => Vec::new(),
-            }
-        } else {
-            self.checkpoint()?.into_iter().collect()
+                Err(e) => return Err(e),
+            },
+            None if finished => Vec::new(),
+            None => self.checkpoint()?.into_iter().collect(),
         };
         let seconds = self.seconds();
         let outcome = Outcome { world: self.world, fingerprint, finished, outputs, journal: self.state.journal };
         Ok(End { outcome, seconds })
+    }
+
+    fn results(&self, out: &Path, fingerprint: u64) -> Result<Vec<PathBuf>, RunError> {
+        let outputs = Outputs {
+            recipe: &self.recipe,
+            world: &self.world,
+            source: &self.world,
+            fingerprint,
+            out,
+            limits: &self.options.limits,
+            control: &Control::new(self.cancel.clone(), &|_, _| {}),
+            tell: &|event| drop(self.outbox.send(event)),
+        };
+        let state = State { seconds: self.seconds(), finished: true, ..self.state.clone() };
+        outputs.write(&state, &mut |_| Ok(()))
     }
 
     fn tell(&self, event: Event) {

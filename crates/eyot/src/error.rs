@@ -54,6 +54,9 @@ pub enum RunError {
     /// The run cannot be streamed, which was asked for.
     #[error("the run cannot be streamed: {0}")]
     NotStreamed(String),
+    /// Somebody asked for a stop while results were written.
+    #[error("stopped on request")]
+    Stopped,
     /// The thread pool could not be made.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

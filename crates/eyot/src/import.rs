@@ -1,9 +1,21 @@
-//! The generator that reads a height map. It lives here because the land crate touches no files.
+//! A height map from a file: GeoTIFF, TIFF, PNG or raw floats.
+//!
+//! # Equations
+//! 1. A file with the grid's size is taken over to the bit.
+//! 2. Another size, per axis: `h(i) = mean over s of lerp(f, (i + (s + 1/2) / n) r - 1/2)` with `r` the file's cells per cell of the
+//!    grid and `n = max(1, ceil(r))` samples: averages where the file is finer, interpolates where it is coarser.
+//!
+//! # Source
+//! Linear interpolation.
+//!
+//! # Layers
+//! Cells without a value are filled from their neighbours. A grid that is taken `from` a file keeps its place on Earth.
 
-use crate::backend::io::{self, ReadOptions};
+use crate::backend::io::{self, ReadOptions, Sample};
 use crate::builtin;
+use crate::keys::FirstRow;
 use eyot_core::process::{Entry, Generator, Site};
-use eyot_core::{Edge, Error, Field, Georeference, Grid, Limits, Result};
+use eyot_core::{Edge, Error, Field, Georeference, Grid, Limits, Result, about};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -17,22 +29,58 @@ pub struct Import {
     /// The file, relative to the recipe's folder; `builtin:NAME` is one of the height maps that come with Eyot.
     #[schemars(length(min = 1))]
     pub file: String,
-    /// Height of black in a picture of whole numbers. Default: what the file says of itself, else its numbers as metres.
+    /// Height of black in a picture of whole numbers. Default: what the file says of itself; needed if it says nothing.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub low_m: Option<f64>,
     /// Height of white in a picture of whole numbers; see `low_m`.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub high_m: Option<f64>,
+    /// Number in the file that marks missing cells, which are filled from their neighbours. Default: what the file says.
+    #[schemars(extend("unit" = "1"))]
+    pub nodata: Option<f64>,
+    /// Array of a Zarr store or channel of an EXR. Default: the height, or the only one.
+    pub channel: Option<String>,
+    /// Columns and rows of a file without header. Default: what the JSON file beside it says, or a square.
+    #[schemars(inner(range(min = 1)), extend("unit" = "1"))]
+    pub columns_rows: Option<[u32; 2]>,
+    /// Numbers of a file without header, such as `u16le`, `i16be` or `f32le`. Default: what the JSON file or the extension says.
+    #[schemars(regex(pattern = r"^[uif](8|16|32|64)(le|be)?$"))]
+    pub numbers: Option<String>,
+    /// Which row of a file without header comes first. Default: what the JSON file says, or the north.
+    pub first_row: Option<FirstRow>,
+    /// Memory that the file may take; the run's limit, no key of a recipe.
+    #[schemars(skip)]
+    pub(crate) max_bytes: Option<u64>,
 }
 
-/// The registry line of [`Import`].
-pub(crate) const IMPORT: Entry<dyn Generator> = Entry::<dyn Generator>::generator::<Import>("import", &[]);
+/// The registry line of [`Import`]; it is here because the land crate touches no files.
+pub(crate) const IMPORT: Entry<dyn Generator> =
+    Entry::<dyn Generator>::generator::<Import>("import", about!("import.rs"), &[]);
 
 impl Generator for Import {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
         let fault = |reason: String| Error::BadParameter { owner: "import".into(), field: "file".into(), reason };
-        let options = ReadOptions { low_m: self.low_m, high_m: self.high_m, ..ReadOptions::default() };
-        let raster = read(&self.file, &options, &Limits::default()).map_err(fault)?;
+        let numbers = match self.numbers.as_deref() {
+            None => None,
+            Some(text) => Some(Sample::parse(text).ok_or_else(|| Error::BadParameter {
+                owner: "import".into(),
+                field: "numbers".into(),
+                reason: format!("`{text}` is no kind of numbers; write u16le, u16be, i16le, u8, f32le or f64be"),
+            })?),
+        };
+        let options = ReadOptions {
+            low_m: self.low_m,
+            high_m: self.high_m,
+            nodata: self.nodata,
+            layer: self.channel.clone(),
+            size: self.columns_rows.map(|[w, h]| (w as usize, h as usize)),
+            sample: numbers.map(|n| n.0),
+            byte_order: numbers.map(|n| n.1),
+            row_order: self.first_row.map(FirstRow::row_order),
+        };
+        let mut limits = Limits::default();
+        limits.max_bytes = self.max_bytes.unwrap_or(limits.max_bytes);
+        let raster = read(&self.file, &options, &limits).map_err(fault)?;
         site.control.check()?;
         Ok(resample(&raster.field, &site.grid))
     }
@@ -47,7 +95,7 @@ pub(crate) fn read(file: &str, options: &ReadOptions, limits: &Limits) -> std::r
     let unpack = || -> std::io::Result<(tempfile::TempDir, PathBuf)> {
         let folder = tempfile::tempdir()?;
         let path = folder.path().join(name);
-        std::fs::write(&path, data)?;
+        std::fs::write(&path, data.bytes)?;
         Ok((folder, path))
     };
     let (_folder, path) =
@@ -85,7 +133,7 @@ pub(crate) fn resolve(file: &str, folder: &Path) -> std::result::Result<String, 
 }
 
 fn missing_builtin(name: &str) -> String {
-    let all: Vec<&str> = builtin::DATA.iter().map(|d| d.0).collect();
+    let all: Vec<&str> = builtin::DATA.iter().map(|d| d.name).collect();
     match crate::diagnostic::nearest(name, all.iter().copied()) {
         Some(n) => format!("did you mean `builtin:{n}`?"),
         None if all.is_empty() => "give the name of a file".to_owned(),

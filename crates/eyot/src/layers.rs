@@ -5,8 +5,17 @@ use eyot_core::LayerSpec;
 use eyot_core::layer::known;
 use std::borrow::Cow;
 
-const KNOWN: [LayerSpec; 7] =
-    [known::HEIGHT, known::WATER, known::SEDIMENT, known::LIMESTONE, known::WETNESS, known::GROWTH, known::CARBON];
+const KNOWN: [LayerSpec; 9] = [
+    known::HEIGHT,
+    known::WATER,
+    known::SEDIMENT,
+    known::LIMESTONE,
+    known::WETNESS,
+    known::GROWTH,
+    known::CARBON,
+    known::LAKE,
+    known::DRAINED_AREA,
+];
 
 /// The specification of a layer that a generator makes: what a process of the recipe takes it for, a known one, or a plain
 /// number without bounds.

@@ -35,6 +35,7 @@ mod backend;
 pub mod bench;
 mod builtin;
 mod check;
+mod cite;
 pub mod convert;
 mod describe;
 mod diagnostic;
@@ -47,6 +48,7 @@ mod keys;
 mod layers;
 mod lock;
 pub mod merge;
+mod need;
 mod node;
 mod outputs;
 mod process_set;
@@ -61,7 +63,8 @@ mod stream;
 mod validate;
 
 pub use builtin::{BuiltIn, RECIPES};
-pub use describe::{Description, ParameterInfo, describe};
+pub use cite::{Citation, Citations, all_citations, cite};
+pub use describe::{Choice, Description, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, nearest};
 pub use error::RunError;
 pub use event::{Command, Event, JournalEntry, Progress};
@@ -78,3 +81,8 @@ pub use stream::{OVERVIEW, Stream};
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The examples of the book are compiled and run like those of this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/book/src/tutorial/library.md")]
+struct Book;

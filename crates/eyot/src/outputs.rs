@@ -6,10 +6,11 @@ use crate::error::RunError;
 use crate::event::Event;
 use crate::exports::{self, Source};
 use crate::keys::{Export, ExportFormat, View};
+use crate::need;
 use crate::recipe::Recipe;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, Subject, WORLD_FILE};
-use eyot_core::{Control, Limits, World};
+use eyot_core::{Control, Error, Limits, World};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -30,62 +31,78 @@ pub(crate) struct Outputs<'a> {
 
 impl Outputs<'_> {
     /// Writes everything: the world unless it is streamed, the exports, the pictures and the report. Each file appears whole
-    /// or not at all; the checkpoint goes last, so that a failure here costs nothing.
+    /// or not at all, the report last.
     ///
-    /// Exports that `state` counts as done and that are still there are left alone; `exported` is called after each other.
+    /// Exports that `state` counts as done and that are still there are left alone; `exported` hears the count after each
+    /// other one.
+    ///
+    /// # Errors
+    /// [`RunError::Stopped`] on a request to stop: the files so far are whole, the world among them unless nothing was
+    /// written.
     pub(crate) fn write(
         &self,
-        state: &mut State,
-        exported: &mut dyn FnMut(&mut State) -> Result<(), RunError>,
+        state: &State,
+        exported: &mut dyn FnMut(usize) -> Result<(), RunError>,
     ) -> Result<Vec<PathBuf>, RunError> {
-        let (recipe, out) = (self.recipe, self.out);
-        // An older run's report must not vouch for a mixture of its files and these, nor its world pass for this one: the
-        // report goes last, so that at no moment there is a world without one that is not this run's.
-        if out.join(REPORT_FILE).exists() {
-            for old in [WORLD_FILE, REPORT_FILE].map(|f| out.join(f)).into_iter().filter(|f| f.exists()) {
-                std::fs::remove_file(&old).map_err(|source| RunError::Folder { path: old, source })?;
-            }
-        }
         let mut written = Vec::new();
-        if !state.streamed {
-            let value = serde_json::to_value(&*state).map_err(|e| RunError::Fault(e.to_string()))?;
-            let path = self.begin(WORLD_FILE, &mut written);
-            checkpoint::save(&path, self.world, &recipe.source.text, &value).map_err(file)?;
-        }
-        for (i, export) in recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
-            let files = export.files();
-            if i < state.done_exports && files.iter().all(|f| out.join(f).exists()) {
-                written.extend(files.iter().map(|f| out.join(f)));
+        self.replace_world(state, &mut written)?;
+        for (i, export) in self.recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
+            let files: Vec<PathBuf> = export.files().iter().map(|f| self.out.join(f)).collect();
+            if i < state.done_exports && files.iter().all(|f| f.exists()) {
+                written.extend(files);
                 continue;
             }
             self.export(export, &mut written)?;
-            state.done_exports = i + 1;
-            exported(state)?;
+            exported(i + 1)?;
         }
-        if recipe.view.enabled && self.world.get("height").is_some() {
+        let (world, view) = (self.world, &self.recipe.view);
+        if view.enabled && world.get("height").is_some() {
             for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
-                let path = self.begin(name, &mut written);
-                let picture = draw(self.world, &recipe.view, subject).map_err(file)?;
+                let path = self.begin(self.out.join(name), &mut written)?;
+                let picture = draw(world, view, subject, self.limits, self.control).map_err(stopped)?;
                 io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
             }
         }
-        let path = self.begin(REPORT_FILE, &mut written);
+        let path = self.begin(self.out.join(REPORT_FILE), &mut written)?;
         let report = self.report(state, &written);
         let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
         text.push('\n');
         backend::write_text(&path, &text).map_err(file)?;
-        let left = out.join(CHECKPOINT_FILE);
-        if left.exists() {
-            std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
+        if state.streamed {
+            self.remove(CHECKPOINT_FILE)?;
         }
         Ok(written)
     }
 
-    fn begin(&self, name: &str, written: &mut Vec<PathBuf>) -> PathBuf {
+    /// Writes the world and ends what an older run left. Until the new world is whole on the disk, an older run's results
+    /// stay as they are. Then its report goes, for it must not vouch for a mixture of its files and these; from here to the
+    /// new report, the checkpoint or, once it has the world's name, the world says where to go on.
+    fn replace_world(&self, state: &State, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+        if state.streamed {
+            self.remove(REPORT_FILE)?;
+            return self.remove(WORLD_FILE);
+        }
+        let value = serde_json::to_value(state.without_times()).map_err(|e| RunError::Fault(e.to_string()))?;
+        let path = self.begin(self.out.join(WORLD_FILE), written)?;
+        let checkpoint = self.out.join(CHECKPOINT_FILE);
+        checkpoint::save(&checkpoint, self.world, &self.recipe.source.text, &value).map_err(file)?;
+        self.remove(REPORT_FILE)?;
+        std::fs::rename(&checkpoint, &path).map_err(|source| RunError::Folder { path: self.out.to_owned(), source })
+    }
+
+    fn remove(&self, name: &str) -> Result<(), RunError> {
         let path = self.out.join(name);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(RunError::Folder { path, source }),
+            _ => Ok(()),
+        }
+    }
+
+    fn begin(&self, path: PathBuf, written: &mut Vec<PathBuf>) -> Result<PathBuf, RunError> {
+        self.control.check().map_err(stopped)?;
         (self.tell)(Event::Writing { path: path.clone() });
         written.push(path.clone());
-        path
+        Ok(path)
     }
 
     fn export(&self, export: &Export, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
@@ -96,6 +113,9 @@ impl Outputs<'_> {
             let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
             (self.tell)(Event::Warning { message });
         }
+        let what = format!("`{}`", export.files()[0]);
+        let bytes = need::export(&world.grid, export, self.limits);
+        need::check(&what, world, bytes, self.limits, need::EXPORT_REMEDY).map_err(file)?;
         let mut job = exports::Job {
             world,
             source: self.source,
@@ -104,11 +124,7 @@ impl Outputs<'_> {
             attributes: exports::origin(world, &recipe.name, Some(&recipe.source.text)),
             limits: self.limits,
             control: self.control,
-            begin: &mut |path| {
-                (self.tell)(Event::Writing { path: path.clone() });
-                written.push(path.clone());
-                Ok(path)
-            },
+            begin: &mut |path| self.begin(path, written),
             note: &|message| (self.tell)(Event::Warning { message }),
         };
         exports::write(&mut job, export)
@@ -130,8 +146,6 @@ impl Outputs<'_> {
             "streamed": state.streamed,
             "steps_done": world.step,
             "sea_level_m": world.sea_level_m,
-            "seconds": state.seconds,
-            "timings": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
             "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
             "ledger": world.ledger,
             "outputs": names,
@@ -140,22 +154,37 @@ impl Outputs<'_> {
             "journal": state.journal,
             "recipe_file": recipe.source.name,
             "recipe": recipe.source.text,
+            // The only place of all results that differs between two runs.
+            "timing": {
+                "seconds": state.seconds,
+                "steps": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
+            },
         })
     }
 }
 
 /// Draws a picture as the options say.
-pub(crate) fn draw(world: &World, options: &View, subject: Subject<'_>) -> eyot_core::Result<render::Picture> {
+pub(crate) fn draw(
+    world: &World,
+    options: &View,
+    subject: Subject<'_>,
+    limits: &Limits,
+    control: &Control<'_>,
+) -> eyot_core::Result<render::Picture> {
+    let bytes = need::picture(&world.grid, options, subject);
+    need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY)?;
     match subject {
-        Subject::View => view(world, options),
-        Subject::Relief => relief(world, options),
+        Subject::View => render::perspective_controlled(world, &view_options(options), control),
+        Subject::Relief => render::relief_controlled(world, &relief_options(options, None), control),
+        Subject::ReliefAt(n) => render::relief_controlled(world, &relief_options(options, Some(n)), control),
         Subject::Layer(name) => render::layer_map(world, name, &render::MapOptions::default()),
     }
 }
 
-fn view(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
+/// What the view of a recipe is to the camera.
+pub(crate) fn view_options(v: &View) -> render::ViewOptions {
     let d = render::ViewOptions::default();
-    let options = render::ViewOptions {
+    render::ViewOptions {
         width: v.size[0] as usize,
         height: v.size[1] as usize,
         azimuth_deg: v.azimuth.unwrap_or(d.azimuth_deg),
@@ -166,20 +195,25 @@ fn view(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
         sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
         sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
         ..d
-    };
-    render::perspective(world, &options)
+    }
 }
 
-fn relief(world: &World, v: &View) -> eyot_core::Result<render::Picture> {
+/// What the view of a recipe is to a relief: its longer side bounds the relief's, unless that is given.
+pub(crate) fn relief_options(v: &View, size: Option<u32>) -> render::ReliefOptions {
     let d = render::ReliefOptions::default();
-    let options = render::ReliefOptions {
+    render::ReliefOptions {
         vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
         max_size: v.size[0].max(v.size[1]) as usize,
+        size: size.map(|n| n as usize),
         sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
         sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
         ..d
-    };
-    render::relief(world, &options)
+    }
+}
+
+/// Errors of work that can be stopped.
+pub(crate) fn stopped(e: Error) -> RunError {
+    if matches!(e, Error::Cancelled(_)) { RunError::Stopped } else { file(e) }
 }
 
 /// Errors of files and pictures name the file and the remedy themselves.

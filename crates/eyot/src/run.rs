@@ -8,7 +8,7 @@ use crate::lock::FolderLock;
 use crate::recipe::Recipe;
 use crate::registry::Registry;
 use crate::state::State;
-use crate::store::{self, WORLD_FILE};
+use crate::store::{self, REPORT_FILE};
 use crate::stream::{self, Stream};
 use eyot_core::{Cancel, Limits, World};
 use std::path::{Path, PathBuf};
@@ -161,14 +161,16 @@ impl Run {
     /// Continues a stopped run at the exact step.
     ///
     /// # Errors
-    /// If the folder holds no stopped run, the checkpoint is damaged, the recipe no longer passes its checks, or as
+    /// If another run works in the folder, it holds no stopped run, the checkpoint is damaged, the recipe no longer passes its checks, or as
     /// [`Run::start`].
     pub fn resume(folder: &Path, registry: &Registry, options: RunOptions) -> Result<Handle, RunError> {
-        let Some(path) = store::unfinished(folder) else {
-            let finished = folder.join(WORLD_FILE).exists();
-            return Err(RunError::NothingToResume { folder: folder.to_owned(), finished });
-        };
+        let nothing = |finished| RunError::NothingToResume { folder: folder.to_owned(), finished };
+        if !folder.is_dir() {
+            return Err(nothing(false));
+        }
+        // Before looking: what a run at work leaves is not for others to continue.
         let lock = prepare_folder(folder)?;
+        let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
         let saved = checkpoint::load(&path, &options.limits).map_err(|e| RunError::File(e.to_string()))?;
         let state: State = serde_json::from_value(saved.state)
             .map_err(|e| RunError::File(format!("`{}` holds no state of a run: {e}", path.display())))?;

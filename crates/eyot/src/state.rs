@@ -53,6 +53,11 @@ impl State {
         }
     }
 
+    /// The same without anything that differs between two runs of one recipe: what a finished world carries.
+    pub(crate) fn without_times(&self) -> Self {
+        Self { seconds: 0.0, timings: Vec::new(), ..self.clone() }
+    }
+
     pub(crate) fn source(&self, text: String) -> RecipeSource {
         RecipeSource { name: self.source_name.clone(), text, folder: self.folder.clone() }
     }

@@ -7,7 +7,7 @@ use crate::import;
 use crate::keys::View;
 use crate::outputs;
 use eyot_core::layer::known;
-use eyot_core::{Grid, Limits, Rim, World};
+use eyot_core::{Control, Grid, Limits, Rim, World};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ pub const RELIEF_FILE: &str = "relief.png";
 pub const REPORT_FILE: &str = "run.json";
 
 /// Where the run in a folder can be continued from, if it did not come to its end: its checkpoint, or the world of a run
-/// that was killed while it wrote its results. The report is what comes last.
+/// that ended while it wrote its results. The report is what comes last.
 pub(crate) fn unfinished(folder: &Path) -> Option<PathBuf> {
     let [checkpoint, world] = [CHECKPOINT_FILE, WORLD_FILE].map(|f| folder.join(f));
     if checkpoint.exists() {
@@ -147,6 +147,8 @@ pub enum Subject<'a> {
     View,
     /// The land from above, with shaded relief.
     Relief,
+    /// As `Relief`, with so many pixels along the longer side.
+    ReliefAt(u32),
     /// A map of one layer.
     Layer(&'a str),
 }
@@ -154,9 +156,11 @@ pub enum Subject<'a> {
 /// Draws a world into a PNG file.
 ///
 /// # Errors
-/// If the layer is not there or the file cannot be written.
-pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path) -> Result<(), RunError> {
-    let picture = outputs::draw(world, options, subject).map_err(|e| RunError::File(e.to_string()))?;
+/// If the layer is not there, the picture exceeds the limits, or the file cannot be written, which is found out first.
+pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, limits: &Limits) -> Result<(), RunError> {
+    io::check_place(path).map_err(|e| RunError::File(e.to_string()))?;
+    let picture =
+        outputs::draw(world, options, subject, limits, &Control::none()).map_err(|e| RunError::File(e.to_string()))?;
     io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
 }
 

@@ -174,6 +174,43 @@ fn wrong_exports_are_named_with_their_place() {
     }
 }
 
+/// A grey PNG of a few kilobytes and 900 million cells.
+#[test]
+fn imports_keep_to_the_memory_of_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bomb.png");
+    let mut e = png::Encoder::new(std::fs::File::create(&path).unwrap(), 30_000, 30_000);
+    e.set_color(png::ColorType::Grayscale);
+    let mut writer = e.write_header().unwrap();
+    // No pixels: the header alone must be enough.
+    writer.write_chunk(png::chunk::IDAT, &[]).unwrap();
+    drop(writer);
+    let text = format!(
+        "[grid]\nsize = 64\n[[step]]\ngenerate = \"import\"\nfile = \"{}\"\nlow_m = 0.0\nhigh_m = 9.0\n",
+        path.display()
+    );
+    let source = RecipeSource { name: "a.toml".into(), text, folder: ".".into() };
+    let limits = Limits { max_bytes: 500 << 20, ..Limits::default() };
+    let recipe = Recipe::parse(source, Overrides::default(), &Registry::standard(), &limits).unwrap();
+    let run = Run::start(recipe, RunOptions { limits, ..RunOptions::default() }).unwrap().join();
+    let e = run.err().unwrap().to_string();
+    assert!(e.contains("the raster needs 3442 MiB, the limit is 500 MiB"), "{e}");
+}
+
+#[test]
+fn bare_numbers_are_imported_by_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let numbers: Vec<u8> = (0..64u16 * 32).flat_map(|i| (i % 64 * 1000).to_be_bytes()).collect();
+    std::fs::write(folder.path().join("bare.bin"), numbers).unwrap();
+    let text = "[grid]\nsize = [64, 32]\n[[step]]\ngenerate = \"import\"\nfile = \"bare.bin\"\nlow_m = 0.0\n\
+        high_m = 65.535\ncolumns_rows = [64, 32]\nnumbers = \"u16be\"\n";
+    let source = RecipeSource { name: "a.toml".into(), text: text.into(), folder: folder.path().to_owned() };
+    let recipe = Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default());
+    let world = Run::start(recipe.unwrap(), RunOptions::default()).unwrap().join().unwrap().world;
+    let field = world.get("height").unwrap();
+    assert!((0..64).all(|x| (field.get(x, 17) - x as f32).abs() < 1e-3));
+}
+
 #[test]
 fn conversions_go_around_without_loss() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,8 +3,9 @@
 //! Noise is no landscape: it is full of pits, its valleys lead nowhere and are as sharp as its ridges. Erosion has to drain
 //! it, and to dig where much water flows rather than everywhere.
 
-use eyot::land::analyse::{FlowD8, TerrainOptions, TerrainStats, outlets, priority_flood, terrain_stats};
-use eyot::{Field, Grid, Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot::land::analyse::{TerrainOptions, TerrainStats, terrain_stats};
+use eyot::land::drainage::{Base, Routing, fill, outlets};
+use eyot::{Control, Field, Grid, Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
 
 /// Hills of 25 degrees on average: about as steep as noise may be before nothing but slides happens.
 const LAND: &str = r#"
@@ -85,8 +86,10 @@ fn depth_under_smoothed(height: &Field, channels: &[bool]) -> f64 {
 
 /// The 3 % of the cells that the most water would flow through.
 fn channels(height: &Field, grid: &Grid) -> Vec<bool> {
-    let out = outlets(height, grid, None);
-    let cells = FlowD8::new(&priority_flood(height, grid, &out), grid, &out).accumulation();
+    let mut z = height.to_vec();
+    let out = outlets(&z, grid, &Base { closed_rims: true, ..Base::default() }).expect("outlets");
+    fill(&mut z, grid, &out, &Control::none()).expect("filled land");
+    let cells = Routing::new(&z, grid, &out, &Control::none()).expect("a network").upstream_cells();
     let mut sorted = cells.clone();
     sorted.sort_unstable();
     let least = sorted[sorted.len() - 1 - sorted.len() * 3 / 100];

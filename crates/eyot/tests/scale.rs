@@ -43,6 +43,12 @@ fn land(steps: &str) -> String {
     format!("seed = 9\n[grid]\nsize = [256, 128]\ncell = 20.0\n{steps}")
 }
 
+/// A mask of smooth hills, as the height.
+fn mask(of: &str, parameters: &str) -> String {
+    let hills = HILLS.replace("octaves = 5", "octaves = 3");
+    format!("{hills}[[step]]\ngenerate = \"mask_{of}\"\nmerge = \"set\"\n{parameters}\n")
+}
+
 const HILLS: &str = "[[step]]\ngenerate = \"fbm\"\namplitude = 500.0\noctaves = 5\n";
 
 #[test]
@@ -61,6 +67,17 @@ fn generators_make_the_same_land_at_any_size() {
         ("warp", format!("{HILLS}[[step]]\ngenerate = \"warp\"\n"), 4e-3), // 2.4e-3
         ("smooth", format!("{HILLS}[[step]]\ngenerate = \"smooth\"\nsigma_m = 100.0\n"), 2e-4), // 1.1e-4
         ("crater", "[[step]]\ngenerate = \"cone\"\n[[step]]\ngenerate = \"crater\"\n".into(), 3.5e-3), // 2.2e-3
+        ("billow", "[[step]]\ngenerate = \"billow\"\n".into(), 9e-3), // 5.3e-3
+        ("value noise", "[[step]]\ngenerate = \"fbm\"\nbasis = \"value\"\n".into(), 4.5e-3), // 2.5e-3
+        ("worley", "[[step]]\ngenerate = \"worley\"\n".into(), 3.5e-3), // 2.0e-3
+        ("diamond-square", "[[step]]\ngenerate = \"diamond_square\"\n".into(), 3e-3), // 1.7e-3
+        ("random additions", "[[step]]\ngenerate = \"random_additions\"\n".into(), 7e-3), // 3.9e-3
+        ("faulting", "[[step]]\ngenerate = \"faulting\"\n".into(), 1.8e-3), // 9.6e-4
+        ("circles", "[[step]]\ngenerate = \"circles\"\n".into(), 7e-3), // 4.3e-3
+        ("terraces", format!("{HILLS}[[step]]\ngenerate = \"terraces\"\n"), 7e-3), // 3.9e-3
+        ("remap", format!("{HILLS}[[step]]\ngenerate = \"remap\"\n"), 5.5e-3), // 3.2e-3
+        ("mask of slopes", mask("slope", "from = 10.0"), 5.5e-2), // 3.2e-2
+        ("mask of ridges", mask("curvature", "from = 0.0\nto = 0.05\nscale_m = 80.0"), 1.1e-1), // 7.3e-2
     ];
     let mut wrong = Vec::new();
     for (name, steps, tolerance) in cases {

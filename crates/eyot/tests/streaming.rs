@@ -145,7 +145,7 @@ fn streamed_runs_are_opened_by_their_exports() {
     let opened = store::open(&out, &Limits::default()).unwrap();
     assert!(opened.has_sea && opened.world.sea_level_m == 12.0);
     assert!(opened.file.ends_with("height.tif"), "{opened:?}");
-    store::draw(&opened.world, &View::default(), Subject::Relief, &out.join("again.png")).unwrap();
+    store::draw(&opened.world, &View::default(), Subject::Relief, &out.join("again.png"), &Limits::default()).unwrap();
     let bare = folder.path().join("bare");
     Run::start(recipe(&text, &[]), options(&bare, Stream::Always)).unwrap().join().unwrap();
     let e = store::open(&bare, &Limits::default()).unwrap_err().to_string();

@@ -254,6 +254,25 @@ fn the_built_in_recipes_are_sound() {
     }
 }
 
+/// What a generator finds before anything runs stands at the parameter; layers that it looks at must exist.
+#[test]
+fn generators_check_their_parameters_before_they_run() {
+    let problems = |step: &str| {
+        let text = format!("[grid]\nsize = 16\n[[step]]\ngenerate = \"fbm\"\n[[step]]\n{step}");
+        let made = Recipe::parse(source(&text), Overrides::default(), &eyot::Registry::standard(), &Limits::default());
+        made.err().map(|p| p.to_string()).unwrap_or_default()
+    };
+    let said = problems("generate = \"remap\"\npoints = [[0.5, 0.0], [0.5, 1.0]]");
+    assert!(said.contains("test.toml:7:10") && said.contains("must increase"), "{said}");
+    let said = problems("generate = \"mask_slope\"\nlayer = \"rock\"\nof = \"hieght\"");
+    assert!(said.contains("no step makes a layer `hieght`") && said.contains("did you mean `height`?"), "{said}");
+    let said = problems("generate = \"ridged\"\nsharpnes = 3.0");
+    assert!(said.contains("did you mean `sharpness`?"), "{said}");
+    let said = problems("generate = \"ridged\"\noctaves = 99");
+    assert!(said.contains("it must be at most 16"), "{said}");
+    assert_eq!(problems("generate = \"mask_slope\"\nlayer = \"rock\"\nmerge = \"set\""), "");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 

@@ -7,7 +7,7 @@
 //! The skewness of `L` compares ridges with valleys. Where rivers and slopes shaped the land, ridges are the sharper ones
 //! and the skewness is negative (-0.03..-0.72 in five real tiles); Gaussian noise is symmetric and has none.
 
-use super::neighbours::Neighbours;
+use crate::drainage::Neighbours;
 use eyot_core::{Field, Grid};
 
 /// Laplacian of the height in 1/m of all cells that are not cut off by the rim and that `keep` accepts by number (row by

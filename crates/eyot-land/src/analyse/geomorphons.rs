@@ -15,7 +15,7 @@
 //! tile are slopes. The reference table was made with the paper's rule. `R` counts cells in all directions, so diagonals
 //! look sqrt 2 farther. Directions that leave the grid at once count as level; others end at the rim.
 
-use super::neighbours::STEPS;
+use crate::drainage::STEPS;
 use eyot_core::{Edge, Field, Grid};
 use rayon::prelude::*;
 use schemars::JsonSchema;

@@ -8,16 +8,16 @@
 //! # Source
 //! Hack (1957), Studies of longitudinal stream profiles in Virginia and Maryland, USGS Professional Paper 294-B (h = 0.6).
 
-use super::flow_d8::FlowD8;
 use super::moments::line_slope;
+use crate::drainage::Routing;
 
 /// Hack's exponent over the confluences of `channel`; `None` with fewer than three of them or without spread of area.
 ///
 /// # Panics
 /// If the slices differ in length from the network.
-pub fn hack_exponent(flow: &FlowD8, channel: &[bool], accumulation: &[u32]) -> Option<f64> {
+pub fn hack_exponent(flow: &Routing, channel: &[bool], accumulation: &[u32]) -> Option<f64> {
     let mut donors = vec![0_u8; channel.len()];
-    for i in (0..channel.len()).filter(|&i| channel[i] && !flow.is_root(i)) {
+    for i in (0..channel.len()).filter(|&i| channel[i] && !flow.is_outlet(i)) {
         donors[flow.receiver[i] as usize] += 1;
     }
     let length_m = flow.longest_upstream_m();
@@ -37,12 +37,10 @@ mod tests {
         // A trunk 0 -> 1 -> ... -> 9 that receives one side cell (10 + k) at each cell k > 0: A = 2 k + 1, L = k.
         let mut receiver: Vec<u32> = (1..=9).chain([9]).collect();
         receiver.extend(1..=9);
-        let mut order: Vec<u32> = (10..19).collect();
-        order.extend(0..10);
-        let flow = FlowD8 { receiver, distance_m: vec![1.0; 19], downstream_order: order };
-        let h = hack_exponent(&flow, &[true; 19], &flow.accumulation()).unwrap();
+        let flow = Routing::by_hand(receiver, [1.0; 9]);
+        let h = hack_exponent(&flow, &[true; 19], &flow.upstream_cells()).unwrap();
         let points: Vec<_> = (1..10).map(|k| (f64::from(2 * k + 1).ln(), f64::from(k).ln())).collect();
         assert_eq!(Some(h), line_slope(&points));
-        assert_eq!(hack_exponent(&flow, &[false; 19], &flow.accumulation()), None);
+        assert_eq!(hack_exponent(&flow, &[false; 19], &flow.upstream_cells()), None);
     }
 }

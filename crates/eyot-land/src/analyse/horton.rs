@@ -13,8 +13,8 @@
 //! Any routed surface obeys these laws, noise too; and the density follows from the channel threshold. They describe a
 //! network and prove nothing.
 
-use super::flow_d8::FlowD8;
 use super::moments::line_slope;
+use crate::drainage::Routing;
 
 /// Streams of one Strahler order.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -42,13 +42,13 @@ pub struct HortonRatios {
 ///
 /// # Panics
 /// If the slices differ in length from the network.
-pub fn streams_by_order(flow: &FlowD8, order: &[u8], accumulation: &[u32]) -> Vec<StreamOrder> {
+pub fn streams_by_order(flow: &Routing, order: &[u8], accumulation: &[u32]) -> Vec<StreamOrder> {
     let mut streams = vec![StreamOrder::default(); usize::from(order.iter().copied().max().unwrap_or(0))];
     for (i, &w) in order.iter().enumerate().filter(|&(_, &w)| w > 0) {
         let s = &mut streams[usize::from(w) - 1];
-        s.length_m += f64::from(flow.distance_m[i]);
+        s.length_m += flow.distance_m(i);
         // Two streams of one order never join into a cell of that order, so each has one lower end.
-        if flow.is_root(i) || order[flow.receiver[i] as usize] != w {
+        if flow.is_outlet(i) || order[flow.receiver[i] as usize] != w {
             s.streams += 1;
             s.drained_cells += u64::from(accumulation[i]);
         }
@@ -78,10 +78,10 @@ mod tests {
     fn a_perfect_tree_has_its_ratios() {
         // 4 sources, 2 of order 2, 1 of order 3; two cells a stream.
         let receiver = vec![1, 8, 3, 8, 5, 10, 7, 10, 9, 12, 11, 12, 13, 13];
-        let flow = FlowD8 { receiver, distance_m: vec![1.0; 14], downstream_order: (0..14).collect() };
+        let flow = Routing::by_hand(receiver, [1.0; 9]);
         let order = strahler_orders(&flow, &[true; 14]);
         assert_eq!(order, [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3]);
-        let streams = streams_by_order(&flow, &order, &flow.accumulation());
+        let streams = streams_by_order(&flow, &order, &flow.upstream_cells());
         let expect = |streams, length_m, drained_cells| StreamOrder { streams, length_m, drained_cells };
         assert_eq!(streams, [expect(4, 8.0, 8), expect(2, 4.0, 12), expect(1, 2.0, 14)]);
         let r = horton_ratios(&streams).unwrap();

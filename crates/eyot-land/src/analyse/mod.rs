@@ -18,15 +18,11 @@
 //! ```
 
 mod curvature;
-mod flow_d8;
 mod geomorphons;
 mod hack;
 mod horton;
 mod moments;
-mod neighbours;
-mod outlets;
 mod pits;
-mod priority_flood;
 mod slope;
 mod slope_area;
 mod spectrum;
@@ -35,15 +31,11 @@ mod terrain_stats;
 mod variogram;
 
 pub use curvature::curvatures;
-pub use flow_d8::FlowD8;
 pub use geomorphons::{Landform, geomorphons};
 pub use hack::hack_exponent;
 pub use horton::{HortonRatios, StreamOrder, horton_ratios, streams_by_order};
 pub use moments::{Moments, line_slope, moments, quantile};
-pub use neighbours::{Neighbours, STEPS};
-pub use outlets::outlets;
 pub use pits::{PitCount, count_pits};
-pub use priority_flood::priority_flood;
 pub use slope::slope_deg;
 pub use slope_area::concavity;
 pub use spectrum::spectral_beta;

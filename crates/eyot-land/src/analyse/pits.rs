@@ -1,6 +1,6 @@
 //! Pits: cells that are lower than all their neighbours.
 
-use super::neighbours::Neighbours;
+use crate::drainage::Neighbours;
 use eyot_core::{Field, Grid};
 
 /// What was looked at and what was found.

@@ -13,9 +13,8 @@
 //! # Reading
 //! 0.37..0.56 in five mountain tiles, 0.01..0.36 in noise. Meaningful only where rivers cut into steep land.
 
-use super::flow_d8::FlowD8;
 use super::moments::{line_slope, quantile};
-use eyot_core::Field;
+use crate::drainage::Routing;
 
 /// Cells over which a slope is measured.
 const REACH_CELLS: usize = 10;
@@ -28,8 +27,8 @@ const MIN_CELLS: usize = 20;
 ///
 /// # Panics
 /// If `surface`, `keep` or `accumulation` has another size than the network.
-pub fn concavity(surface: &Field, flow: &FlowD8, keep: &[bool], accumulation: &[u32], min_cells: f64) -> Option<f64> {
-    let z = surface.to_vec();
+pub fn concavity(surface: &[f32], flow: &Routing, keep: &[bool], accumulation: &[u32], min_cells: f64) -> Option<f64> {
+    let z = surface;
     assert_eq!(
         (z.len(), keep.len(), accumulation.len()),
         (flow.receiver.len(), flow.receiver.len(), flow.receiver.len())
@@ -38,7 +37,7 @@ pub fn concavity(surface: &Field, flow: &FlowD8, keep: &[bool], accumulation: &[
     for i in (0..z.len()).filter(|&i| keep[i] && f64::from(accumulation[i]) >= min_cells) {
         let (mut end, mut length_m) = (i, 0.0);
         for _ in 0..REACH_CELLS {
-            length_m += f64::from(flow.distance_m[end]);
+            length_m += flow.distance_m(end);
             end = flow.receiver[end] as usize;
         }
         if length_m == 0.0 {
@@ -74,12 +73,10 @@ mod tests {
             z[i] = z[i + 1] + ((i + 1) as f64).powf(-0.45);
         }
         let receiver: Vec<u32> = (1..n as u32).chain([n as u32 - 1]).collect();
-        let mut distance_m = vec![1.0; n];
-        distance_m[n - 1] = 0.0;
-        let flow = FlowD8 { receiver, distance_m, downstream_order: (0..n as u32).collect() };
-        let cells = flow.accumulation();
+        let flow = Routing::by_hand(receiver, std::array::from_fn(|d| if d < 8 { 1.0 } else { 0.0 }));
+        let cells = flow.upstream_cells();
         // Heights of hundreds of metres carry steps of 1e-5 m in f32, well below the falls of 0.07 m over a reach.
-        let surface = Field::from_slice(n, 1, &z.iter().map(|&z| z as f32).collect::<Vec<_>>()).unwrap();
+        let surface: Vec<f32> = z.iter().map(|&z| z as f32).collect();
         let theta = concavity(&surface, &flow, &vec![true; n], &cells, 100.0).unwrap();
         assert!((theta - 0.45).abs() < 0.01, "{theta}");
         assert_eq!(concavity(&surface, &flow, &vec![true; n], &cells, 50_000.0), None);

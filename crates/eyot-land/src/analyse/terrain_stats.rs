@@ -12,20 +12,18 @@
 //! Definitions are in the files of the algorithms, `tests/analyse_jacksboro.rs` holds them against a real tile.
 
 use super::curvature::curvatures;
-use super::flow_d8::FlowD8;
 use super::geomorphons::{Landform, geomorphons};
 use super::hack::hack_exponent;
 use super::horton::{horton_ratios, streams_by_order};
 use super::moments::{finite, moments, quantile};
-use super::outlets::outlets;
 use super::pits::count_pits;
-use super::priority_flood::priority_flood;
 use super::slope::slope_deg;
 use super::slope_area::concavity;
 use super::spectrum::{spectral_beta, spectrum_bytes};
 use super::strahler::strahler_orders;
 use super::variogram::hurst_exponent;
-use eyot_core::{Edge, Error, Field, Grid, Limits, Result};
+use crate::drainage::{Base, FlatRule, Routing, fill, outlets};
+use eyot_core::{Control, Edge, Error, Field, Grid, Limits, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -226,7 +224,9 @@ pub fn terrain_stats(
     if let Some(sea) = sea_level_m {
         surface.map_in_place(|z| if f64::from(z) > sea { z } else { sea as f32 });
     }
-    let outlets = outlets(height, grid, sea_level_m);
+    // A map was cut out of a larger one, so water leaves over its borders whatever the rim.
+    let base = Base { closed_rims: true, sea_level_m, mask: None };
+    let outlets = outlets(&height.to_vec(), grid, &base)?;
     let cell_area_m2 = grid.cell_area_m2();
     let channel_area_m2 = options.channel_area_m2.unwrap_or(600.0 * cell_area_m2);
     let mut stats = TerrainStats {
@@ -264,6 +264,7 @@ pub fn terrain_stats(
         || Water::new(&surface, grid, &land, &outlets, channel_area_m2, options),
         || shape(&mut stats, height, &surface, grid, &land, options),
     );
+    let water = water?;
     stats.depression_fraction = Some(water.raised as f64 / land_cells as f64);
     stats.fill_mean_m = finite(water.fill_sum_m / land_cells as f64);
     stats.fill_over_relief = stats.relief_m.filter(|&r| r > 0.0).and_then(|r| finite(stats.fill_mean_m? / r));
@@ -351,27 +352,28 @@ impl Water {
         outlets: &[bool],
         channel_area_m2: f64,
         options: &TerrainOptions,
-    ) -> Self {
-        let filled = priority_flood(surface, grid, outlets);
+    ) -> Result<Self> {
+        let mut filled = surface.to_vec();
+        fill(&mut filled, grid, outlets, &Control::none())?;
         let (mut raised, mut fill_sum_m) = (0, 0.0);
         // The sea is never raised: it consists of outlets.
-        for (before, after) in surface.iter().zip(filled.iter()) {
-            let depth_m = f64::from(after) - f64::from(before);
+        for (before, after) in surface.iter().zip(&filled) {
+            let depth_m = f64::from(*after) - f64::from(before);
             raised += u64::from(depth_m > options.depression_depth_m);
             fill_sum_m += depth_m;
         }
-        let flow = FlowD8::new(&filled, grid, outlets);
-        let cells = flow.accumulation();
+        let flow = Routing::with_flats(&filled, grid, outlets, FlatRule::Shortest, &Control::none())?;
+        let cells = flow.upstream_cells();
         let channel_cells = channel_area_m2 / grid.cell_area_m2();
         let concavity_cells = options.concavity_area_m2.map_or(channel_cells / 5.0, |a| a / grid.cell_area_m2());
         let channel: Vec<bool> = cells.iter().zip(land).map(|(&c, &l)| l && f64::from(c) >= channel_cells).collect();
         let streams = streams_by_order(&flow, &strahler_orders(&flow, &channel), &cells);
-        Self {
+        Ok(Self {
             raised,
             fill_sum_m,
             concavity: concavity(&filled, &flow, land, &cells, concavity_cells.max(1.0)),
             hack: hack_exponent(&flow, &channel, &cells),
             streams,
-        }
+        })
     }
 }

@@ -1,4 +1,16 @@
-//! A cone: `h = height (1 - (r / radius)^exponent)` inside the radius, 0 outside.
+//! A cone, with a straight, concave or convex flank and an apex that may be rounded off.
+//!
+//! # Equations
+//! `r` distance from the centre over `radius`, `p` exponent, `a` apex.
+//! 1. `h = height (1 - r^p)` for `r < 1`, 0 outside.
+//! 2. Within the apex, `r < a`: `h = height (1 - a^p + p a^p (1 - (r / a)^2) / 2)`, a paraboloid with the flank's height and slope
+//!    at `r = a`.
+//!
+//! # Source
+//! Elementary geometry.
+//!
+//! # Layers
+//! Makes a new field from its parameters; random numbers are not used.
 
 use super::{check, fill};
 use eyot_core::process::{Generator, Reach, Site};

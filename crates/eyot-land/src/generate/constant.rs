@@ -1,4 +1,10 @@
 //! The same value everywhere.
+//!
+//! # Equations
+//! 1. `h = value`.
+//!
+//! # Source
+//! None is needed.
 
 use super::check;
 use eyot_core::process::{Generator, Reach, Site};

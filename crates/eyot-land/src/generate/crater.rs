@@ -1,4 +1,16 @@
-//! A crater: what is higher than a level is folded down, `h -> 2 level - h` (filter).
+//! A crater: what is higher than a level is folded down (filter).
+//!
+//! # Equations
+//! `L` level in metres, `D = |h - L|`, `c` half the height of the rounded crest.
+//! 1. `h' = L - D`, so ground at the level above goes to the level below: `h' = 2 L - h` where `h > L`, else `h' = h`.
+//! 2. Where `D < c`: `h' = L - (D^2 / c + c) / 2`, a parabola that meets both sides with their slope; the crest sinks by `c / 2`.
+//! 3. `h' = max(h', L - depth)` where `h > L`: a flat floor.
+//!
+//! # Source
+//! A fold at a level, as in the height-map literature; the rounded crest and the floor are ours.
+//!
+//! # Differences
+//! A sharp fold leaves a razor's edge along the whole crest, which erosion turns into needles; `crest_m` takes it away.
 
 use super::{check, fill};
 use eyot_core::process::{Around, Generator, Reach, Site};

@@ -1,4 +1,11 @@
-//! A plane that rises in one direction, from `low` at one end of the grid to `high` at the other.
+//! A plane that rises in one direction.
+//!
+//! # Equations
+//! `e` unit vector of the compass direction, `p` place from the middle of the grid, `l` length of the grid's shadow on `e`.
+//! 1. `h = low + (high - low) (1/2 + p . e / l)`: `low` at the rim or corner where the ramp begins, `high` where it ends.
+//!
+//! # Source
+//! Elementary geometry.
 
 use super::{check, fill};
 use eyot_core::process::{Generator, Reach, Site};

@@ -1,14 +1,17 @@
 //! Smoothing (filter), one axis after the other.
 //!
-//! # Gaussian
-//! `h'(i) = h(i) + sum_k w_k ((h(i-k) - h(i)) + (h(i+k) - h(i)))`, with `w_k` proportional to `exp(-k^2 / 2 sigma^2)` up to four
-//! sigma. Written as exchanges between pairs of cells, it leaves a constant exactly as it is, and what one cell gives
-//! another one gets.
+//! # Equations
+//! 1. Gaussian: `h'(i) = h(i) + sum_k w_k ((h(i-k) - h(i)) + (h(i+k) - h(i)))` for `k` from 1 to `4 sigma`, with
+//!    `w_k = exp(-k^2 / (2 sigma^2)) / (1 + 2 sum_j exp(-j^2 / (2 sigma^2)))`.
+//! 2. Binomial: `w_1 = 1/4` along both axes, together (1, 2, 1; 2, 4, 2; 1, 2, 1) / 16.
+//! 3. Gentle: two thirds of the way there, `h + 2/3 (binomial - h)`, which is (1, 2, 1; 2, 12, 2; 1, 2, 1) / 24.
 //!
-//! # Kernels of 3x3 cells
-//! Binomial: `w_1 = 1/4` along both axes, together (1, 2, 1; 2, 4, 2; 1, 2, 1) / 16. Gentle: two thirds of the way there,
-//! `h + 2/3 (binomial - h)`, which is (1, 2, 1; 2, 12, 2; 1, 2, 1) / 24. Their effect is counted in cells and passes: on a finer
-//! grid the same number of passes smooths less land.
+//! Written as exchanges between pairs of cells, smoothing leaves a constant exactly as it is, and what one cell gives another
+//! one gets. The effect of the kernels of 3x3 cells is counted in cells and passes: on a finer grid the same number of passes
+//! smooths less land.
+//!
+//! # Source
+//! The usual kernels of image processing.
 //!
 //! # Rims
 //! Closed: the land is mirrored, so nothing is exchanged with the outside and the sum over the grid stays. Wrap: a ring, the sum

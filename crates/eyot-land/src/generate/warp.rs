@@ -1,10 +1,20 @@
-//! Domain warp: `h(p) -> h(p + d(p))` with a displacement `d` made of two noises (filter).
+//! Domain warp: every place gets the value of another place nearby (filter).
 //!
-//! Between the cells the layer is interpolated: bilinear (stays within the layer's range, but creases at cell borders when the
-//! warp stretches the land), or Catmull-Rom (smooth; may overshoot beside a cliff by an eighth of its height). Beyond a closed
-//! or open rim the border cell goes on; a wrapping rim is a ring.
+//! # Equations
+//! 1. `h'(p) = h(p + strength * scale * (u(p), v(p)))` with two noises `u` and `v` within -1..=1; octaves as for `fbm`.
+//!
+//! Between the cells the layer is interpolated: linear (stays within the layer's range, but creases at cell borders when the
+//! warp stretches the land), or cubic after Catmull and Rom (smooth; may overshoot beside a cliff by an eighth of its height).
+//! Beyond a closed or open rim the border cell goes on; a wrapping rim is a ring.
+//!
+//! # Source
+//! Distorted lookups as in Ebert et al. 2003.
+//!
+//! # Layers
+//! Reads the layer that it changes; uses the seed of its step.
 
-use super::noise::{Basis, Noise, PIECE, PIECE_COLUMNS, Piece, Sum};
+use super::fractal::Octaves;
+use super::noise::{PIECE, PIECE_COLUMNS, Piece, Sum};
 use super::{check, fill, scale_m};
 use eyot_core::isa::Isa;
 use eyot_core::lanes::WIDTH;
@@ -32,38 +42,16 @@ pub struct Warp {
     #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
     pub strength: f32,
     /// The noise that displaces.
-    pub basis: Basis,
-    /// Octaves of the displacing noise.
-    #[schemars(range(min = 1, max = 16), extend("unit" = "1"))]
-    pub octaves: u32,
-    /// Size of the largest bends as a share of the grid's longer side.
-    #[schemars(range(min = 0.0001, max = 10.0), extend("unit" = "1"))]
-    pub scale: f32,
-    /// Size of the largest bends in metres. 0 takes `scale` instead.
-    #[schemars(range(min = 0.0, max = 1e7), extend("unit" = "m"))]
-    pub scale_m: f32,
-    /// How many times smaller the bends of an octave are than those of the one before.
-    #[schemars(range(min = 1.1, max = 4.0), extend("unit" = "1"))]
-    pub lacunarity: f32,
-    /// Displacement of an octave relative to the one before.
-    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
-    pub gain: f32,
+    #[serde(flatten)]
+    pub noise: Octaves,
     /// How the layer is read between its cells.
     pub interpolation: Interpolation,
 }
 
 impl Default for Warp {
     fn default() -> Self {
-        Self {
-            strength: 0.3,
-            basis: Basis::Simplex,
-            octaves: 3,
-            scale: 0.25,
-            scale_m: 0.0,
-            lacunarity: 2.0,
-            gain: 0.5,
-            interpolation: Interpolation::Cubic,
-        }
+        let noise = Octaves { octaves: 3, ..Octaves::default() };
+        Self { strength: 0.3, noise, interpolation: Interpolation::Cubic }
     }
 }
 
@@ -109,17 +97,9 @@ impl Generator for Warp {
     fn generate(&self, site: &Site<'_>, base: &Field) -> Result<Field> {
         self.check(&site.grid)?;
         let g = site.grid;
-        let noise = Noise {
-            basis: self.basis,
-            sum: Sum::Fbm,
-            octaves: self.octaves,
-            scale_m: scale_m(&g, self.scale, self.scale_m),
-            lacunarity: f64::from(self.lacunarity),
-            gain: f64::from(self.gain),
-            seed: site.seed,
-        };
+        let noise = self.noise.noise(Sum::Fbm, &g, site.seed);
         let strength_m = f64::from(self.strength) * noise.scale_m;
-        let away = noise.displacement(self.octaves).map(|n| n.prepare(&g, Isa::best()));
+        let away = noise.displacement(self.noise.octaves).map(|n| n.prepare(&g, Isa::best()));
         let (per_x, per_y) = ((strength_m / g.cell_x_m) as f32, (strength_m / g.cell_y_m) as f32);
         let base = Around::new(site, self.reach(&g), base)?;
         fill(&g, site.rows.clone(), site.control, |y, row| {
@@ -147,7 +127,7 @@ impl Generator for Warp {
 
     fn reach(&self, grid: &Grid) -> Reach {
         // The displacement stays within -1..=1 times the strength; two rows more for the interpolation.
-        let strength_m = f64::from(self.strength) * scale_m(grid, self.scale, self.scale_m);
+        let strength_m = f64::from(self.strength) * scale_m(grid, self.noise.scale, self.noise.scale_m);
         Reach::Rows((strength_m / grid.cell_y_m).ceil() as usize + 2)
     }
 

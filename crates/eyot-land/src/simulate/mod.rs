@@ -2,6 +2,7 @@
 //!
 //! A process never calls another one; recipes put them together.
 
+pub mod drainage;
 pub mod hydraulic;
 pub mod reef;
 pub mod seabed;
@@ -9,8 +10,9 @@ pub mod thermal;
 pub mod wetness;
 
 use eyot_core::process::{Entry, Process};
-use eyot_core::{LayerSpec, Stagger};
+use eyot_core::{LayerSpec, Stagger, about};
 
+pub use drainage::Drainage;
 pub use hydraulic::Hydraulic;
 pub use reef::Reef;
 pub use seabed::Seabed;
@@ -19,11 +21,16 @@ pub use wetness::Wetness;
 
 /// All processes that recipes can name.
 pub const PROCESSES: &[Entry<dyn Process>] = &[
-    Entry::<dyn Process>::process::<Hydraulic>("hydraulic", &["mei2007", "obrien1995"]),
-    Entry::<dyn Process>::process::<Thermal>("thermal", &["musgrave1989", "olsen2004"]),
-    Entry::<dyn Process>::process::<Seabed>("seabed", &[]),
-    Entry::<dyn Process>::process::<Reef>("reef", &["bosscher1992", "darwin1842", "meyer2014"]),
-    Entry::<dyn Process>::process::<Wetness>("wetness", &[]),
+    Entry::<dyn Process>::process::<Hydraulic>("hydraulic", about!("hydraulic/mod.rs"), &["mei2007", "obrien1995"]),
+    Entry::<dyn Process>::process::<Thermal>("thermal", about!("thermal.rs"), &["musgrave1989", "olsen2004"]),
+    Entry::<dyn Process>::process::<Seabed>("seabed", about!("seabed.rs"), &[]),
+    Entry::<dyn Process>::process::<Reef>("reef", about!("reef.rs"), &["bosscher1992", "darwin1842", "meyer2014"]),
+    Entry::<dyn Process>::process::<Drainage>(
+        "drainage",
+        about!("drainage.rs"),
+        &["barnes2014", "barnes2014flats", "cordonnier2019", "freeman1991", "lindsay2015", "ocallaghan1984"],
+    ),
+    Entry::<dyn Process>::process::<Wetness>("wetness", about!("wetness.rs"), &[]),
 ];
 
 /// A layer of fluxes through faces, m/s.

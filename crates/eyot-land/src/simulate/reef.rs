@@ -12,8 +12,9 @@
 //! 5. `w' = w + rise T + curve(t + T) - curve(t)`.
 //!
 //! # Source
-//! The island thesis, I9; light after Bosscher and Schlager 1992; subsidence and the sequence fringing reef, barrier reef,
-//! atoll after Darwin 1842.
+//! Light and growth after Bosscher and Schlager 1992; subsidence and the sequence fringing reef, barrier reef, atoll after
+//! Darwin 1842. Carbon that is used up and diffuses in from the open sea stands for the exchange of water; it is a model, not a
+//! measured law.
 //!
 //! # Differences
 //! - Limestone is a layer of its own, as a part of the height; what erosion takes from the height it takes from the

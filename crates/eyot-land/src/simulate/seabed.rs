@@ -5,11 +5,10 @@
 //!    neither carries reef limestone. With `rate = 1` and all neighbours under the sea this is the mean of the four.
 //!
 //! # Source
-//! The island thesis, I8.
+//! The mean of the four neighbours (Jacobi), as height-map editors smooth.
 //!
 //! # Differences
-//! - The thesis replaces a cell by the mean of its neighbours, land included, which makes ground out of nothing along the
-//!   shore. Exchanging between pairs conserves it.
+//! - Replacing a cell by the mean of its neighbours, land included, makes ground out of nothing along the shore. Exchanging between pairs conserves it.
 //! - A rate of 1 leaves checkerboards undamped (their factor is -1), so the range ends at 0.9.
 //!
 //! # Layers

@@ -7,10 +7,10 @@
 //!    neighbour (in equal parts if several are lowest): flats become flat and cliffs stay.
 //!
 //! # Source
-//! Musgrave, Kolb and Mace 1989; the inverted form after Olsen 2004. The island thesis, I7.
+//! Musgrave, Kolb and Mace 1989; the inverted form after Olsen 2004.
 //!
 //! # Differences
-//! - The thesis moves half the height above the lowest neighbour, shared among all that are too low. Here each pair
+//! - Usually half the height above the lowest neighbour moves, shared among all that are too low. Here each pair
 //!   exchanges only what exceeds the talus, so slopes end at the angle and not below it, one pass is enough, and both
 //!   cells of a pair compute the same amount (`tests/thermal.rs`).
 //! - Olsen's form is applied to all cells at once and not in scanning order, which would favour one direction.

@@ -4,7 +4,7 @@
 //! 1. `w' = w + (min(1, q / river) - w) / memory` with `q` the discharge through the cell over its width, m2/s.
 //!
 //! # Source
-//! The island thesis, I10: rock shows where rivers recently ran.
+//! Ours: an exponential memory, so that rock shows where rivers recently ran.
 //!
 //! # Layers
 //! Reads `flux_x`, `flux_y` (m/s); reads and writes `wetness` (1).

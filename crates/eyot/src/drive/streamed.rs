@@ -5,6 +5,7 @@ use crate::error::RunError;
 use crate::event::{Command, Event, Progress};
 use crate::outputs::Outputs;
 use crate::run::Outcome;
+use crate::state::State;
 use crate::stream::{StreamedWorld, Survey};
 use eyot_core::{Cancel, Control};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
@@ -67,12 +68,10 @@ impl Driver {
                 control,
                 tell: &|event| drop(outbox.send(event)),
             };
-            let mut state = self.state.clone();
-            outputs = job.write(&mut state, &mut |state| {
-                self.state = state.clone();
-                self.checkpoint()?;
-                state.seconds = self.state.seconds;
-                Ok(())
+            let state = State { seconds: self.seconds(), ..self.state.clone() };
+            outputs = job.write(&state, &mut |done_exports| {
+                self.state.done_exports = done_exports;
+                self.checkpoint().map(|_| ())
             })?;
         }
         let journal = std::mem::take(&mut self.state.journal);

@@ -9,6 +9,7 @@ use crate::backend::io::{self, About, ByteOrder, RasterFormat, RowOrder, Rows, W
 use crate::backend::{mesh, render};
 use crate::error::RunError;
 use crate::keys::{Bytes, Export, ExportFormat, FirstRow, Preset};
+use crate::outputs::stopped;
 use eyot_core::{Control, Limits, World};
 use materials::MATERIALS;
 use serde_json::{Map, Value, json};
@@ -40,7 +41,6 @@ pub(crate) struct Job<'a> {
 impl Job<'_> {
     /// The next file.
     fn file(&mut self, name: &str) -> Result<PathBuf, RunError> {
-        self.control.check().map_err(file)?;
         (self.begin)(self.out.join(name))
     }
 
@@ -131,8 +131,18 @@ impl Export {
         WriteOptions {
             scale: self.range.map(|[low, high]| (low, high)),
             byte_order: if self.bytes == Bytes::Big { ByteOrder::Big } else { ByteOrder::Little },
-            row_order: if self.first_row == FirstRow::South { RowOrder::SouthFirst } else { RowOrder::NorthFirst },
+            row_order: self.first_row.row_order(),
             nodata: None,
+        }
+    }
+}
+
+impl FirstRow {
+    /// The same in the words of the files.
+    pub(crate) fn row_order(self) -> RowOrder {
+        match self {
+            Self::North => RowOrder::NorthFirst,
+            Self::South => RowOrder::SouthFirst,
         }
     }
 }
@@ -246,7 +256,8 @@ pub(crate) fn write_mesh(job: &mut Job<'_>, name: &Path, export: &Export) -> Res
     }
     // Each level has a quarter of the triangles of the one before: half the detail along each axis.
     let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
-    let levels = mesh::levels_of_detail(&terrain.mesh, &ratios);
+    job.control.check().map_err(stopped)?;
+    let levels = mesh::levels_of_detail_controlled(&terrain.mesh, &ratios, job.control).map_err(stopped)?;
     io::write_terrain_glb(&path, &levels, job.name).map_err(file)
 }
 

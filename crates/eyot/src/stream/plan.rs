@@ -1,18 +1,19 @@
 //! Which recipes can be streamed, and how much memory runs take.
 
 use super::stages::Stages;
-use super::{LARGE, OVERVIEW, Stream};
+use super::survey::coarse;
+use super::{LARGE, Stream};
 use crate::error::RunError;
-use crate::keys::Export;
+use crate::keys::{Export, View};
+use crate::need;
 use crate::recipe::{Recipe, Step, Work};
 use crate::run::RunOptions;
+use crate::store::Subject;
 use eyot_core::process::Reach;
-use eyot_core::{Grid, Result};
+use eyot_core::{Grid, Limits, Result};
 
 /// Rows that writers hold at a time, with their compressed form: the shards of a Zarr store are the tallest.
 const WRITER_ROWS: usize = 3 * 512;
-/// What drawing needs for each cell of the overview. Measured: 96.
-const PICTURE_BYTES: u128 = 96;
 
 /// Where in a recipe something stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,24 +56,51 @@ pub(crate) fn obstacle(steps: &[Step], exports: &[Export], grid: &Grid) -> Optio
         .or_else(|| exports.iter().enumerate().filter(|(_, e)| e.enabled).find_map(of_export))
 }
 
-/// Memory of a run in one piece: two buffers a layer while the engine runs, and two more fields for a generator at work.
-pub(crate) fn bytes_whole(steps: &[Step], layers: usize, grid: &Grid) -> u128 {
+/// Memory of a run in one piece while it works: two buffers a layer for the engine, and two more fields for a generator.
+pub(crate) fn bytes_working(steps: &[Step], layers: usize, grid: &Grid) -> u128 {
     let generates = steps.iter().any(|s| matches!(s.work, Work::Generate(_)));
     let fields = layers.max(1) * 2 + if generates { 2 } else { 0 };
     grid.cells() as u128 * 4 * fields as u128
 }
 
-/// Memory of a streamed run: the windows, the overview, and whichever is more of writers and pictures.
-///
-/// # Errors
-/// If a step is not what it seemed to be.
-pub(crate) fn bytes_streamed(steps: &[Step], grid: &Grid) -> Result<u128> {
-    let stages = Stages::new(steps, *grid, 0.0)?;
-    let row = grid.width as u128 * 4;
-    let overview = grid.cells().min(OVERVIEW * OVERVIEW) as u128;
-    let writers = row * WRITER_ROWS.min(3 * grid.height) as u128;
-    let windows = row * stages.rows_held() as u128;
-    Ok(windows + overview * 4 * stages.layers().len() as u128 + writers.max(overview * PICTURE_BYTES))
+/// What a run without obstacles has to do.
+pub(crate) struct Load<'a> {
+    pub(crate) steps: &'a [Step],
+    pub(crate) exports: &'a [Export],
+    pub(crate) view: &'a View,
+    pub(crate) grid: &'a Grid,
+    pub(crate) limits: &'a Limits,
+}
+
+impl Load<'_> {
+    /// Memory of the run in one piece.
+    pub(crate) fn whole(&self) -> u128 {
+        let layers = Stages::layer_names(self.steps).len();
+        let world = layers as u128 * self.grid.cells() as u128 * 4;
+        bytes_working(self.steps, layers, self.grid).max(world + self.outputs(self.grid))
+    }
+
+    /// Memory of the streamed run: the windows, the overview, and whichever is more of writers and pictures.
+    ///
+    /// # Errors
+    /// If a step is not what it seemed to be.
+    pub(crate) fn streamed(&self) -> Result<u128> {
+        let stages = Stages::new(self.steps, *self.grid, 0.0)?;
+        let row = self.grid.width as u128 * 4;
+        let writers = row * WRITER_ROWS.min(3 * self.grid.height) as u128;
+        let windows = row * stages.rows_held() as u128;
+        let (_, coarse) = coarse(self.grid);
+        let overview = coarse.cells() as u128 * 4 * stages.layers().len() as u128;
+        Ok(windows + overview + writers.max(self.outputs(&coarse)))
+    }
+
+    /// What is needed beside a world of this grid for the picture or export that needs most.
+    fn outputs(&self, grid: &Grid) -> u128 {
+        let pictures = [Subject::View, Subject::Relief].map(|s| need::picture(grid, self.view, s));
+        let drawn = pictures.into_iter().filter(|_| self.view.enabled);
+        let exports = self.exports.iter().filter(|e| e.enabled).map(|e| need::export(grid, e, self.limits));
+        drawn.chain(exports).max().unwrap_or(0)
+    }
 }
 
 /// Whether a run is streamed.
@@ -80,19 +108,21 @@ pub(crate) fn bytes_streamed(steps: &[Step], grid: &Grid) -> Result<u128> {
 /// # Errors
 /// If the options ask for what cannot be.
 pub(crate) fn chosen(recipe: &Recipe, options: &RunOptions) -> Result<bool, RunError> {
-    let layers = Stages::layer_names(&recipe.steps).len();
-    let whole = bytes_whole(&recipe.steps, layers, &recipe.grid);
-    let obstacle = obstacle(&recipe.steps, &recipe.exports, &recipe.grid);
-    let too_large = whole > u128::from(options.limits.max_bytes);
-    match (options.stream, obstacle) {
+    let Recipe { steps, exports, view, grid, .. } = recipe;
+    let limits = &options.limits;
+    match (options.stream, obstacle(steps, exports, grid)) {
         (Stream::Always, Some(o)) => Err(RunError::NotStreamed(o.reason)),
         (Stream::Always, None) => Ok(true),
-        (Stream::Auto, None) if too_large || (options.out.is_some() && recipe.grid.cells() > LARGE) => Ok(true),
-        (Stream::Never, _) => {
-            let check = options.limits.check_bytes("this recipe in one piece", whole);
-            check.map(|()| false).map_err(|source| RunError::Step { step: "the grid".to_owned(), source })
+        (Stream::Auto, None) => {
+            let too_large = Load { steps, exports, view, grid, limits }.whole() > u128::from(limits.max_bytes);
+            Ok(too_large || (options.out.is_some() && grid.cells() > LARGE))
         }
         // What does not fit was refused when the recipe was checked.
-        (Stream::Auto, _) => Ok(false),
+        (Stream::Auto | Stream::Never, Some(_)) => Ok(false),
+        (Stream::Never, None) => {
+            let bytes = bytes_working(steps, Stages::layer_names(steps).len(), grid);
+            let check = limits.check_bytes("this recipe in one piece", bytes);
+            check.map(|()| false).map_err(|source| RunError::Step { step: "the grid".to_owned(), source })
+        }
     }
 }

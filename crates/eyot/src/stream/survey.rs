@@ -19,13 +19,8 @@ pub(crate) struct Survey {
     pub(crate) fingerprint: u64,
 }
 
-/// Goes once through each layer. Also returns their smallest and largest values.
-pub(super) fn survey(
-    world: &StreamedWorld<'_>,
-    layers: &[StreamedLayer],
-    recipe: &Recipe,
-) -> Result<(Survey, Vec<(f32, f32)>)> {
-    let grid = recipe.grid;
+/// The grid of the overview, and how many cells along each side make one of it.
+pub(super) fn coarse(grid: &Grid) -> (usize, Grid) {
     let cells = grid.width.max(grid.height).div_ceil(OVERVIEW);
     let coarse = Grid {
         width: grid.width.div_ceil(cells),
@@ -34,6 +29,17 @@ pub(super) fn survey(
         cell_y_m: grid.cell_y_m * cells as f64,
         rim: grid.rim,
     };
+    (cells, coarse)
+}
+
+/// Goes once through each layer. Also returns their smallest and largest values.
+pub(super) fn survey(
+    world: &StreamedWorld<'_>,
+    layers: &[StreamedLayer],
+    recipe: &Recipe,
+) -> Result<(Survey, Vec<(f32, f32)>)> {
+    let grid = recipe.grid;
+    let (cells, coarse) = coarse(&grid);
     let mut overview = World::new(coarse, recipe.seed);
     overview.sea_level_m = recipe.sea_level_m;
     let size = (coarse.width * cells, coarse.height * cells);

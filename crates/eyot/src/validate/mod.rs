@@ -6,13 +6,15 @@ use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
 use crate::exports;
 use crate::import;
 use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, Preset, View};
+use crate::need;
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step};
 use crate::registry::Registry;
 use crate::set;
-use crate::stream::{self, Place};
+use crate::store::Subject;
+use crate::stream::{self, Obstacle, Place};
 use eyot_core::process::{Parameters, schema_of};
-use eyot_core::{Georeference, Grid, Limits, Rim};
+use eyot_core::{Error, Georeference, Grid, Limits, Rim};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
@@ -49,7 +51,7 @@ pub(crate) fn recipe(
     let mut exports = v.exports(doc.get("export"));
     exports.extend(v.presets(&overrides.presets, &exports));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
-    v.memory(&doc, grid, &steps, &exports);
+    v.memory(&doc, grid, &steps, &exports, &view);
     if !v.out.is_empty() {
         return Err(Problems::new(sources, v.out));
     }
@@ -182,7 +184,9 @@ impl Validator<'_> {
 
     fn raster(&mut self, file: &str, span: Span) -> Option<crate::backend::io::Raster> {
         let path = self.file(file, &span)?;
-        match import::read(&path, &ReadOptions::default(), self.limits) {
+        // Only size and place count here, so a picture need not say which heights its greys are.
+        let any_heights = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), ..ReadOptions::default() };
+        match import::read(&path, &any_heights, self.limits) {
             Ok(r) => Some(r),
             Err(reason) => {
                 self.out.push(
@@ -316,32 +320,74 @@ impl Validator<'_> {
     }
 
     /// Worlds that do not fit in one piece must be such that they can be streamed.
-    fn memory(&mut self, doc: &Node, grid: Option<Grid>, steps: &[Step], exports: &[Export]) {
+    fn memory(&mut self, doc: &Node, grid: Option<Grid>, steps: &[Step], exports: &[Export], view: &View) {
         let (Some(node), Some(grid)) = (doc.get("grid"), grid) else { return };
-        let size = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
-        let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
-        if let Err(e) = self.limits.check_bytes(&what, stream::bytes_whole(steps, self.layers.len(), &grid)) {
-            if let Some(obstacle) = stream::obstacle(steps, exports, &grid) {
-                let item = match obstacle.place {
-                    Place::Step(number) => doc.get("step").and_then(|n| n.elements().get(number - 1)),
-                    Place::Export(i) => doc.get("export").and_then(|n| n.elements().get(i)),
-                };
-                let span = item.map_or(size, |n| n.span.clone());
-                let help = "choose fewer cells, raise the limit with --max-memory, or switch this off: \
-                            a world that is only generated and written as a raster is streamed";
-                let message = format!("{}, and there is not enough: {e}", obstacle.reason);
-                self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
-            } else if self.out.is_empty()
-                && let Err(e) = stream::bytes_streamed(steps, &grid)
-                    .and_then(|bytes| self.limits.check_bytes(&format!("{what}, even streamed,"), bytes))
-            {
-                let help = "choose fewer cells, or raise the limit with --max-memory";
-                self.out.push(Diagnostic::at(size, e.to_string(), "this grid").help(help));
-            }
-        }
         if self.layers.len() > self.limits.max_layers {
             let message = format!("{} layers exceed the limit of {}", self.layers.len(), self.limits.max_layers);
             self.out.push(Diagnostic::whole(message));
+        }
+        let size = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
+        let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
+        match stream::obstacle(steps, exports, &grid) {
+            Some(obstacle) => {
+                let working = stream::bytes_working(steps, self.layers.len(), &grid);
+                if let Err(e) = self.limits.check_bytes(&what, working) {
+                    self.too_large(doc, size, &obstacle, &e);
+                }
+                self.output_memory(doc, &grid, exports, view);
+            }
+            None if self.out.is_empty() => {
+                let all = stream::Load { steps, exports, view, grid: &grid, limits: self.limits };
+                if all.whole() > u128::from(self.limits.max_bytes)
+                    && let Err(e) = all
+                        .streamed()
+                        .and_then(|bytes| self.limits.check_bytes(&format!("{what}, even streamed,"), bytes))
+                {
+                    let help = "choose fewer cells, or raise the limit with --max-memory";
+                    self.out.push(Diagnostic::at(size, e.to_string(), "this grid").help(help));
+                }
+            }
+            None => {}
+        }
+    }
+
+    fn too_large(&mut self, doc: &Node, size: Span, obstacle: &Obstacle, e: &Error) {
+        let item = match obstacle.place {
+            Place::Step(number) => doc.get("step").and_then(|n| n.elements().get(number - 1)),
+            Place::Export(i) => doc.get("export").and_then(|n| n.elements().get(i)),
+        };
+        let span = item.map_or(size, |n| n.span.clone());
+        let message = format!("{}, and there is not enough: {e}", obstacle.reason);
+        let help = "choose fewer cells, raise the limit with --max-memory, or switch this off: \
+                    a world that is only generated and written as a raster is streamed";
+        self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
+    }
+
+    /// Pictures and meshes beside the finished world.
+    fn output_memory(&mut self, doc: &Node, grid: &Grid, exports: &[Export], view: &View) {
+        if !self.out.is_empty() {
+            return;
+        }
+        let world = self.layers.len() as u128 * grid.cells() as u128 * 4;
+        let place = |n: Option<&Node>| n.or(doc.get("grid")).unwrap_or(doc).span.clone();
+        let pictures = [Subject::View, Subject::Relief].map(|s| need::picture(grid, view, s));
+        if view.enabled
+            && let Err(e) = need::check_bytes(
+                "drawing the pictures of this world",
+                world + pictures[0].max(pictures[1]),
+                self.limits,
+                need::PICTURE_REMEDY,
+            )
+        {
+            self.out.push(Diagnostic::at(place(doc.get("view")), e.to_string(), "these pictures"));
+        }
+        for (i, export) in exports.iter().enumerate().filter(|(_, e)| e.enabled) {
+            let what = format!("making `{}`", export.files()[0]);
+            let bytes = world + need::export(grid, export, self.limits);
+            if let Err(e) = need::check_bytes(&what, bytes, self.limits, need::EXPORT_REMEDY) {
+                let item = doc.get("export").and_then(|x| x.elements().get(i));
+                self.out.push(Diagnostic::at(place(item), e.to_string(), "this export"));
+            }
         }
     }
 }

@@ -113,6 +113,7 @@ impl Validator<'_> {
                 Some(Some(file)) => parameters["file"] = self.file(file, &span).map_or(Value::Null, Value::String),
                 Some(None) => {}
             }
+            parameters["max_bytes"] = Value::from(self.limits.max_bytes);
         }
         if self.out.len() > before {
             self.layers.extend(node.get("layer").and_then(Node::text).or(Some("height")).map(str::to_owned));

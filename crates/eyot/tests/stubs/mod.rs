@@ -94,10 +94,11 @@ impl Process for Hydraulic {
 }
 
 pub static GENERATORS: &[Entry<dyn Generator>] = &[
-    Entry::<dyn Generator>::generator::<Noise>("noise", &["perlin1985"]),
-    Entry::<dyn Generator>::generator::<Flip>("flip", &[]),
+    Entry::<dyn Generator>::generator::<Noise>("noise", "", &["perlin1985"]),
+    Entry::<dyn Generator>::generator::<Flip>("flip", "", &[]),
 ];
-pub static PROCESSES: &[Entry<dyn Process>] = &[Entry::<dyn Process>::process::<Hydraulic>("hydraulic", &["mei2007"])];
+pub static PROCESSES: &[Entry<dyn Process>] =
+    &[Entry::<dyn Process>::process::<Hydraulic>("hydraulic", "", &["mei2007"])];
 
 pub fn registry() -> Registry {
     Registry::new(GENERATORS, PROCESSES)

@@ -14,8 +14,9 @@
 //! taken off: `(tx, ty) = inverse(M) s` in units of the extent has a numerator and a denominator that are small whole numbers,
 //! so `floor` in `f32` is exact.
 
-use super::Basis;
 use super::gradient::{COLUMN, ROW, hash};
+use super::worley::Cells;
+use super::{Basis, Noise};
 use eyot_core::real::{Bits, Real};
 use eyot_core::rng::mix64;
 use eyot_core::{Edge, Grid};
@@ -48,6 +49,8 @@ pub(super) struct Octave {
     pub(super) scale: f32,
     /// Factor of this octave in the sum.
     pub(super) weight: f32,
+    /// Where Worley's points lie and which distance counts.
+    pub(super) cells: Cells,
     torus: Option<Torus>,
 }
 
@@ -64,6 +67,19 @@ struct Torus {
 
 type Matrix = [[f64; 2]; 2];
 
+/// The kind of lattice under a noise.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lattice {
+    Squares,
+    Triangles,
+}
+
+impl Lattice {
+    fn under(basis: Basis) -> Self {
+        if basis == Basis::Simplex { Self::Triangles } else { Self::Squares }
+    }
+}
+
 fn product(a: Matrix, b: Matrix) -> Matrix {
     let mut m = [[0.0; 2]; 2];
     for r in 0..2 {
@@ -75,34 +91,38 @@ fn product(a: Matrix, b: Matrix) -> Matrix {
 }
 
 /// From places to coordinates along the edges of the lattice.
-fn edges(basis: Basis) -> Matrix {
-    match basis {
-        Basis::Perlin => [[1.0, 0.0], [0.0, 1.0]],
+fn edges(lattice: Lattice) -> Matrix {
+    match lattice {
+        Lattice::Squares => [[1.0, 0.0], [0.0, 1.0]],
         // a e1 + b e2 = p with e1 = (1, 0), e2 = (1/2, sqrt(3)/2)
-        Basis::Simplex => [[1.0, -1.0 / 3f64.sqrt()], [0.0, 2.0 / 3f64.sqrt()]],
+        Lattice::Triangles => [[1.0, -1.0 / 3f64.sqrt()], [0.0, 2.0 / 3f64.sqrt()]],
     }
 }
 
 impl Octave {
     /// Octave number `index` with features of `size_m`.
-    pub(super) fn new(basis: Basis, grid: &Grid, size_m: f64, index: u32, seed: u64, weight: f32) -> Self {
-        let key = mix64(mix64(seed) ^ u64::from(index));
+    pub(super) fn new(noise: &Noise, grid: &Grid, size_m: f64, index: u32, weight: f32) -> Self {
+        let lattice = Lattice::under(noise.basis);
+        let key = mix64(mix64(noise.seed) ^ u64::from(index));
         let offset = mix64(key);
         let (m, torus) = match (grid.rim.x, grid.rim.y) {
             (Edge::Wrap, _) | (_, Edge::Wrap) => {
-                let (m, torus) = periodic(basis, grid, size_m, index);
+                let (m, torus) = periodic(lattice, grid, size_m, index);
                 (m, Some(torus))
             }
-            _ => (turned(basis, size_m, index, seed), None),
+            _ => (turned(lattice, size_m, index, noise.seed), None),
         };
         let fixed = |v: f64| (v * (1u64 << FRACTION) as f64) as i64;
         let along = |x_m: f64, y_m: f64| [m[0][0] * x_m + m[0][1] * y_m, m[1][0] * x_m + m[1][1] * y_m];
         let corner = along(0.5 * grid.cell_x_m, 0.5 * grid.cell_y_m);
         let step_x = along(grid.cell_x_m, 0.0);
         let fraction = |bits: u64| (bits >> 40) as f64 / f64::from(1 << 24);
-        let scale = match basis {
+        let cells = Cells::new(noise.basis, noise.jitter);
+        let scale = match noise.basis {
             Basis::Perlin => super::perlin::SCALE,
             Basis::Simplex => super::simplex::SCALE,
+            Basis::Value => 1.0,
+            Basis::WorleyF1 | Basis::WorleyF2 | Basis::WorleyF2F1 => 1.0 / cells.middle,
         };
         Self {
             start: [fixed(corner[0] + fraction(offset)), fixed(corner[1] + fraction(offset << 24))],
@@ -113,6 +133,7 @@ impl Octave {
             key: [key as u32, (key >> 32) as u32],
             scale,
             weight,
+            cells,
             torus,
         }
     }
@@ -173,42 +194,42 @@ impl Octave {
 }
 
 /// M of a lattice that fills the plane, turned.
-fn turned(basis: Basis, size_m: f64, index: u32, seed: u64) -> Matrix {
+fn turned(lattice: Lattice, size_m: f64, index: u32, seed: u64) -> Matrix {
     // The first octave's angle comes from the seed, through a rational parametrisation of the circle: the platform's sine
     // might differ in the last bit from machine to machine.
     let t = (mix64(seed ^ 0x7475_726e) >> 40) as f64 / f64::from(1 << 24);
     let (mut c, mut s) = ((1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t));
     // Each further octave turns by the golden section of the lattice's symmetry: 90 degrees for squares, 60 for triangles.
-    let (dc, ds) = match basis {
-        Basis::Perlin => (0.564_634_886_417_550_3, 0.825_340_805_389_046_5),
-        Basis::Simplex => (0.797_772_979_000_846, 0.602_957_937_153_260_8),
+    let (dc, ds) = match lattice {
+        Lattice::Squares => (0.564_634_886_417_550_3, 0.825_340_805_389_046_5),
+        Lattice::Triangles => (0.797_772_979_000_846, 0.602_957_937_153_260_8),
     };
     for _ in 0..index {
         (c, s) = (c * dc - s * ds, s * dc + c * ds);
     }
     let scale = 1.0 / size_m;
-    product(edges(basis), [[c * scale, -s * scale], [s * scale, c * scale]])
+    product(edges(lattice), [[c * scale, -s * scale], [s * scale, c * scale]])
 }
 
 /// M of a lattice that repeats with the grid's extent along the axes that wrap.
-fn periodic(basis: Basis, grid: &Grid, size_m: f64, index: u32) -> (Matrix, Torus) {
+fn periodic(lattice: Lattice, grid: &Grid, size_m: f64, index: u32) -> (Matrix, Torus) {
     // Turns by a Gaussian or Eisenstein integer, from octave to octave another one; the last two are for few features.
     const TURNS: [[[i32; 2]; 8]; 2] = [
         [[2, 1], [1, 3], [3, 2], [1, 2], [2, 3], [3, 1], [1, 1], [1, 0]],
         [[1, 2], [1, 1], [3, 1], [2, 1], [1, 3], [3, 2], [1, 1], [1, 0]],
     ];
-    let turns = &TURNS[usize::from(basis == Basis::Simplex)];
+    let turns = &TURNS[usize::from(lattice == Lattice::Triangles)];
     let (w, h) = grid.extent_m();
     let (wrap_x, wrap_y) = (grid.rim.x == Edge::Wrap, grid.rim.y == Edge::Wrap);
     let mut best = (f64::INFINITY, [1, 0], 1.0, 1.0);
     for k in 0..turns.len() {
         let turn = if k < 6 { turns[(index as usize + k) % 6] } else { turns[k] };
-        let (cells_x, cells_y) = ideal_cells(basis, turn, w / size_m, h / size_m);
+        let (cells_x, cells_y) = ideal_cells(lattice, turn, w / size_m, h / size_m);
         let k = if wrap_x { cells_x.round().max(1.0) } else { cells_x };
-        let l = match (wrap_y, basis) {
+        let l = match (wrap_y, lattice) {
             (false, _) => cells_y,
-            (true, Basis::Perlin) => cells_y.round().max(1.0),
-            (true, Basis::Simplex) => (2.0 * (cells_y / 2.0).round()).max(2.0),
+            (true, Lattice::Squares) => cells_y.round().max(1.0),
+            (true, Lattice::Triangles) => (2.0 * (cells_y / 2.0).round()).max(2.0),
         };
         let stretch = |n: f64, ideal: f64| (n / ideal).max(ideal / n) - 1.0;
         let error = stretch(k, cells_x).max(stretch(l, cells_y));
@@ -221,9 +242,9 @@ fn periodic(basis: Basis, grid: &Grid, size_m: f64, index: u32) -> (Matrix, Toru
     }
     let (_, turn, k, l) = best;
     let [a, b] = turn.map(f64::from);
-    let (q, t, numerator, norm) = match basis {
-        Basis::Perlin => ([[a, -b], [b, a]], [[k, 0.0], [0.0, l]], [[a, b], [-b, a]], [a * a + b * b; 2]),
-        Basis::Simplex => {
+    let (q, t, numerator, norm) = match lattice {
+        Lattice::Squares => ([[a, -b], [b, a]], [[k, 0.0], [0.0, l]], [[a, b], [-b, a]], [a * a + b * b; 2]),
+        Lattice::Triangles => {
             let n = a * a + a * b + b * b;
             ([[a, -b], [b, a + b]], [[k, -l / 2.0], [0.0, l]], [[2.0 * a + b, a + 2.0 * b], [-b, a]], [2.0 * n, n])
         }
@@ -241,13 +262,13 @@ fn periodic(basis: Basis, grid: &Grid, size_m: f64, index: u32) -> (Matrix, Toru
 }
 
 /// Cells of the unturned lattice along the extent that would stretch nothing.
-fn ideal_cells(basis: Basis, [a, b]: [i32; 2], features_x: f64, features_y: f64) -> (f64, f64) {
-    match basis {
-        Basis::Perlin => {
+fn ideal_cells(lattice: Lattice, [a, b]: [i32; 2], features_x: f64, features_y: f64) -> (f64, f64) {
+    match lattice {
+        Lattice::Squares => {
             let length = f64::from(a * a + b * b).sqrt();
             (features_x / length, features_y / length)
         }
-        Basis::Simplex => {
+        Lattice::Triangles => {
             let length = f64::from(a * a + a * b + b * b).sqrt();
             (features_x / length, features_y / length * 2.0 / 3f64.sqrt())
         }

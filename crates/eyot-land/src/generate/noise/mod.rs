@@ -1,11 +1,14 @@
-//! Gradient noise in the plane and its sums over octaves.
+//! Noise in the plane and its sums over octaves.
 //!
-//! - [`Basis::Perlin`]: square lattice, quintic fade. [`Basis::Simplex`]: lattice of triangles, radial kernel.
-//!   Both have eight unit gradients chosen by an integer hash, are scaled so that no value lies outside -1..=1 (the bound
-//!   is reached only if all gradients around a point agree), and are zero at lattice points.
+//! - [`Basis::Perlin`]: square lattice, quintic fade. [`Basis::Simplex`]: lattice of triangles, radial kernel. Both have unit
+//!   gradients at angles chosen by an integer hash, are scaled so that no value lies outside -1..=1 (the bound is reached only if all
+//!   gradients around a point agree), and are zero at lattice points.
+//! - [`Basis::Value`]: a number at each point of a square lattice, blended with the quintic fade.
+//! - [`Basis::WorleyF1`], `F2`, `F2F1`: distances to points strewn over a square lattice, see `worley`. Their mean is not 0.
 //! - fBm: `sum gain^o n_o / sum gain^o`, so it stays within -1..=1 too.
 //! - ridged multifractal (Musgrave): `s_o = (1 - |n_o|)^2 w_o`, `w_0 = 1`, `w_(o+1) = clamp(sharpness s_o, 0, 1)`, summed and
 //!   divided in the same way: within 0..=1. Crests get detail, valleys stay smooth.
+//! - billow: `sum gain^o (2 |n_o| - 1) / sum gain^o`.
 //! - domain warp: the place at which the noise is looked up is displaced by two other noises.
 //!
 //! # Coordinates
@@ -22,11 +25,14 @@ mod gradient;
 mod lattice;
 mod perlin;
 mod simplex;
+mod value;
+mod worley;
 
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::{LaneBlock, WIDTH};
 use eyot_core::real::Real;
 use eyot_core::{Control, Field, Grid, Result, rng};
+pub(super) use gradient::{COLUMN, ROW, hash};
 use lattice::{Kernel, Octave};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,6 +48,17 @@ pub enum Basis {
     Simplex,
     /// Squares: a little blockier (directions differ by 4 %). One octave's standard deviation is 0.31 of the bound.
     Perlin,
+    /// Random heights on squares: plump and irregular hills. One octave's standard deviation is 0.45 of the bound.
+    Value,
+    /// Distance to the nearest of strewn points: pits with sharp ridges between them.
+    #[serde(rename = "worley_f1")]
+    WorleyF1,
+    /// Distance to the second nearest point: facets.
+    #[serde(rename = "worley_f2")]
+    WorleyF2,
+    /// Second nearest minus nearest: plates with cracks between them.
+    #[serde(rename = "worley_f2_f1")]
+    WorleyF2F1,
 }
 
 /// How octaves are put together.
@@ -49,6 +66,8 @@ pub enum Basis {
 pub enum Sum {
     /// Plain weighted sum, within -1..=1.
     Fbm,
+    /// Sum of folded octaves, within -1..=1.
+    Billow,
     /// Ridged multifractal, within 0..=1; each octave is weighted by the one before times this number.
     Ridged(f32),
 }
@@ -68,13 +87,24 @@ pub struct Noise {
     pub lacunarity: f64,
     /// Ratio of the heights of one octave and the one before.
     pub gain: f64,
+    /// How far Worley's points lie from the middles of their squares, 0..=1.
+    pub jitter: f32,
     /// Decides everything that is random.
     pub seed: u64,
 }
 
 impl Default for Noise {
     fn default() -> Self {
-        Self { basis: Basis::Simplex, sum: Sum::Fbm, octaves: 8, scale_m: 1000.0, lacunarity: 2.0, gain: 0.5, seed: 0 }
+        Self {
+            basis: Basis::Simplex,
+            sum: Sum::Fbm,
+            octaves: 8,
+            scale_m: 1000.0,
+            lacunarity: 2.0,
+            gain: 0.5,
+            jitter: 1.0,
+            seed: 0,
+        }
     }
 }
 
@@ -109,9 +139,7 @@ impl Noise {
         let octaves = (0u32..)
             .zip(heights)
             .take_while(|(_, (_, height))| *height > 0.0)
-            .map(|(index, (size_m, height))| {
-                Octave::new(self.basis, grid, size_m, index, self.seed, (height / total) as f32)
-            })
+            .map(|(index, (size_m, height))| Octave::new(self, grid, size_m, index, (height / total) as f32))
             .collect();
         Prepared { basis: self.basis, sum: self.sum, octaves, isa }
     }
@@ -190,11 +218,11 @@ impl Prepared {
                 memory: &mut memory[..blocks],
                 out: &mut out[..blocks],
             };
-            match (self.basis, octave.wraps()) {
-                (Basis::Perlin, false) => row.go::<perlin::Perlin, false>(self.isa),
-                (Basis::Perlin, true) => row.go::<perlin::Perlin, true>(self.isa),
-                (Basis::Simplex, false) => row.go::<simplex::Simplex, false>(self.isa),
-                (Basis::Simplex, true) => row.go::<simplex::Simplex, true>(self.isa),
+            match self.basis {
+                Basis::Perlin => row.of::<perlin::Perlin>(self.isa),
+                Basis::Simplex => row.of::<simplex::Simplex>(self.isa),
+                Basis::Value => row.of::<value::Value>(self.isa),
+                Basis::WorleyF1 | Basis::WorleyF2 | Basis::WorleyF2F1 => row.of::<worley::Worley>(self.isa),
             }
         }
     }
@@ -213,15 +241,31 @@ struct Row<'a> {
 }
 
 /// The constant choices of a row are parameters of its type, so that its loop contains no choice.
-struct Task<'a, K, const TORUS: bool, const RIDGED: bool, const WARPED: bool>(Row<'a>, PhantomData<K>);
+struct Task<'a, K, const TORUS: bool, const SUM: u8, const WARPED: bool>(Row<'a>, PhantomData<K>);
+
+/// Values of the parameter `SUM`.
+const FBM: u8 = 0;
+const BILLOW: u8 = 1;
+const RIDGED: u8 = 2;
 
 impl<'a> Row<'a> {
-    fn go<K: Kernel, const TORUS: bool>(self, isa: Isa) {
-        match (matches!(self.sum, Sum::Ridged(_)), self.shift.is_some()) {
-            (false, false) => Task::<'a, K, TORUS, false, false>(self, PhantomData).go(isa),
-            (false, true) => Task::<'a, K, TORUS, false, true>(self, PhantomData).go(isa),
-            (true, false) => Task::<'a, K, TORUS, true, false>(self, PhantomData).go(isa),
-            (true, true) => Task::<'a, K, TORUS, true, true>(self, PhantomData).go(isa),
+    fn of<K: Kernel>(self, isa: Isa) {
+        if self.octave.wraps() { self.on::<K, true>(isa) } else { self.on::<K, false>(isa) }
+    }
+
+    fn on<K: Kernel, const TORUS: bool>(self, isa: Isa) {
+        match self.sum {
+            Sum::Fbm => self.go::<K, TORUS, FBM>(isa),
+            Sum::Billow => self.go::<K, TORUS, BILLOW>(isa),
+            Sum::Ridged(_) => self.go::<K, TORUS, RIDGED>(isa),
+        }
+    }
+
+    fn go<K: Kernel, const TORUS: bool, const SUM: u8>(self, isa: Isa) {
+        if self.shift.is_some() {
+            Task::<'a, K, TORUS, SUM, true>(self, PhantomData).go(isa);
+        } else {
+            Task::<'a, K, TORUS, SUM, false>(self, PhantomData).go(isa);
         }
     }
 }
@@ -237,7 +281,7 @@ struct Constants {
 
 /// Adds one octave to `sum`; the place is that of a block plus `ramp` plus a displacement.
 #[inline(always)]
-fn cell<R: Real, K: Kernel, const TORUS: bool, const RIDGED: bool, const WARPED: bool>(
+fn cell<R: Real, K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool>(
     o: &Octave,
     place: [i64; 2],
     ramp: [R; 2],
@@ -253,17 +297,19 @@ fn cell<R: Real, K: Kernel, const TORUS: bool, const RIDGED: bool, const WARPED:
         v = v + (shift[0] * R::of(c.per_metre[1][0]) + shift[1] * R::of(c.per_metre[1][1]));
     }
     let n = K::at::<R, TORUS>(o, [iu, iv], u, v) * R::of(c.scale);
-    if RIDGED {
+    if SUM == RIDGED {
         let edge = R::of(1.0) - n.abs();
         let signal = edge * edge * memory;
         let memory = (signal * R::of(c.sharpness)).clamp(R::of(0.0), R::of(1.0));
         (sum + signal * R::of(c.weight), memory)
+    } else if SUM == BILLOW {
+        (sum + (n.abs() + n.abs() - R::of(1.0)) * R::of(c.weight), memory)
     } else {
         (sum + n, memory)
     }
 }
 
-impl<K: Kernel, const TORUS: bool, const RIDGED: bool, const WARPED: bool> Task<'_, K, TORUS, RIDGED, WARPED> {
+impl<K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool> Task<'_, K, TORUS, SUM, WARPED> {
     fn go(self, isa: Isa) {
         match isa {
             Isa::Scalar => self.one_by_one(),
@@ -277,6 +323,7 @@ impl<K: Kernel, const TORUS: bool, const RIDGED: bool, const WARPED: bool> Task<
         let (scale, sharpness) = match self.0.sum {
             // A plain sum needs the product only.
             Sum::Fbm => (o.scale * o.weight, 0.0),
+            Sum::Billow => (o.scale, 0.0),
             Sum::Ridged(sharpness) => (o.scale, sharpness),
         };
         Constants { per_metre: o.per_metre, scale, weight: o.weight, sharpness }
@@ -295,16 +342,14 @@ impl<K: Kernel, const TORUS: bool, const RIDGED: bool, const WARPED: bool> Task<
                     None => [0.0; 2],
                 };
                 (out[lane], memory[lane]) =
-                    cell::<f32, K, TORUS, RIDGED, WARPED>(o, place, ramp, shift, c, memory[lane], out[lane]);
+                    cell::<f32, K, TORUS, SUM, WARPED>(o, place, ramp, shift, c, memory[lane], out[lane]);
             }
             place = o.east(place, WIDTH as i64);
         }
     }
 }
 
-impl<K: Kernel, const TORUS: bool, const RIDGED: bool, const WARPED: bool> LaneTask
-    for Task<'_, K, TORUS, RIDGED, WARPED>
-{
+impl<K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool> LaneTask for Task<'_, K, TORUS, SUM, WARPED> {
     type Out = ();
 
     #[inline(always)]
@@ -318,11 +363,11 @@ impl<K: Kernel, const TORUS: bool, const RIDGED: bool, const WARPED: bool> LaneT
                 Some([dx, dy]) if WARPED => [L::from_array(dx[b]), L::from_array(dy[b])],
                 _ => [L::of(0.0); 2],
             };
-            let weights = if RIDGED { L::from_array(memory[b]) } else { L::of(0.0) };
+            let weights = if SUM == RIDGED { L::from_array(memory[b]) } else { L::of(0.0) };
             let sum = L::from_array(out[b]);
-            let (sum, weights) = cell::<L, K, TORUS, RIDGED, WARPED>(o, place, ramp, shift, c, weights, sum);
+            let (sum, weights) = cell::<L, K, TORUS, SUM, WARPED>(o, place, ramp, shift, c, weights, sum);
             out[b] = sum.to_array();
-            if RIDGED {
+            if SUM == RIDGED {
                 memory[b] = weights.to_array();
             }
             place = o.east(place, WIDTH as i64);
@@ -346,7 +391,7 @@ mod tests {
             {
                 let grid = Grid { width: w, height: h, cell_x_m: 10.0, cell_y_m, rim: Rim { x, y } };
                 let grid = grid.checked(&Limits::default()).unwrap();
-                for basis in [Basis::Simplex, Basis::Perlin] {
+                for basis in [Basis::Simplex, Basis::Perlin, Basis::Value, Basis::WorleyF1, Basis::WorleyF2] {
                     for (scale_m, sum) in
                         [(800.0, Sum::Fbm), (77.0, Sum::Fbm), (160.0, Sum::Ridged(2.0)), (20.0, Sum::Fbm)]
                     {

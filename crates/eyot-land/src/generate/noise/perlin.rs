@@ -16,7 +16,7 @@ pub(super) struct Perlin;
 
 /// 6 t^5 - 15 t^4 + 10 t^3: 0 and 1 at the ends, first and second derivative 0 there.
 #[inline(always)]
-fn fade<R: Real>(t: R) -> R {
+pub(super) fn fade<R: Real>(t: R) -> R {
     t * t * t * (t * (t * R::of(6.0) - R::of(15.0)) + R::of(10.0))
 }
 

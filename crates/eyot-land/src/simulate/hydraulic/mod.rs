@@ -15,7 +15,7 @@
 //! 8. `d' = e^(-evaporation t) d1 + t rain`. Under the sea water joins the sea and all sediment settles.
 //!
 //! # Source
-//! Mei, Decaudin and Hu 2007 (pipes after O'Brien and Hodgins 1995), as used by the island thesis.
+//! Mei, Decaudin and Hu 2007; pipes after O'Brien and Hodgins 1995.
 //!
 //! # Differences
 //! - One signed flux an edge instead of four one-way fluxes a cell: those run waves sqrt 2 too fast after the first

@@ -1,0 +1,84 @@
+//! What the tests of the command share.
+
+// Each of them uses only a part of it.
+#![allow(dead_code)]
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+
+/// The command, to be started in a folder.
+pub(crate) fn eyot(folder: &Path, args: &[&str]) -> Command {
+    let mut c = Command::new(env!("CARGO_BIN_EXE_eyot"));
+    c.args(args).current_dir(folder).stdin(Stdio::null());
+    c
+}
+
+/// Everything that a command said.
+pub(crate) fn text(o: &Output) -> String {
+    // The report wraps long lines and begins each with a bar.
+    let all = format!("{}{}", String::from_utf8_lossy(&o.stdout), String::from_utf8_lossy(&o.stderr));
+    all.split_whitespace().filter(|w| *w != "|").collect::<Vec<_>>().join(" ")
+}
+
+/// Checks how a command ended, that it did not break, and that its words hold all of `answers`.
+pub(crate) fn assert_said(o: &Output, code: i32, answers: &[&str]) {
+    let said = text(o);
+    assert!(!said.contains("panicked"), "{said}");
+    assert_eq!(o.status.code(), Some(code), "{said}");
+    for answer in answers {
+        assert!(said.contains(answer), "`{answer}` is missing: {said}");
+    }
+}
+
+/// Every file of a folder; the report without what it says of time.
+pub(crate) fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = std::fs::read_dir(folder).expect("a folder").map(|e| e.expect("a file").path());
+    files
+        .map(|path| {
+            let mut bytes = std::fs::read(&path).expect("a file");
+            if path.ends_with("run.json") {
+                let mut report: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");
+                let timing = report.as_object_mut().expect("a table").remove("timing");
+                assert!(timing.expect("times")["seconds"].is_number());
+                bytes = report.to_string().into_bytes();
+            }
+            (path.file_name().expect("a name").to_string_lossy().into_owned(), bytes)
+        })
+        .collect()
+}
+
+/// Asserts that two folders hold the same files with the same bytes.
+pub(crate) fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>, what: &str) {
+    assert!(a.keys().eq(b.keys()), "{what}: {:?} and {:?}", a.keys(), b.keys());
+    for (name, bytes) in a {
+        assert!(*bytes == b[name], "{what}: {name} differs");
+    }
+}
+
+/// Starts a command with `--json` and gives it back when it has told `n` events of a kind.
+pub(crate) fn start_until(folder: &Path, args: &[&str], event: &str, n: usize) -> Child {
+    let mut child = eyot(folder, &[args, &["--json"]].concat())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the command starts");
+    let mut out = BufReader::new(child.stdout.take().expect("a pipe"));
+    let (start, mut seen, mut line) = (format!("{{\"event\":\"{event}\""), 0, String::new());
+    while seen < n {
+        line.clear();
+        assert!(out.read_line(&mut line).expect("a line") > 0, "the run ended before event {n} `{event}`");
+        seen += usize::from(line.starts_with(&start));
+    }
+    // Somebody must go on reading, or the run would wait for room in the pipe.
+    std::thread::spawn(move || std::io::copy(&mut out, &mut std::io::sink()));
+    child
+}
+
+/// Sends a signal to a child.
+#[cfg(unix)]
+pub(crate) fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill");
+    assert!(sent.success());
+}

@@ -1,0 +1,63 @@
+//! Drainage: where water goes on a landscape. Depressions, receivers, drained areas.
+//!
+//! Everything here works on heights in metres, row by row from the north-west, in `f32` or `f64`, together with their
+//! [`Grid`](eyot_core::Grid): neighbours are the eight around a cell, a wrapping axis is a ring, other rims end. Heights must
+//! be finite. The usual chain is
+//!
+//! ```
+//! use eyot_core::{Control, Grid, Limits, Rim};
+//! use eyot_land::drainage::{Base, Routing, fill, outlets};
+//!
+//! let grid = Grid::new(64, 64, 30.0, Rim::OPEN, &Limits::default())?;
+//! let mut height: Vec<f32> = (0..grid.cells()).map(|i| (i * 7919 % 101) as f32).collect();
+//! let outlets = outlets(&height, &grid, &Base::default())?;
+//! fill(&mut height, &grid, &outlets, &Control::none())?;
+//! let routing = Routing::new(&height, &grid, &outlets, &Control::none())?;
+//! let cells = routing.upstream_cells();
+//! let drained: u32 = (0..grid.cells()).filter(|&i| routing.is_outlet(i)).map(|i| cells[i]).sum();
+//! assert_eq!(drained as usize, grid.cells());
+//! # Ok::<(), eyot_core::Error>(())
+//! ```
+
+mod accumulate;
+mod bands;
+mod breach;
+mod descent;
+mod fill;
+mod flats;
+mod height;
+mod land;
+mod multiple;
+mod neighbours;
+mod outlets;
+mod routing;
+mod spill;
+mod steepest;
+mod tilt;
+
+pub use breach::{BreachLimits, breach};
+pub use fill::fill;
+pub use height::Height;
+pub use land::{Drained, Land, RoutingRule};
+pub use neighbours::{Neighbours, STEPS};
+pub use outlets::{Base, outlets};
+pub use routing::{FlatRule, Routing};
+
+use eyot_core::{Error, Grid, Result};
+
+/// Fails if the grid has more cells than 32 bits can number, or a slice has another length than the grid has cells.
+fn check_sizes(grid: &Grid, sizes: &[(&str, usize)]) -> Result<()> {
+    if u32::try_from(grid.cells()).is_err() {
+        return Err(Error::Limit {
+            what: format!("drainage of {} x {}", grid.width, grid.height),
+            needed: format!("{} cells", grid.cells()),
+            limit: format!("{} cells, which 32 bits can number", u32::MAX),
+            remedy: "choose fewer cells or larger ones",
+        });
+    }
+    sizes.iter().try_for_each(|(what, found)| check_length(what, grid.cells(), *found))
+}
+
+fn check_length(what: &str, expected: usize, found: usize) -> Result<()> {
+    if expected == found { Ok(()) } else { Err(Error::Shape { what: what.to_owned(), expected, found }) }
+}

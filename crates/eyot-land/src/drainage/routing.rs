@@ -1,0 +1,118 @@
+//! Single-receiver routing (D8): every cell hands its water to one of its eight neighbours.
+//!
+//! # Rule
+//! On a surface without depressions, water takes the steepest way down: the neighbour with the largest
+//! `(z - z_n) / distance`; of several equally steep ones the first clockwise from north. Flats are crossed towards their
+//! lower edge and away from higher ground (`flats.rs`).
+//!
+//! # Source
+//! O'Callaghan & Mark (1984), The extraction of drainage networks from digital elevation data, CVGIP 28, 323-344.
+
+use super::bands::band_cells;
+use super::flats::resolve_flats;
+use super::neighbours::{Neighbours, STEPS};
+use super::steepest::{NOWHERE, steepest};
+use super::{Height, check_sizes};
+use eyot_core::{Control, Grid, Result};
+use rayon::prelude::*;
+
+/// A drainage network: one receiver a cell, no loops.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Routing {
+    /// The cell that receives a cell's water; its own number at outlets.
+    pub receiver: Vec<u32>,
+    /// Direction of the receiver in [`STEPS`](super::STEPS), 8 at outlets.
+    pub direction: Vec<u8>,
+    /// Distance to the receiver by direction, m; 0 for outlets.
+    pub step_m: [f64; 9],
+}
+
+/// How water crosses flats.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FlatRule {
+    /// Away from higher ground and towards the lower edge, so that it gathers in the middle.
+    #[default]
+    Gathering,
+    /// By a shortest way to the lower edge: along that on which a breadth-first search from the edge came first, edge cells
+    /// by number.
+    Shortest,
+}
+
+impl Routing {
+    /// Routes water over `surface`, which has no depressions (see [`fill`](super::fill()) and [`outlets`](super::outlets()))
+    /// and is left at `outlets`. A cell that has neither a lower neighbour nor a flat way to one becomes an outlet.
+    ///
+    /// # Errors
+    /// If `surface` or `outlets` has another size than `grid`, the grid has 2^32 cells or more, or on a request to stop.
+    pub fn new<T: Height>(surface: &[T], grid: &Grid, outlets: &[bool], control: &Control<'_>) -> Result<Self> {
+        Self::with_flats(surface, grid, outlets, FlatRule::default(), control)
+    }
+
+    /// As [`Routing::new`], with another rule for flats.
+    ///
+    /// # Errors
+    /// As [`Routing::new`].
+    pub fn with_flats<T: Height>(
+        surface: &[T],
+        grid: &Grid,
+        outlets: &[bool],
+        rule: FlatRule,
+        control: &Control<'_>,
+    ) -> Result<Self> {
+        check_sizes(grid, &[("surface", surface.len()), ("outlets", outlets.len())])?;
+        let mut direction = steepest(surface, grid, outlets, control)?;
+        resolve_flats(surface, grid, rule, &mut direction, control)?;
+
+        let near = Neighbours::new(grid);
+        let (w, cells) = (grid.width, band_cells(grid));
+        let mut step = [0; 9];
+        step[..8].copy_from_slice(&STEPS.map(|(dx, dy)| dy * w as isize + dx));
+        let mut receiver = vec![0; direction.len()];
+        receiver.par_chunks_mut(cells).enumerate().for_each(|(band, receiver)| {
+            let first = band * cells;
+            for (k, (r, d)) in receiver.iter_mut().zip(&direction[first..]).enumerate() {
+                *r = (first + k).wrapping_add_signed(step[usize::from(*d)]) as u32;
+            }
+            // At the rim a step may wrap.
+            for (row, r) in receiver.chunks_exact_mut(w).enumerate() {
+                let from = first + row * w;
+                let mut exactly = |x: usize| {
+                    let d = usize::from(direction[from + x]);
+                    r[x] = if d < 8 { near.at(from + x, d).unwrap_or(from + x) } else { from + x } as u32;
+                };
+                if near.wraps() && (from == 0 || from + w == direction.len()) {
+                    (0..w).for_each(&mut exactly);
+                }
+                exactly(0);
+                exactly(w - 1);
+            }
+        });
+        let mut step_m = [0.0; 9];
+        step_m[..8].copy_from_slice(&near.distance_m);
+        Ok(Self { receiver, direction, step_m })
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.receiver.len()
+    }
+
+    /// True if water leaves the grid at cell `i`.
+    #[inline]
+    pub fn is_outlet(&self, i: usize) -> bool {
+        self.direction[i] == NOWHERE
+    }
+
+    /// Distance from cell `i` to its receiver, m; 0 at outlets.
+    #[inline]
+    pub fn distance_m(&self, i: usize) -> f64 {
+        self.step_m[usize::from(self.direction[i])]
+    }
+
+    /// The network of these receivers, with steps of these lengths: 0 to all but outlets, 8 to those.
+    #[cfg(test)]
+    pub(crate) fn by_hand(receiver: Vec<u32>, step_m: [f64; 9]) -> Self {
+        let outlet = |(i, &r): (usize, &u32)| if i == r as usize { NOWHERE } else { 0 };
+        Self { direction: receiver.iter().enumerate().map(outlet).collect(), receiver, step_m }
+    }
+}

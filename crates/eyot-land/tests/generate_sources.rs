@@ -1,0 +1,233 @@
+//! Fractal sources: heights, roughness, equal directions, no seams, the same bytes on any number of threads.
+use eyot_core::process::Site;
+use eyot_core::{Control, Edge, Field, Grid, Limits, Rim, World};
+use eyot_land::analyse::spectral_beta;
+use eyot_land::generate::GENERATORS;
+use serde_json::{Value, json};
+
+fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
+    Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
+}
+
+fn make(name: &str, parameters: &Value, grid: Grid, seed: u64) -> Field {
+    let entry = GENERATORS.iter().find(|e| e.name == name).unwrap();
+    let (world, control) = (World::new(grid, seed), Control::none());
+    let base = Field::new(grid.width, grid.height, 0.0);
+    (entry.make)(parameters.clone()).unwrap().generate(&Site::whole(grid, seed, &world, &control), &base).unwrap()
+}
+
+/// Mean and standard deviation.
+fn spread(f: &Field) -> (f64, f64) {
+    let n = (f.width() * f.height()) as f64;
+    let mean = f.sum() / n;
+    (mean, (f.iter().map(|v| (f64::from(v) - mean).powi(2)).sum::<f64>() / n).sqrt())
+}
+
+/// A source, and what was measured of it on 512 x 512 cells, the mean of four seeds.
+struct Case {
+    name: &'static str,
+    parameters: Value,
+    mean: f64,
+    deviation: f64,
+    /// Spectral exponent, if the method has one.
+    beta: Option<f64>,
+    /// Bound of the largest over the smallest mean squared difference of six directions; about twice the excess measured.
+    anisotropy: f64,
+    /// Bound of the largest over the smallest share of sixteen directions of slopes, likewise.
+    falls: f64,
+}
+
+fn cases() -> Vec<Case> {
+    let case = |name, parameters, mean, deviation, beta, anisotropy, falls| Case {
+        name,
+        parameters,
+        mean,
+        deviation,
+        beta,
+        anisotropy,
+        falls,
+    };
+    let d2 = |distance| json!({ "scale": 0.05, "amplitude": 100.0, "distance": distance });
+    vec![
+        // beta = 2 H + 2 with H = -log2 roughness: 4 and 3.03 (measured 4.05 and 3.07).
+        case("diamond_square", json!({ "scale": 0.1, "amplitude": 1000.0 }), 0.0, 175.0, Some(4.0), 1.1, 1.25),
+        case(
+            "diamond_square",
+            json!({ "scale": 0.1, "amplitude": 1000.0, "roughness": 0.7 }),
+            0.0,
+            128.0,
+            Some(3.03),
+            1.03,
+            1.08,
+        ),
+        // beta = 2 H + 2 (measured 3.84 and 3.03).
+        case("random_additions", json!({ "scale": 0.1, "amplitude": 100.0 }), 0.0, 79.0, Some(3.8), 1.09, 1.15),
+        case(
+            "random_additions",
+            json!({ "scale": 0.1, "amplitude": 100.0, "hurst": 0.5, "ratio": 0.8 }),
+            0.0,
+            62.0,
+            Some(3.0),
+            1.02,
+            1.04,
+        ),
+        // H = 1/2 (measured 3.03 and 2.96). Slopes lie at few scarps, so their directions are a small sample.
+        case("faulting", json!({ "amplitude": 100.0, "width": 0.002 }), 0.0, 80.0, Some(3.0), 1.2, 2.6),
+        case("circles", json!({ "radius": 0.06, "height": 100.0 }), 139.0, 54.3, None, 1.02, 1.06),
+        case("fbm", json!({ "scale": 0.1, "amplitude": 100.0 }), 0.0, 31.2, Some(3.23), 1.08, 1.11),
+        case("fbm", json!({ "scale": 0.1, "amplitude": 100.0, "basis": "value" }), 1.5, 25.8, Some(3.92), 1.12, 1.15),
+        case("billow", json!({ "scale": 0.1, "amplitude": 100.0 }), -49.0, 20.5, Some(2.9), 1.04, 1.08),
+        case("worley", d2("f1"), 30.6, 13.5, None, 1.03, 1.15),
+        case("worley", d2("f2"), 46.7, 11.9, None, 1.05, 1.12),
+        case("worley", d2("f2_f1"), 17.9, 13.3, None, 1.03, 1.5),
+    ]
+}
+
+/// Mean squared difference of values at a distance of (dx, dy).
+fn structure(f: &Field, dx: isize, dy: isize) -> f64 {
+    let (w, h) = (f.width() as isize, f.height() as isize);
+    let (mut sum, mut n) = (0.0, 0.0);
+    for y in 0..h - dy {
+        for x in (-dx).max(0)..(w - dx).min(w) {
+            let d = f.get(x as usize, y as usize) - f.get((x + dx) as usize, (y + dy) as usize);
+            sum += f64::from(d * d);
+            n += 1.0;
+        }
+    }
+    sum / n
+}
+
+/// How often the land falls towards each sixteenth of the compass: the largest share over the smallest.
+fn directions(fields: &[Field]) -> f64 {
+    let mut bins = [0f64; 16];
+    for f in fields {
+        for y in 1..f.height() - 1 {
+            for x in 1..f.width() - 1 {
+                let (dx, dy) = (f.get(x + 1, y) - f.get(x - 1, y), f.get(x, y + 1) - f.get(x, y - 1));
+                let turn = f64::from(dy).atan2(f64::from(dx)) / std::f64::consts::TAU + 1.0;
+                // Half a bin further, so that the axes lie in the middle of bins.
+                bins[((turn + 1.0 / 32.0) * 16.0) as usize % 16] += 1.0;
+            }
+        }
+    }
+    let (low, high) = bins.iter().fold((f64::MAX, 0f64), |(a, b), &v| (a.min(v), b.max(v)));
+    high / low
+}
+
+#[test]
+fn heights_roughness_and_directions() {
+    let mut wrong = Vec::new();
+    for rim in [Rim::CLOSED, Rim::WRAP] {
+        let g = grid(512, 512, 10.0, rim);
+        for c in cases() {
+            let fields: Vec<Field> = (0..4).map(|seed| make(c.name, &c.parameters, g, seed)).collect();
+            let n = fields.len() as f64;
+            let mean = fields.iter().map(|f| spread(f).0).sum::<f64>() / n;
+            let deviation = fields.iter().map(|f| spread(f).1).sum::<f64>() / n;
+            let beta = fields.iter().map(|f| spectral_beta(f, &g).unwrap()).sum::<f64>() / n;
+            let along = [(5, 0), (0, 5), (3, 4), (4, 3), (-3, 4), (-4, 3)];
+            let of = along.map(|(dx, dy)| fields.iter().map(|f| structure(f, dx, dy)).sum::<f64>());
+            let anisotropy = of.iter().fold(0f64, |a, &b| a.max(b)) / of.iter().fold(f64::MAX, |a, &b| a.min(b));
+            let falls = directions(&fields);
+            println!(
+                "{:?} {} {}: mean {mean:.2}, deviation {deviation:.2}, beta {beta:.3}, anisotropy {anisotropy:.4}, falls {falls:.3}",
+                rim.x, c.name, c.parameters
+            );
+            let mut hold = |what: &str, got: f64, want: f64, tolerance: f64| {
+                if (got - want).abs() > tolerance {
+                    wrong.push(format!("{:?} {} {}: {what} {got}, not {want}", rim.x, c.name, c.parameters));
+                }
+            };
+            hold("mean", mean, c.mean, 0.3 * c.deviation);
+            hold("deviation", deviation, c.deviation, 0.15 * c.deviation);
+            if let Some(want) = c.beta {
+                hold("beta", beta, want, 0.15);
+            }
+            hold("anisotropy", anisotropy, 1.0, c.anisotropy - 1.0);
+            hold("directions of slopes", falls, 1.0, c.falls - 1.0);
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// First and second differences across the seam are like those elsewhere.
+#[test]
+fn wrapping_rims_have_no_seam() {
+    for rim in [Rim::WRAP, Rim { x: Edge::Wrap, y: Edge::Open }, Rim { x: Edge::Closed, y: Edge::Wrap }] {
+        for (w, h) in [(256, 192), (250, 131)] {
+            let g = grid(w, h, 10.0, rim);
+            for c in cases() {
+                let f = make(c.name, &c.parameters, g, 8);
+                for along_x in [true, false] {
+                    if (if along_x { rim.x } else { rim.y }) != Edge::Wrap {
+                        continue;
+                    }
+                    let (n, lines) = if along_x { (w, h) } else { (h, w) };
+                    let at = |i: usize, line: usize| if along_x { f.get(i % n, line) } else { f.get(line, i % n) };
+                    // Mean squared first and second difference of each step along the axis, over all lines.
+                    let (mut first, mut second) = (vec![0f64; n], vec![0f64; n]);
+                    for line in 0..lines {
+                        for i in 0..n {
+                            let (a, b, c) = (at(i, line), at(i + 1, line), at(i + 2, line));
+                            first[i] += f64::from(b - a).powi(2);
+                            second[i] += f64::from(a - 2.0 * b + c).powi(2);
+                        }
+                    }
+                    for (d, what) in [(first, "first"), (second, "second")] {
+                        let inside = d[..n - 2].iter().copied().fold(0.0, f64::max);
+                        let seam = d[n - 2..].iter().copied().fold(0.0, f64::max);
+                        assert!(
+                            seam <= 1.05 * inside,
+                            "{} {} {rim:?}: {what} {seam} at the seam, {inside} inside",
+                            c.name,
+                            c.parameters
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// No row and no column is rougher or smoother than others: the lattices of subdivision leave no creases.
+#[test]
+fn no_lattice_line_shows() {
+    for (name, parameters) in [
+        ("diamond_square", json!({ "scale": 0.25, "roughness": 0.6 })),
+        ("random_additions", json!({ "scale": 0.25, "hurst": 0.6 })),
+    ] {
+        let (g, n) = (grid(256, 256, 10.0, Rim::CLOSED), 256);
+        let (mut rows, mut columns) = (vec![0.0; n], vec![0.0; n]);
+        for seed in 0..24 {
+            let f = make(name, &parameters, g, seed);
+            for y in 1..n - 1 {
+                for x in 1..n - 1 {
+                    let bend = |a: f32, b: f32, c: f32| f64::from(a - 2.0 * b + c).powi(2);
+                    rows[y] += bend(f.get(x, y - 1), f.get(x, y), f.get(x, y + 1));
+                    columns[x] += bend(f.get(x - 1, y), f.get(x, y), f.get(x + 1, y));
+                }
+            }
+        }
+        for lines in [&rows[1..n - 1], &columns[1..n - 1]] {
+            let (low, high) = lines.iter().fold((f64::MAX, 0f64), |(a, b), &v| (a.min(v), b.max(v)));
+            println!("{name}: {:.3}", high / low);
+            assert!(high / low < 1.5, "{name}: {}", high / low);
+        }
+    }
+}
+
+#[test]
+fn the_same_bytes_for_all_threads() {
+    for rim in [Rim::CLOSED, Rim::WRAP, Rim { x: Edge::Wrap, y: Edge::Open }] {
+        let g = Grid { width: 333, height: 167, cell_x_m: 3.0, cell_y_m: 4.0, rim };
+        for c in cases() {
+            let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+            let reference = pool(1).install(|| make(c.name, &c.parameters, g, 5));
+            for threads in [2, 3, 8] {
+                let f = pool(threads).install(|| make(c.name, &c.parameters, g, 5));
+                let same = f.iter().zip(reference.iter()).all(|(a, b)| a.to_bits() == b.to_bits());
+                assert!(same, "{} on {threads} threads", c.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Fuzz targets: everything that reads what others wrote, each as a function of bytes that must come to its end without a
+//! panic, a huge allocation or a wrong result.
+//!
+//! Two things call them: the program of this crate, which needs nothing but stable Rust and runs in continuous integration,
+//! and libFuzzer (`fuzz/libfuzzer`), which finds its way by coverage but needs a nightly compiler. Inputs that once broke
+//! something, or that lead somewhere new, are kept in `fuzz/corpus/TARGET` and replayed by `cargo test`.
+
+pub mod corpus;
+pub mod mutate;
+mod rasters;
+mod recipes;
+mod worlds;
+
+use eyot::Limits;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// Most memory that a target may take for any input, bytes.
+pub const MOST_BYTES: usize = 512 << 20;
+
+/// A way into the program.
+pub struct Target {
+    /// Name of its corpus.
+    pub name: &'static str,
+    /// Takes one input; false if it was refused.
+    pub run: fn(&[u8]) -> bool,
+    /// Sound inputs to start from.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+    /// Words that inputs of this kind are made of.
+    pub words: &'static [&'static str],
+}
+
+/// All targets. An importer of a new format is one more line.
+pub const TARGETS: &[Target] = &[
+    Target { name: "geotiff", run: rasters::read, seeds: rasters::geotiff, words: &[] },
+    Target { name: "png", run: rasters::read, seeds: rasters::png, words: rasters::PNG_WORDS },
+    Target { name: "r32", run: rasters::read_described, seeds: rasters::r32, words: rasters::R32_WORDS },
+    Target { name: "checkpoint", run: worlds::read, seeds: worlds::seeds, words: worlds::WORDS },
+    Target { name: "recipe", run: recipes::read, seeds: recipes::seeds, words: recipes::WORDS },
+    Target { name: "set", run: recipes::read_flags, seeds: recipes::flags, words: recipes::WORDS },
+];
+
+/// The target of a name.
+pub fn target(name: &str) -> Option<&'static Target> {
+    TARGETS.iter().find(|t| t.name == name)
+}
+
+/// Far below [`MOST_BYTES`]: what is refused by these limits must be refused before it is allocated.
+fn limits() -> Limits {
+    Limits { max_cells: 1 << 22, max_bytes: 64 << 20, ..Limits::default() }
+}
+
+/// A file for the input of this process, in memory where the system has such a place.
+fn scratch(name: &str) -> PathBuf {
+    static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let make = || tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a folder for inputs");
+    let folder = FOLDER.get_or_init(make).path().join(format!("{:?}", std::thread::current().id()));
+    std::fs::create_dir_all(&folder).expect("a folder for inputs");
+    folder.join(name)
+}

@@ -1,0 +1,50 @@
+//! Saved worlds.
+
+use crate::{limits, scratch};
+use eyot::core::layer::known;
+use eyot::core::{LayerSpec, Stagger};
+use eyot::io::checkpoint;
+use eyot::{Grid, Limits, Rim, World};
+
+pub(crate) const WORDS: &[&str] =
+    &["width", "height", "layers", "Cell", "FaceX", "FaceY", "null", "-1", "1e999", "18446744073709551615", "{", "["];
+
+/// A checkpoint whose header has a checksum that fits, so that damage gets as far as it can.
+pub(crate) fn read(bytes: &[u8]) -> bool {
+    let (path, again) = (scratch("world.eyot"), scratch("again.eyot"));
+    std::fs::write(&path, with_checksum(bytes)).expect("room for an input");
+    let Ok(loaded) = checkpoint::load(&path, &limits()) else { return false };
+    // What can be read can be written, unless it holds numbers that the header cannot carry, and is then the same.
+    if checkpoint::save(&again, &loaded.world, &loaded.recipe_toml, &loaded.state).is_ok() {
+        let back = checkpoint::load(&again, &limits()).expect("a checkpoint of our own");
+        assert_eq!(back.world.fingerprint(), loaded.world.fingerprint());
+        assert_eq!((back.recipe_toml, back.state), (loaded.recipe_toml, loaded.state));
+    }
+    true
+}
+
+/// The layout is explained in `eyot-io`: 8 bytes, a version, the length of the header, the header, its checksum.
+fn with_checksum(bytes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    let length = bytes.get(12..20).and_then(|b| usize::try_from(u64::from_le_bytes(b.try_into().ok()?)).ok());
+    let Some(end) =
+        length.and_then(|n| n.checked_add(20)).filter(|e| e.checked_add(4).is_some_and(|e| e <= bytes.len()))
+    else {
+        return bytes;
+    };
+    let sum = crc32fast::hash(&bytes[..end]);
+    bytes[end..end + 4].copy_from_slice(&sum.to_le_bytes());
+    bytes
+}
+
+pub(crate) fn seeds() -> Vec<Vec<u8>> {
+    let grid = Grid::new(5, 3, 10.0, Rim::OPEN, &Limits::default()).expect("a sound grid");
+    let mut world = World::new(grid, 1);
+    world.ensure(&known::HEIGHT, 2.5);
+    world.ensure(&LayerSpec::new("flux_x", "m", "Flow to the east", (f32::MIN, f32::MAX)).on(Stagger::FaceX), 0.5);
+    world.ledger.add("water.rain", 0.1, "m3", "Rain", 1);
+    let path = scratch("seed.eyot");
+    let state = serde_json::json!({ "done_steps": 1, "journal": [] });
+    checkpoint::save(&path, &world, "seed = 7", &state).expect("a sound world");
+    vec![std::fs::read(path).expect("the world")]
+}

@@ -1,0 +1,104 @@
+//! A picture of what each generator makes, for the book: sources as they are, filters before and after, masks beside the land
+//! that they were made of.
+
+use crate::palette;
+use eyot::render::{self, Picture, ReliefOptions, Setting, ViewOptions};
+use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use std::error::Error;
+use std::path::Path;
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// Land for filters and masks to work on.
+const LAND: &str =
+    "[[step]]\ngenerate = \"fbm\"\namplitude = 1800.0\nscale = 0.6\noctaves = 6\ngain = 0.42\nwarp = 0.2\n";
+const HEAD: &str = "seed = 4\n[grid]\nsize = 240\ncell = 40.0\n";
+
+/// How a generator is shown.
+enum Show {
+    /// Alone.
+    Source(String),
+    /// The land before and after.
+    Filter(String),
+    /// A layer beside the land.
+    Mask(String),
+}
+
+/// The step that shows the generator at its best: its defaults, unless these show nothing.
+fn shown(name: &str, filter: bool) -> Show {
+    let plain = format!("[[step]]\ngenerate = \"{name}\"\n");
+    match name {
+        "constant" => Show::Source(format!("{plain}value = 100.0\n")),
+        "ramp" => Show::Source(format!("{plain}direction = 30.0\nhigh = 2000.0\n")),
+        "import" => Show::Source(format!("{plain}file = \"builtin:jacksboro.tif\"\n")),
+        "smooth" => Show::Filter(format!("{plain}sigma_m = 200.0\n")),
+        "terraces" => Show::Filter(format!("{plain}count = 6\nsoftness = 0.3\n")),
+        "mask_height" => Show::Mask(format!("{plain}layer = \"mask\"\nfrom = 0.0\nto = 600.0\n")),
+        "crater" => Show::Filter(format!("{plain}level = 0.55\ncrest_m = 40.0\n")),
+        _ if name.starts_with("mask_") => Show::Mask(format!("{plain}layer = \"mask\"\n")),
+        _ if filter => Show::Filter(plain),
+        _ => Show::Source(plain),
+    }
+}
+
+/// The world that a recipe makes.
+fn world(steps: &str) -> Result<World> {
+    let text = format!("{HEAD}{steps}");
+    let source = RecipeSource { name: "gallery".into(), text, folder: ".".into() };
+    let recipe = Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default())?;
+    let mut world = Run::start(recipe, RunOptions::default())?.join()?.world;
+    // Dry land, whatever its heights are.
+    if let Some(height) = world.get("height") {
+        world.sea_level_m = f64::from(height.min_max().0) - 1.0;
+    }
+    Ok(world)
+}
+
+fn view(world: &World, width: usize, height: usize) -> Result<Picture> {
+    let options = ViewOptions { width, height, sea: false, setting: Setting::Block, ..ViewOptions::default() };
+    Ok(render::perspective(world, &options)?)
+}
+
+/// Two pictures of the same height with a narrow gap.
+fn pair(a: &Picture, b: &Picture) -> Picture {
+    const GAP: usize = 4;
+    let mut both = Picture::new(a.width + GAP + b.width, a.height, [255; 3]);
+    for (y, row) in both.pixels.chunks_mut(a.width + GAP + b.width).enumerate() {
+        row[..a.width].copy_from_slice(&a.pixels[y * a.width..][..a.width]);
+        row[a.width + GAP..].copy_from_slice(&b.pixels[y * b.width..][..b.width]);
+    }
+    both
+}
+
+/// The picture of one generator.
+fn picture(name: &str, filter: bool) -> Result<Picture> {
+    match shown(name, filter) {
+        Show::Source(step) => view(&world(&step)?, 384, 240),
+        Show::Filter(step) => {
+            let after = world(&format!("{LAND}{step}"))?;
+            Ok(pair(&view(&world(LAND)?, 240, 180)?, &view(&after, 240, 180)?))
+        }
+        Show::Mask(step) => {
+            let world = world(&format!("{LAND}{step}"))?;
+            let relief = ReliefOptions { min_size: 240, max_size: 240, sea: false, ..ReliefOptions::default() };
+            let mask = &world.layer("mask")?.field;
+            let grey = mask.iter().map(|v| [(255.0 * v.clamp(0.0, 1.0)).round() as u8; 3]).collect();
+            let mask = Picture { width: mask.width(), height: mask.height(), pixels: grey };
+            Ok(pair(&render::relief(&world, &relief)?, &mask))
+        }
+    }
+}
+
+/// Draws all pictures.
+pub(crate) fn write() -> Result<()> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/gallery");
+    std::fs::create_dir_all(&folder)?;
+    for entry in Registry::standard().generators() {
+        let generator = (entry.make)((entry.defaults)())?;
+        let picture = picture(entry.name, generator.is_filter())?;
+        let path = folder.join(format!("{}.png", entry.name));
+        palette::write(&path, &picture)?;
+        println!("{:20} {:4} kB", entry.name, std::fs::metadata(&path)?.len() / 1024);
+    }
+    Ok(())
+}
