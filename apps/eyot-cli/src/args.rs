@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use eyot::Preset;
+use eyot::Stream;
 use eyot::bench::BenchSubject;
 use eyot::core::isa::Isa;
 use eyot::io::{ByteOrder, RowOrder, Sample};
@@ -78,6 +79,10 @@ pub(crate) struct Run {
     /// Write the files of a program, too: unreal, unity, godot, blender or gis; may be repeated
     #[arg(long, value_name = "NAME", value_parser = preset)]
     pub(crate) preset: Vec<Preset>,
+    /// Make the world while its files are written, so that it need not fit in memory: auto, always or never [default: auto,
+    /// which does so with grids of more than 8192 x 8192 cells and those beyond --max-memory, if the recipe allows it]
+    #[arg(long, value_name = "WHEN", default_value = "auto", hide_default_value = true, value_parser = stream)]
+    pub(crate) stream: Stream,
     /// Start over where a stopped run lies in the folder
     #[arg(long)]
     pub(crate) restart: bool,
@@ -320,6 +325,15 @@ pub(crate) struct Bench {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+fn stream(text: &str) -> Result<Stream, String> {
+    match text {
+        "auto" => Ok(Stream::Auto),
+        "always" => Ok(Stream::Always),
+        "never" => Ok(Stream::Never),
+        _ => Err("choose auto, always or never".to_owned()),
+    }
 }
 
 fn isa(text: &str) -> Result<Isa, String> {

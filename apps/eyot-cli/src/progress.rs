@@ -110,7 +110,10 @@ impl Bars {
             }
             Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set, e.step)),
             Event::Warning { message } => self.say(&format!("warning: {message}")),
-            Event::Writing { path } => self.say(&format!("  writing {}", path.display())),
+            Event::Writing { path } => {
+                self.title = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+                self.say(&format!("  writing {}", path.display()));
+            }
             Event::Done { fingerprint, seconds, .. } => {
                 self.end_all();
                 self.say(&format!("done in {} (fingerprint {fingerprint})", time(*seconds)));

@@ -20,6 +20,7 @@ pub(crate) fn run(args: &Run) -> Result<(), Failure> {
     let options = RunOptions {
         out: Some(out.clone()),
         limits: made::limits(args.change.max_memory),
+        stream: args.stream,
         restart: args.restart,
         replay,
         ..options(&args.work)

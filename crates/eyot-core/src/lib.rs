@@ -35,4 +35,4 @@ pub use grid::{Edge, Grid, Rim};
 pub use layer::{Beyond, Layer, LayerSpec, Stagger};
 pub use ledger::{Account, Ledger};
 pub use limits::Limits;
-pub use world::{Georeference, World};
+pub use world::{Fingerprint, Georeference, World};

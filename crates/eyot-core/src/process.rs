@@ -110,14 +110,23 @@ impl Reach {
     /// The rows of base and world that are needed to make `rows`. Beyond closed and open rims there are none; on a wrapping
     /// rim numbers below 0 and from the height on stand for the far side, unless all rows are needed.
     pub fn around(self, grid: &Grid, rows: &Range<usize>) -> Range<isize> {
+        self.around_any(grid, &(rows.start as isize..rows.end as isize))
+    }
+
+    /// As [`Reach::around`] of rows that may themselves lie beyond a wrapping rim.
+    pub fn around_any(self, grid: &Grid, rows: &Range<isize>) -> Range<isize> {
         let height = grid.height as isize;
         let n = match self {
             Self::Cell => 0,
             Self::Rows(n) => n.min(grid.height) as isize,
             Self::Whole => height,
         };
-        let (from, to) = (rows.start as isize - n, rows.end as isize + n);
-        if grid.rim.y != Edge::Wrap || to - from >= height { from.max(0)..to.min(height) } else { from..to }
+        let (from, to) = (rows.start - n, rows.end + n);
+        match grid.rim.y {
+            Edge::Wrap if to - from < height => from..to,
+            Edge::Wrap => 0..height,
+            Edge::Closed | Edge::Open => from.max(0)..to.min(height),
+        }
     }
 }
 

@@ -140,19 +140,15 @@ impl World {
 
     /// A 64-bit fingerprint of grid, clock and every byte of every layer (FNV-1a over the bit patterns).
     pub fn fingerprint(&self) -> u64 {
-        let mut h = Fnv::default();
-        h.add(self.grid.width as u64);
-        h.add(self.grid.height as u64);
-        h.add(self.step);
-        h.add(self.sea_level_m.to_bits());
+        let mut print = Fingerprint::new(&self.grid, self.step, self.sea_level_m);
         for l in &self.layers {
-            l.spec.name.bytes().for_each(|b| h.add(u64::from(b)));
-            l.field.rows().for_each(|r| r.iter().for_each(|v| h.add(u64::from(v.to_bits()))));
+            print.begin_layer(&l.spec.name);
+            l.field.rows().for_each(|r| print.values(r));
             if l.spec.stagger != Stagger::Cell {
-                l.field.outer_faces().iter().for_each(|v| h.add(u64::from(v.to_bits())));
+                print.values(&l.field.outer_faces());
             }
         }
-        h.0
+        print.value()
     }
 
     fn missing(&self, name: &str) -> Error {
@@ -161,15 +157,33 @@ impl World {
     }
 }
 
-struct Fnv(u64);
+/// [`World::fingerprint`] of a world that is not in memory as a whole: layers in their order, rows from the north.
+#[derive(Clone, Debug)]
+pub struct Fingerprint(u64);
 
-impl Default for Fnv {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
+impl Fingerprint {
+    /// The fingerprint of a world without layers.
+    pub fn new(grid: &Grid, step: u64, sea_level_m: f64) -> Self {
+        let mut print = Self(0xcbf2_9ce4_8422_2325);
+        [grid.width as u64, grid.height as u64, step, sea_level_m.to_bits()].into_iter().for_each(|w| print.add(w));
+        print
     }
-}
 
-impl Fnv {
+    /// Goes on with the layer `name`.
+    pub fn begin_layer(&mut self, name: &str) {
+        name.bytes().for_each(|b| self.add(u64::from(b)));
+    }
+
+    /// Goes on with the next values of the layer.
+    pub fn values(&mut self, values: &[f32]) {
+        values.iter().for_each(|v| self.add(u64::from(v.to_bits())));
+    }
+
+    /// The fingerprint so far.
+    pub fn value(&self) -> u64 {
+        self.0
+    }
+
     fn add(&mut self, word: u64) {
         self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
         self.0 ^= self.0 >> 29;

@@ -4,7 +4,7 @@ use crate::about::About;
 use crate::error::{Error, Result};
 use crate::rows::Rows;
 use crate::sample::{ByteOrder, RowOrder, Sample};
-use crate::{exr_write, geotiff_write, npy, png_write, raw, zarr};
+use crate::{exr_write, geotiff, npy, png_write, raw, zarr};
 use eyot_core::{Layer, World};
 use std::path::Path;
 
@@ -129,7 +129,7 @@ pub fn write_rows(
     }
     match format {
         RasterFormat::Png16 => png_write::write_png16(path, rows, about, options),
-        RasterFormat::GeoTiff => geotiff_write::write(path, rows, about, options),
+        RasterFormat::GeoTiff => geotiff::write(path, rows, about, options),
         RasterFormat::R32 => raw::write(path, rows, about, Sample::F32, options),
         RasterFormat::R16 => raw::write(path, rows, about, Sample::U16, options),
         RasterFormat::Npy => npy::write(path, rows, about),

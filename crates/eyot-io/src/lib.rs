@@ -41,8 +41,9 @@ mod exr_write;
 mod fill;
 mod format;
 mod georef;
+mod geotiff;
 mod geotiff_read;
-mod geotiff_write;
+
 mod glb;
 mod masks;
 mod npy;

@@ -130,6 +130,7 @@ fn world(
     let control = Control::none();
     let mut job = Job {
         world: &world,
+        source: &world,
         name: &name,
         out: folder,
         attributes: exports::origin(&world, &name, None),

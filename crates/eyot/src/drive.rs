@@ -4,7 +4,7 @@ use crate::backend::io::checkpoint;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry, Progress};
 use crate::layers;
-use crate::outputs;
+use crate::outputs::Outputs;
 use crate::process_set;
 use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work};
 use crate::run::{Outcome, RunOptions};
@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+
+mod streamed;
 
 /// Chunks of steps aim at this long: short enough for commands, long enough to cost nothing.
 const CHUNK_TIME: Duration = Duration::from_millis(300);
@@ -95,6 +97,9 @@ impl Driver {
             resumed: self.resumed,
             out: self.options.out.clone(),
         });
+        if self.state.streamed {
+            return self.drive_streamed();
+        }
         let steps = std::mem::take(&mut self.recipe.steps);
         let mut flow = Flow::Continue;
         for step in steps.iter().skip(self.state.done_steps) {
@@ -366,9 +371,10 @@ impl Driver {
     }
 
     fn end(mut self, flow: Flow) -> Result<End, RunError> {
+        let fingerprint = self.world.fingerprint();
         let mut finished = flow == Flow::Continue && !self.cancel.is_raised();
         let outputs = match self.options.out.clone().filter(|_| finished) {
-            Some(out) => match self.results(&out) {
+            Some(out) => match self.results(&out, fingerprint) {
                 Ok(files) => files,
                 Err(RunError::Stopped) => {
                     finished = false;
@@ -382,13 +388,23 @@ impl Driver {
             None => self.checkpoint()?.into_iter().collect(),
         };
         let seconds = self.seconds();
-        Ok(End { outcome: Outcome { world: self.world, finished, outputs, journal: self.state.journal }, seconds })
+        let outcome = Outcome { world: self.world, fingerprint, finished, outputs, journal: self.state.journal };
+        Ok(End { outcome, seconds })
     }
 
-    fn results(&mut self, out: &Path) -> Result<Vec<PathBuf>, RunError> {
+    fn results(&self, out: &Path, fingerprint: u64) -> Result<Vec<PathBuf>, RunError> {
+        let outputs = Outputs {
+            recipe: &self.recipe,
+            world: &self.world,
+            source: &self.world,
+            fingerprint,
+            out,
+            limits: &self.options.limits,
+            control: &Control::new(self.cancel.clone(), &|_, _| {}),
+            tell: &|event| drop(self.outbox.send(event)),
+        };
         let state = State { seconds: self.seconds(), finished: true, ..self.state.clone() };
-        let tell = |event| drop(self.outbox.send(event));
-        outputs::write_all(&self.recipe, &self.world, &state, out, &self.options.limits, &self.cancel, &tell)
+        outputs.write(&state, &mut |_| Ok(()))
     }
 
     fn tell(&self, event: Event) {

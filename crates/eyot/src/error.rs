@@ -51,6 +51,9 @@ pub enum RunError {
         /// Whether a finished run is there.
         finished: bool,
     },
+    /// The run cannot be streamed, which was asked for.
+    #[error("the run cannot be streamed: {0}")]
+    NotStreamed(String),
     /// Somebody asked for a stop while results were written.
     #[error("stopped on request")]
     Stopped,
@@ -86,6 +89,7 @@ impl RunError {
                 format!("the run there is finished; look at it with `eyot render {0}` or `eyot stats {0}`", folder.display())
             }
             Self::NothingToResume { .. } => "give the folder that a stopped run was writing to".to_owned(),
+            Self::NotStreamed(_) => "leave out --stream always, or switch off what stands in the way".to_owned(),
             Self::Threads { .. } => "choose fewer with --threads".to_owned(),
             Self::Fault(_) => "this is a fault of Eyot: please report it with the recipe; the last checkpoint is sound".to_owned(),
             _ => return None,

@@ -59,6 +59,7 @@ mod schema;
 mod set;
 mod state;
 pub mod store;
+mod stream;
 mod validate;
 
 pub use builtin::{BuiltIn, RECIPES};
@@ -76,6 +77,7 @@ pub use recipe::{GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, Simu
 pub use registry::Registry;
 pub use run::{Handle, Outcome, Remote, Run, RunOptions};
 pub use schema::recipe_schema;
+pub use stream::{OVERVIEW, Stream};
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

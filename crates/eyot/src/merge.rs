@@ -47,7 +47,17 @@ impl Merge {
     ///
     /// All fields must have the same size.
     pub fn apply(self, base: &mut Field, new: &Field, amount: f32, mask: Option<&Field>) {
-        let top = base.min_max().1;
+        let top = if self.needs_top() { base.min_max().1 } else { 0.0 };
+        self.apply_below(top, base, new, amount, mask);
+    }
+
+    /// True if the largest value of the whole layer matters.
+    pub(crate) fn needs_top(self) -> bool {
+        self == Self::Power
+    }
+
+    /// As [`Merge::apply`] to some rows of a layer whose largest value is `top`.
+    pub(crate) fn apply_below(self, top: f32, base: &mut Field, new: &Field, amount: f32, mask: Option<&Field>) {
         let mut rows: Vec<&mut [f32]> = base.rows_mut().collect();
         rows.par_iter_mut().enumerate().for_each(|(y, row)| {
             let mask = mask.map(|m| m.row(y));

@@ -4,110 +4,163 @@ use crate::backend::io::{self, checkpoint};
 use crate::backend::{self, render};
 use crate::error::RunError;
 use crate::event::Event;
-use crate::exports;
-use crate::keys::{ExportFormat, View};
+use crate::exports::{self, Source};
+use crate::keys::{Export, ExportFormat, View};
 use crate::need;
 use crate::recipe::Recipe;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, Subject, WORLD_FILE};
-use eyot_core::{Cancel, Control, Error, Limits, World};
-use serde_json::json;
+use eyot_core::{Control, Error, Limits, World};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Writes everything that a finished run leaves: the world, the exports, the pictures and the report. Each file
-/// appears whole or not at all, the report last.
-///
-/// # Errors
-/// [`RunError::Stopped`] on a request to stop: the files so far are whole, the world among them unless nothing was written.
-pub(crate) fn write_all(
-    recipe: &Recipe,
-    world: &World,
-    state: &State,
-    out: &Path,
-    limits: &Limits,
-    cancel: &Cancel,
-    tell: &dyn Fn(Event),
-) -> Result<Vec<PathBuf>, RunError> {
-    let control = Control::new(cancel.clone(), &|_, _| {});
-    let mut written = Vec::new();
-    let mut begin = |path: PathBuf| {
-        control.check().map_err(stopped)?;
-        tell(Event::Writing { path: path.clone() });
+/// What a finished run leaves, and where.
+pub(crate) struct Outputs<'a> {
+    pub(crate) recipe: &'a Recipe,
+    /// The world; of a streamed one, an overview in coarser cells.
+    pub(crate) world: &'a World,
+    /// The layers in full.
+    pub(crate) source: &'a dyn Source,
+    /// Of the whole world.
+    pub(crate) fingerprint: u64,
+    pub(crate) out: &'a Path,
+    pub(crate) limits: &'a Limits,
+    pub(crate) control: &'a Control<'a>,
+    pub(crate) tell: &'a dyn Fn(Event),
+}
+
+impl Outputs<'_> {
+    /// Writes everything: the world unless it is streamed, the exports, the pictures and the report. Each file appears whole
+    /// or not at all, the report last.
+    ///
+    /// Exports that `state` counts as done and that are still there are left alone; `exported` hears the count after each
+    /// other one.
+    ///
+    /// # Errors
+    /// [`RunError::Stopped`] on a request to stop: the files so far are whole, the world among them unless nothing was
+    /// written.
+    pub(crate) fn write(
+        &self,
+        state: &State,
+        exported: &mut dyn FnMut(usize) -> Result<(), RunError>,
+    ) -> Result<Vec<PathBuf>, RunError> {
+        let mut written = Vec::new();
+        self.replace_world(state, &mut written)?;
+        for (i, export) in self.recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
+            let files: Vec<PathBuf> = export.files().iter().map(|f| self.out.join(f)).collect();
+            if i < state.done_exports && files.iter().all(|f| f.exists()) {
+                written.extend(files);
+                continue;
+            }
+            self.export(export, &mut written)?;
+            exported(i + 1)?;
+        }
+        let (world, view) = (self.world, &self.recipe.view);
+        if view.enabled && world.get("height").is_some() {
+            for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
+                let path = self.begin(self.out.join(name), &mut written)?;
+                let picture = draw(world, view, subject, self.limits, self.control).map_err(stopped)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+            }
+        }
+        let path = self.begin(self.out.join(REPORT_FILE), &mut written)?;
+        let report = self.report(state, &written);
+        let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
+        text.push('\n');
+        backend::write_text(&path, &text).map_err(file)?;
+        if state.streamed {
+            self.remove(CHECKPOINT_FILE)?;
+        }
+        Ok(written)
+    }
+
+    /// Writes the world and ends what an older run left. Until the new world is whole on the disk, an older run's results
+    /// stay as they are. Then its report goes, for it must not vouch for a mixture of its files and these; from here to the
+    /// new report, the checkpoint or, once it has the world's name, the world says where to go on.
+    fn replace_world(&self, state: &State, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+        if state.streamed {
+            self.remove(REPORT_FILE)?;
+            return self.remove(WORLD_FILE);
+        }
+        let value = serde_json::to_value(state.without_times()).map_err(|e| RunError::Fault(e.to_string()))?;
+        let path = self.begin(self.out.join(WORLD_FILE), written)?;
+        let checkpoint = self.out.join(CHECKPOINT_FILE);
+        checkpoint::save(&checkpoint, self.world, &self.recipe.source.text, &value).map_err(file)?;
+        self.remove(REPORT_FILE)?;
+        std::fs::rename(&checkpoint, &path).map_err(|source| RunError::Folder { path: self.out.to_owned(), source })
+    }
+
+    fn remove(&self, name: &str) -> Result<(), RunError> {
+        let path = self.out.join(name);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(RunError::Folder { path, source }),
+            _ => Ok(()),
+        }
+    }
+
+    fn begin(&self, path: PathBuf, written: &mut Vec<PathBuf>) -> Result<PathBuf, RunError> {
+        self.control.check().map_err(stopped)?;
+        (self.tell)(Event::Writing { path: path.clone() });
         written.push(path.clone());
         Ok(path)
-    };
-    let value = serde_json::to_value(state.without_times()).map_err(|e| RunError::Fault(e.to_string()))?;
-    // Until the new world is whole on the disk, an older run's results stay as they are. Then its report goes, for it must
-    // not vouch for a mixture of its files and these; from here to the new report, the checkpoint or, once it has the world's
-    // name, the world says where to go on.
-    let (path, checkpoint) = (begin(out.join(WORLD_FILE))?, out.join(CHECKPOINT_FILE));
-    checkpoint::save(&checkpoint, world, &recipe.source.text, &value).map_err(file)?;
-    let fail = |source| RunError::Folder { path: out.to_owned(), source };
-    if out.join(REPORT_FILE).exists() {
-        std::fs::remove_file(out.join(REPORT_FILE)).map_err(fail)?;
     }
-    std::fs::rename(&checkpoint, &path).map_err(fail)?;
-    for export in recipe.exports.iter().filter(|e| e.enabled) {
+
+    fn export(&self, export: &Export, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+        let (world, recipe) = (self.world, self.recipe);
         let known =
             |l: &str| world.get(l).is_some() || (export.format == ExportFormat::Mask && exports::is_material(l));
         for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
             let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
-            tell(Event::Warning { message });
+            (self.tell)(Event::Warning { message });
         }
         let what = format!("`{}`", export.files()[0]);
-        let bytes = need::export(&world.grid, export, limits);
-        need::check(&what, world, bytes, limits, need::EXPORT_REMEDY).map_err(file)?;
+        let bytes = need::export(&world.grid, export, self.limits);
+        need::check(&what, world, bytes, self.limits, need::EXPORT_REMEDY).map_err(file)?;
         let mut job = exports::Job {
             world,
+            source: self.source,
             name: &recipe.name,
-            out,
+            out: self.out,
             attributes: exports::origin(world, &recipe.name, Some(&recipe.source.text)),
-            limits,
-            control: &control,
-            begin: &mut begin,
-            note: &|message| tell(Event::Warning { message }),
+            limits: self.limits,
+            control: self.control,
+            begin: &mut |path| self.begin(path, written),
+            note: &|message| (self.tell)(Event::Warning { message }),
         };
-        exports::write(&mut job, export)?;
+        exports::write(&mut job, export)
     }
-    if recipe.view.enabled && world.get("height").is_some() {
-        for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
-            let path = begin(out.join(name))?;
-            let picture = draw(world, &recipe.view, subject, limits, &control).map_err(stopped)?;
-            io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
-        }
+
+    fn report(&self, state: &State, written: &[PathBuf]) -> Value {
+        let (recipe, world) = (self.recipe, self.world);
+        let names: Vec<String> =
+            written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
+        let g = &recipe.grid;
+        json!({
+            "name": recipe.name,
+            "about": recipe.about,
+            "engine_version": crate::VERSION,
+            "seed": recipe.seed,
+            "size": [g.width, g.height],
+            "cell_m": [g.cell_x_m, g.cell_y_m],
+            "fingerprint": format!("{:016x}", self.fingerprint),
+            "streamed": state.streamed,
+            "steps_done": world.step,
+            "sea_level_m": world.sea_level_m,
+            "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
+            "ledger": world.ledger,
+            "outputs": names,
+            "set": recipe.overrides.set,
+            "size_flag": recipe.overrides.size,
+            "journal": state.journal,
+            "recipe_file": recipe.source.name,
+            "recipe": recipe.source.text,
+            // The only place of all results that differs between two runs.
+            "timing": {
+                "seconds": state.seconds,
+                "steps": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
+            },
+        })
     }
-    let path = begin(out.join(REPORT_FILE))?;
-    let names: Vec<String> =
-        written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
-    let g = &world.grid;
-    let report = json!({
-        "name": recipe.name,
-        "about": recipe.about,
-        "engine_version": crate::VERSION,
-        "seed": recipe.seed,
-        "size": [g.width, g.height],
-        "cell_m": [g.cell_x_m, g.cell_y_m],
-        "fingerprint": format!("{:016x}", world.fingerprint()),
-        "steps_done": world.step,
-        "sea_level_m": world.sea_level_m,
-        "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
-        "ledger": world.ledger,
-        "outputs": names,
-        "set": recipe.overrides.set,
-        "size_flag": recipe.overrides.size,
-        "journal": state.journal,
-        "recipe_file": recipe.source.name,
-        "recipe": recipe.source.text,
-        // The only place of all results that differs between two runs.
-        "timing": {
-            "seconds": state.seconds,
-            "steps": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
-        },
-    });
-    let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
-    text.push('\n');
-    backend::write_text(&path, &text).map_err(file)?;
-    Ok(written)
 }
 
 /// Draws a picture as the options say.

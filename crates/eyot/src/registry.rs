@@ -42,6 +42,11 @@ impl Registry {
         Self { generators, processes: processes.iter().collect() }
     }
 
+    #[cfg(test)]
+    pub(crate) fn add(&mut self, generator: &'static Entry<dyn Generator>) {
+        self.generators.push(generator);
+    }
+
     /// All generators.
     pub fn generators(&self) -> &[&'static Entry<dyn Generator>] {
         &self.generators

@@ -8,7 +8,8 @@ use crate::lock::FolderLock;
 use crate::recipe::Recipe;
 use crate::registry::Registry;
 use crate::state::State;
-use crate::store::{self, WORLD_FILE};
+use crate::store::{self, REPORT_FILE};
+use crate::stream::{self, Stream};
 use eyot_core::{Cancel, Limits, World};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -28,6 +29,8 @@ pub struct RunOptions {
     pub chunk: Option<u64>,
     /// Upper bounds on what the run may use.
     pub limits: Limits,
+    /// Whether the world is made in one piece.
+    pub stream: Stream,
     /// Whether the run waits for a command before its first step.
     pub paused: bool,
     /// Whether a stopped run in the folder may be overwritten.
@@ -44,6 +47,7 @@ impl Default for RunOptions {
             checkpoint_every: Duration::from_secs(60),
             chunk: None,
             limits: Limits::default(),
+            stream: Stream::Auto,
             paused: false,
             restart: false,
             replay: Vec::new(),
@@ -54,8 +58,10 @@ impl Default for RunOptions {
 /// How a run ended.
 #[derive(Debug)]
 pub struct Outcome {
-    /// The world in its last state.
+    /// The world in its last state; of a streamed run, an overview in coarser cells.
     pub world: World,
+    /// Fingerprint of the whole world.
+    pub fingerprint: u64,
     /// False if the run was stopped.
     pub finished: bool,
     /// The files that were written; the checkpoint if the run was stopped.
@@ -133,8 +139,9 @@ impl Run {
     ///
     /// # Errors
     /// If the folder cannot be used: another run works there, a stopped run is there and `restart` is not set, or the
-    /// system refuses.
+    /// system refuses. If the options ask for a streamed run, or one in one piece, and it cannot be.
     pub fn start(recipe: Recipe, options: RunOptions) -> Result<Handle, RunError> {
+        let streamed = stream::chosen(&recipe, &options)?;
         let lock = options.out.as_deref().map(prepare_folder).transpose()?;
         if let Some(out) = &options.out {
             while let Some(left) = store::unfinished(out) {
@@ -147,7 +154,7 @@ impl Run {
         let mut world = World::new(recipe.grid, recipe.seed);
         world.sea_level_m = recipe.sea_level_m;
         world.georeference = recipe.georeference.clone();
-        let state = State::new(&recipe, options.replay.clone());
+        let state = State { streamed, ..State::new(&recipe, options.replay.clone()) };
         launch(recipe, options, world, state, lock, Vec::new())
     }
 
@@ -163,7 +170,7 @@ impl Run {
         }
         // Before looking: what a run at work leaves is not for others to continue.
         let lock = prepare_folder(folder)?;
-        let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(WORLD_FILE).exists()))?;
+        let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
         let saved = checkpoint::load(&path, &options.limits).map_err(|e| RunError::File(e.to_string()))?;
         let state: State = serde_json::from_value(saved.state)
             .map_err(|e| RunError::File(format!("`{}` holds no state of a run: {e}", path.display())))?;
@@ -184,7 +191,11 @@ impl Run {
             );
             warnings.push(message);
         }
-        let options = RunOptions { out: Some(folder.to_owned()), ..options };
+        let stream = if state.streamed { Stream::Always } else { options.stream };
+        let options = RunOptions { out: Some(folder.to_owned()), stream, ..options };
+        if state.streamed {
+            stream::chosen(&recipe, &options)?;
+        }
         launch(recipe, options, saved.world, state, Some(lock), warnings)
     }
 }
@@ -228,7 +239,7 @@ fn launch(
             let last = match &result {
                 Ok(o) if o.outcome.finished => Event::Done {
                     outputs: o.outcome.outputs.clone(),
-                    fingerprint: format!("{:016x}", o.outcome.world.fingerprint()),
+                    fingerprint: format!("{:016x}", o.outcome.fingerprint),
                     seconds: o.seconds,
                 },
                 Ok(o) => Event::Stopped { checkpoint: o.outcome.outputs.first().cloned() },

@@ -26,6 +26,12 @@ pub(crate) struct State {
     /// True in the file of a finished run.
     #[serde(default)]
     pub(crate) finished: bool,
+    /// True if the run is streamed; the checkpoint then holds no layers.
+    #[serde(default)]
+    pub(crate) streamed: bool,
+    /// Exports of a streamed run that are written, switched-off ones included.
+    #[serde(default)]
+    pub(crate) done_exports: usize,
 }
 
 impl State {
@@ -42,6 +48,8 @@ impl State {
             seconds: 0.0,
             timings: Vec::new(),
             finished: false,
+            streamed: false,
+            done_exports: 0,
         }
     }
 

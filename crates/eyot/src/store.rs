@@ -62,6 +62,9 @@ pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<
     if meta.is_dir() && !io::is_zarr(path) {
         let found = [WORLD_FILE, CHECKPOINT_FILE].iter().map(|f| path.join(f)).find(|f| f.is_file());
         let Some(file) = found else {
+            if let Some(opened) = streamed(path, limits) {
+                return opened;
+            }
             return Err(RunError::File(format!(
                 "`{}` holds no run: there is no {WORLD_FILE} in it; give the --out folder of a run, or a height map",
                 path.display()
@@ -100,6 +103,32 @@ pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Res
     // A bare height map has no sea: far below everything.
     world.sea_level_m = f64::from(known::HEIGHT.range.0);
     Ok(Opened { world, file: path.to_owned(), has_sea: false, notes })
+}
+
+/// The height of a streamed run from what it exported; `None` if the folder holds no such run.
+fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, RunError>> {
+    /// Endings of names, exact formats first.
+    const ENDINGS: [&str; 7] =
+        ["height.tif", "world.zarr", "height.exr", "height.npy", "height.r32", "height.r16", "height.png"];
+    let report: Value = serde_json::from_slice(&std::fs::read(folder.join(REPORT_FILE)).ok()?).ok()?;
+    if report["streamed"] != Value::Bool(true) {
+        return None;
+    }
+    let names: Vec<&str> = report["outputs"].as_array()?.iter().filter_map(Value::as_str).collect();
+    let Some(name) = ENDINGS.iter().find_map(|e| names.iter().find(|n| n.ends_with(e))) else {
+        return Some(Err(RunError::File(format!(
+            "`{}` holds a streamed run, which keeps no {WORLD_FILE}, and none of its exports is a raster of the height; \
+             add one to the recipe and run it again",
+            folder.display()
+        ))));
+    };
+    let opened = open(&folder.join(name), limits).map(|mut opened| {
+        opened.world.sea_level_m = report["sea_level_m"].as_f64().unwrap_or_default();
+        opened.has_sea = true;
+        opened.notes.push(format!("the run was streamed; this is its export `{name}`"));
+        opened
+    });
+    Some(opened)
 }
 
 fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {

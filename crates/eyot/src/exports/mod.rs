@@ -3,6 +3,7 @@
 mod fit;
 mod materials;
 mod preset;
+mod source;
 
 use crate::backend::io::{self, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 use crate::backend::{mesh, render};
@@ -15,11 +16,14 @@ use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
 pub(crate) use preset::{free_prefix, size_problem};
+pub(crate) use source::Source;
 
 /// What all exports of a world share.
 pub(crate) struct Job<'a> {
-    /// The world.
+    /// The world; of a streamed one, an overview in coarser cells.
     pub(crate) world: &'a World,
+    /// The layers in full.
+    pub(crate) source: &'a dyn Source,
     /// What the landscape is called.
     pub(crate) name: &'a str,
     /// The folder.
@@ -44,6 +48,7 @@ impl Job<'_> {
     fn of<'b>(&'b mut self, world: &'b World) -> Job<'b> {
         Job {
             world,
+            source: world,
             name: self.name,
             out: self.out,
             attributes: self.attributes.clone(),
@@ -89,6 +94,14 @@ impl Export {
         match self.preset {
             Some(preset) => preset != Preset::Gis,
             None => matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
+        }
+    }
+
+    /// True if its files can be written while the world is made, one band of rows after the other.
+    pub(crate) fn streams(&self) -> bool {
+        match self.preset {
+            Some(preset) => preset == Preset::Gis,
+            None => self.format.raster().is_some() || self.format == ExportFormat::Map,
         }
     }
 
@@ -194,7 +207,7 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
             let Some(format) = other.raster() else { return Ok(()) };
             for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
                 let path = job.file(name)?;
-                write_layer(world, layer, &path, format, &export.write_options())?;
+                write_layer(job.source, layer, &path, format, &export.write_options())?;
             }
             Ok(())
         }
@@ -208,13 +221,9 @@ pub(crate) fn write_together(
     layers: &[&str],
     format: ExportFormat,
 ) -> Result<(), RunError> {
-    let mut found = Vec::new();
-    for name in layers {
-        let layer = job.world.layer(name).map_err(file)?;
-        found.push((About::of(job.world, layer), &layer.field));
-    }
+    let mut found: Vec<(About, Box<dyn Rows + '_>)> = layers.iter().filter_map(|name| job.source.layer(name)).collect();
     let mut rows: Vec<(&About, &mut dyn Rows)> =
-        found.iter_mut().map(|(about, field)| (&*about, field as &mut dyn Rows)).collect();
+        found.iter_mut().map(|(about, rows)| (&*about, &mut **rows as &mut dyn Rows)).collect();
     match format {
         ExportFormat::Zarr => io::write_store(path, &mut rows, &job.attributes).map_err(file),
         _ => io::write_exr(path, &mut rows).map_err(file),
@@ -222,14 +231,16 @@ pub(crate) fn write_together(
 }
 
 fn write_layer(
-    world: &World,
+    source: &dyn Source,
     layer: &str,
     path: &Path,
     format: RasterFormat,
     options: &WriteOptions,
 ) -> Result<(), RunError> {
-    let layer = world.layer(layer).map_err(file)?;
-    io::write_rows(path, &mut &layer.field, &About::of(world, layer), format, options).map_err(file)
+    match source.layer(layer) {
+        Some((about, mut rows)) => io::write_rows(path, &mut *rows, &about, format, options).map_err(file),
+        None => Ok(()),
+    }
 }
 
 /// The terrain as a mesh, in the job's folder under the name at the end of `name`.

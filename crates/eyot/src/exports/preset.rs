@@ -260,15 +260,13 @@ fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
 }
 
 fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
-    let world = job.world;
     let options = WriteOptions { nodata: Some(NODATA), ..WriteOptions::default() };
-    for (name, layer) in export.files().iter().zip(&export.layers).filter(|(_, l)| world.get(l).is_some()) {
+    for (name, layer) in export.files().iter().zip(&export.layers) {
+        let Some((mut about, mut rows)) = job.source.layer(layer) else { continue };
         let path = job.file(name)?;
-        let layer = world.layer(layer).map_err(file)?;
-        let mut about = io::About::of(world, layer);
         // The preset's nodata, not the source's.
         about.georeference = about.georeference.map(|g| Georeference { nodata: None, ..g });
-        io::write_rows(&path, &mut &layer.field, &about, RasterFormat::GeoTiff, &options).map_err(file)?;
+        io::write_rows(&path, &mut *rows, &about, RasterFormat::GeoTiff, &options).map_err(file)?;
     }
     Ok(())
 }

@@ -8,12 +8,13 @@ use crate::import;
 use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, Preset, View};
 use crate::need;
 use crate::node::{Kind, Node, Span};
-use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Work};
+use crate::recipe::{Overrides, Recipe, RecipeSource, Step};
 use crate::registry::Registry;
 use crate::set;
 use crate::store::Subject;
+use crate::stream::{self, Obstacle, Place};
 use eyot_core::process::{Parameters, schema_of};
-use eyot_core::{Georeference, Grid, Limits, Rim};
+use eyot_core::{Error, Georeference, Grid, Limits, Rim};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
@@ -50,8 +51,7 @@ pub(crate) fn recipe(
     let mut exports = v.exports(doc.get("export"));
     exports.extend(v.presets(&overrides.presets, &exports));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
-    v.memory(doc.get("grid"), grid, &steps);
-    v.output_memory(&doc, grid, &exports, &view);
+    v.memory(&doc, grid, &steps, &exports, &view);
     if !v.out.is_empty() {
         return Err(Problems::new(sources, v.out));
     }
@@ -319,34 +319,58 @@ impl Validator<'_> {
         Diagnostic::at(span, format!("no step makes a layer `{name}`"), "unknown layer").help(help)
     }
 
-    /// Two buffers a layer while the engine runs, and two more fields for a generator at work.
-    fn memory(&mut self, node: Option<&Node>, grid: Option<Grid>, steps: &[Step]) {
-        let (Some(node), Some(grid)) = (node, grid) else { return };
-        let most = self.layers.len().max(1) as u128 * 2
-            + if steps.iter().any(|s| matches!(s.work, Work::Generate(_))) { 2 } else { 0 };
-        let bytes = grid.cells() as u128 * 4 * most;
-        let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
-        if let Err(e) = self.limits.check_bytes(&what, bytes) {
-            let span = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
-            self.out.push(
-                Diagnostic::at(span, e.to_string(), "this grid")
-                    .help("choose fewer cells, or raise the limit with --max-memory"),
-            );
-        }
+    /// Worlds that do not fit in one piece must be such that they can be streamed.
+    fn memory(&mut self, doc: &Node, grid: Option<Grid>, steps: &[Step], exports: &[Export], view: &View) {
+        let (Some(node), Some(grid)) = (doc.get("grid"), grid) else { return };
         if self.layers.len() > self.limits.max_layers {
             let message = format!("{} layers exceed the limit of {}", self.layers.len(), self.limits.max_layers);
             self.out.push(Diagnostic::whole(message));
         }
+        let size = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
+        let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
+        match stream::obstacle(steps, exports, &grid) {
+            Some(obstacle) => {
+                let working = stream::bytes_working(steps, self.layers.len(), &grid);
+                if let Err(e) = self.limits.check_bytes(&what, working) {
+                    self.too_large(doc, size, &obstacle, &e);
+                }
+                self.output_memory(doc, &grid, exports, view);
+            }
+            None if self.out.is_empty() => {
+                let all = stream::Load { steps, exports, view, grid: &grid, limits: self.limits };
+                if all.whole() > u128::from(self.limits.max_bytes)
+                    && let Err(e) = all
+                        .streamed()
+                        .and_then(|bytes| self.limits.check_bytes(&format!("{what}, even streamed,"), bytes))
+                {
+                    let help = "choose fewer cells, or raise the limit with --max-memory";
+                    self.out.push(Diagnostic::at(size, e.to_string(), "this grid").help(help));
+                }
+            }
+            None => {}
+        }
     }
-}
 
-impl Validator<'_> {
+    fn too_large(&mut self, doc: &Node, size: Span, obstacle: &Obstacle, e: &Error) {
+        let item = match obstacle.place {
+            Place::Step(number) => doc.get("step").and_then(|n| n.elements().get(number - 1)),
+            Place::Export(i) => doc.get("export").and_then(|n| n.elements().get(i)),
+        };
+        let span = item.map_or(size, |n| n.span.clone());
+        let message = format!("{}, and there is not enough: {e}", obstacle.reason);
+        let help = "choose fewer cells, raise the limit with --max-memory, or switch this off: \
+                    a world that is only generated and written as a raster is streamed";
+        self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
+    }
+
     /// Pictures and meshes beside the finished world.
-    fn output_memory(&mut self, doc: &Node, grid: Option<Grid>, exports: &[Export], view: &View) {
-        let Some(grid) = grid.filter(|_| self.out.is_empty()) else { return };
+    fn output_memory(&mut self, doc: &Node, grid: &Grid, exports: &[Export], view: &View) {
+        if !self.out.is_empty() {
+            return;
+        }
         let world = self.layers.len() as u128 * grid.cells() as u128 * 4;
         let place = |n: Option<&Node>| n.or(doc.get("grid")).unwrap_or(doc).span.clone();
-        let pictures = [Subject::View, Subject::Relief].map(|s| need::picture(&grid, view, s));
+        let pictures = [Subject::View, Subject::Relief].map(|s| need::picture(grid, view, s));
         if view.enabled
             && let Err(e) = need::check_bytes(
                 "drawing the pictures of this world",
@@ -359,7 +383,7 @@ impl Validator<'_> {
         }
         for (i, export) in exports.iter().enumerate().filter(|(_, e)| e.enabled) {
             let what = format!("making `{}`", export.files()[0]);
-            let bytes = world + need::export(&grid, export, self.limits);
+            let bytes = world + need::export(grid, export, self.limits);
             if let Err(e) = need::check_bytes(&what, bytes, self.limits, need::EXPORT_REMEDY) {
                 let item = doc.get("export").and_then(|x| x.elements().get(i));
                 self.out.push(Diagnostic::at(place(item), e.to_string(), "this export"));
