@@ -36,7 +36,7 @@ impl Generator for Dent {
     }
 }
 
-static DENT: Entry<dyn Generator> = Entry::<dyn Generator>::generator::<Dent>("dent", &[]);
+static DENT: Entry<dyn Generator> = Entry::<dyn Generator>::generator::<Dent>("dent", "Dents of the height.", &[]);
 
 /// Every kind of dependence: filters one after the other, a mask that was made from the height of then, a layer that is
 /// read, merges that need the old value, the new one, and the highest of all.
