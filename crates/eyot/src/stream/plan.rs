@@ -80,18 +80,21 @@ impl Load<'_> {
         bytes_working(self.steps, layers, self.grid).max(world + self.outputs(self.grid))
     }
 
-    /// Memory of the streamed run: the windows, the overview, and whichever is more of writers and pictures.
+    /// The grid of the streamed run's overview, and memory that is held while exports are written and pictures drawn:
+    /// windows and overview.
     ///
     /// # Errors
     /// If a step is not what it seemed to be.
-    pub(crate) fn streamed(&self) -> Result<u128> {
+    pub(crate) fn streamed(&self) -> Result<(Grid, u128)> {
         let stages = Stages::new(self.steps, *self.grid, 0.0)?;
-        let row = self.grid.width as u128 * 4;
-        let writers = row * WRITER_ROWS.min(3 * self.grid.height) as u128;
-        let windows = row * stages.rows_held() as u128;
+        let windows = self.grid.width as u128 * 4 * stages.rows_held() as u128;
         let (_, coarse) = coarse(self.grid);
-        let overview = coarse.cells() as u128 * 4 * stages.layers().len() as u128;
-        Ok(windows + overview + writers.max(self.outputs(&coarse)))
+        Ok((coarse, windows + coarse.cells() as u128 * 4 * stages.layers().len() as u128))
+    }
+
+    /// Memory of the writers of a streamed run.
+    pub(crate) fn writers(&self) -> u128 {
+        self.grid.width as u128 * 4 * WRITER_ROWS.min(3 * self.grid.height) as u128
     }
 
     /// What is needed beside a world of this grid for the picture or export that needs most.

@@ -334,17 +334,23 @@ impl Validator<'_> {
                 if let Err(e) = self.limits.check_bytes(&what, working) {
                     self.too_large(doc, size, &obstacle, &e);
                 }
-                self.output_memory(doc, &grid, exports, view);
+                let world = self.layers.len() as u128 * grid.cells() as u128 * 4;
+                self.output_memory(doc, &grid, world, exports, view);
             }
             None if self.out.is_empty() => {
-                let all = stream::Load { steps, exports, view, grid: &grid, limits: self.limits };
-                if all.whole() > u128::from(self.limits.max_bytes)
-                    && let Err(e) = all
-                        .streamed()
-                        .and_then(|bytes| self.limits.check_bytes(&format!("{what}, even streamed,"), bytes))
-                {
-                    let help = "choose fewer cells, or raise the limit with --max-memory";
-                    self.out.push(Diagnostic::at(size, e.to_string(), "this grid").help(help));
+                let load = stream::Load { steps, exports, view, grid: &grid, limits: self.limits };
+                if load.whole() <= u128::from(self.limits.max_bytes) {
+                    return;
+                }
+                let what = format!("{what}, even streamed,");
+                let fits =
+                    |(coarse, held)| self.limits.check_bytes(&what, held + load.writers()).map(|()| (coarse, held));
+                match load.streamed().and_then(fits) {
+                    Ok((coarse, held)) => self.output_memory(doc, &coarse, held, exports, view),
+                    Err(e) => {
+                        let help = "choose fewer cells, or raise the limit with --max-memory";
+                        self.out.push(Diagnostic::at(size, e.to_string(), "this grid").help(help));
+                    }
                 }
             }
             None => {}
@@ -363,18 +369,17 @@ impl Validator<'_> {
         self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
     }
 
-    /// Pictures and meshes beside the finished world.
-    fn output_memory(&mut self, doc: &Node, grid: &Grid, exports: &[Export], view: &View) {
+    /// Pictures and meshes of a grid beside what is held already.
+    fn output_memory(&mut self, doc: &Node, grid: &Grid, held: u128, exports: &[Export], view: &View) {
         if !self.out.is_empty() {
             return;
         }
-        let world = self.layers.len() as u128 * grid.cells() as u128 * 4;
         let place = |n: Option<&Node>| n.or(doc.get("grid")).unwrap_or(doc).span.clone();
         let pictures = [Subject::View, Subject::Relief].map(|s| need::picture(grid, view, s));
         if view.enabled
             && let Err(e) = need::check_bytes(
                 "drawing the pictures of this world",
-                world + pictures[0].max(pictures[1]),
+                held + pictures[0].max(pictures[1]),
                 self.limits,
                 need::PICTURE_REMEDY,
             )
@@ -383,7 +388,7 @@ impl Validator<'_> {
         }
         for (i, export) in exports.iter().enumerate().filter(|(_, e)| e.enabled) {
             let what = format!("making `{}`", export.files()[0]);
-            let bytes = world + need::export(grid, export, self.limits);
+            let bytes = held + need::export(grid, export, self.limits);
             if let Err(e) = need::check_bytes(&what, bytes, self.limits, need::EXPORT_REMEDY) {
                 let item = doc.get("export").and_then(|x| x.elements().get(i));
                 self.out.push(Diagnostic::at(place(item), e.to_string(), "this export"));
