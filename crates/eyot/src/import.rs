@@ -50,7 +50,6 @@ pub struct Import {
     pub first_row: Option<FirstRow>,
     /// Memory that the file may take; the run's limit, no key of a recipe.
     #[schemars(skip)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) max_bytes: Option<u64>,
 }
 
