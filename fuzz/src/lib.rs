@@ -9,6 +9,7 @@ pub mod corpus;
 pub mod mutate;
 mod rasters;
 mod recipes;
+mod stores;
 mod worlds;
 
 use eyot::Limits;
@@ -34,7 +35,12 @@ pub struct Target {
 pub const TARGETS: &[Target] = &[
     Target { name: "geotiff", run: rasters::read, seeds: rasters::geotiff, words: &[] },
     Target { name: "png", run: rasters::read, seeds: rasters::png, words: rasters::PNG_WORDS },
-    Target { name: "r32", run: rasters::read_described, seeds: rasters::r32, words: rasters::R32_WORDS },
+    Target { name: "r32", run: rasters::read_r32, seeds: rasters::r32, words: rasters::SIDECAR_WORDS },
+    Target { name: "r16", run: rasters::read_r16, seeds: rasters::r16, words: rasters::SIDECAR_WORDS },
+    Target { name: "raw", run: rasters::read_raw, seeds: rasters::raw, words: rasters::RAW_WORDS },
+    Target { name: "exr", run: rasters::read, seeds: rasters::exr, words: rasters::EXR_WORDS },
+    Target { name: "npy", run: rasters::read_npy, seeds: rasters::npy, words: rasters::NPY_WORDS },
+    Target { name: "zarr", run: stores::read, seeds: stores::seeds, words: stores::WORDS },
     Target { name: "checkpoint", run: worlds::read, seeds: worlds::seeds, words: worlds::WORDS },
     Target { name: "recipe", run: recipes::read, seeds: recipes::seeds, words: recipes::WORDS },
     Target { name: "set", run: recipes::read_flags, seeds: recipes::flags, words: recipes::WORDS },
@@ -57,4 +63,17 @@ fn scratch(name: &str) -> PathBuf {
     let folder = FOLDER.get_or_init(make).path().join(format!("{:?}", std::thread::current().id()));
     std::fs::create_dir_all(&folder).expect("a folder for inputs");
     folder.join(name)
+}
+
+/// Stands between the files of an input that is several of them.
+const BETWEEN: &[u8] = b"\n%%\n";
+
+/// An input as its files; the last one may hold anything.
+fn parts<const N: usize>(mut bytes: &[u8]) -> [&[u8]; N] {
+    std::array::from_fn(|i| {
+        let end = bytes.windows(BETWEEN.len()).position(|w| w == BETWEEN).filter(|_| i + 1 < N);
+        let part = &bytes[..end.unwrap_or(bytes.len())];
+        bytes = end.map_or(&[][..], |end| &bytes[end + BETWEEN.len()..]);
+        part
+    })
 }

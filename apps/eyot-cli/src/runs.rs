@@ -58,6 +58,9 @@ fn folder_name(recipe: &str) -> PathBuf {
 fn journal(path: &Path) -> Result<Vec<JournalEntry>, Failure> {
     let help = "give the run.json of an earlier run";
     let fail = |m: String| report::usage(&format!("cannot replay `{}`: {m}", path.display()), help);
+    if std::fs::metadata(path).is_ok_and(|m| !m.is_file()) {
+        return Err(fail("it is not a file".into()));
+    }
     let text = std::fs::read_to_string(path).map_err(|e| fail(e.to_string()))?;
     let report: serde_json::Value = serde_json::from_str(&text).map_err(|e| fail(e.to_string()))?;
     serde_json::from_value(report["journal"].clone()).map_err(|e| fail(e.to_string()))

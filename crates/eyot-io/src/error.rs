@@ -90,7 +90,10 @@ fn remedy_for(e: &io::Error) -> &'static str {
         }
         K::StorageFull | K::QuotaExceeded => "; make room on the disk or write elsewhere; the former file is unharmed",
         K::FileTooLarge => "; the file system or a limit (ulimit -f) refuses files of this size: write elsewhere",
+        K::NotADirectory => "; check the name: a part of it is a file, not a folder",
         K::IsADirectory => "; give the name of a file in it",
-        _ => "",
+        // Loops have no kind of their own in stable Rust.
+        _ if e.to_string().contains("symbolic link") => "; the link leads to itself: give the file that it is to name",
+        _ => "; check the file and the disk that it is on",
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::exr_write::ATTRIBUTE;
 use crate::fill::Missing;
-use crate::raster::{Raster, ReadOptions, check_size};
+use crate::raster::{Raster, ReadOptions, check_compression, check_size};
 use crate::sidecar::Sidecar;
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
@@ -122,6 +122,18 @@ fn check(path: &Path, all: &[Header], h: &Header, channel: usize, bytes: u64, li
     if blocks * 8 > u128::from(bytes) {
         let problem = format!("the file has {bytes} bytes, which cannot hold its {blocks} blocks");
         return Err(Error::format(path, problem, "it is truncated or damaged: copy or export it again"));
+    }
+    let image = width as u128 * height as u128 * h.channels.bytes_per_pixel as u128;
+    check_compression(path, width, height, image, bytes)?;
+    // The decoder takes memory for whole tiles, of all parts, even where they are far larger than the image.
+    for h in all {
+        let tile = h.max_block_pixel_size();
+        let tile = tile.x() as u128 * tile.y() as u128 * h.channels.bytes_per_pixel as u128;
+        let image = h.layer_size.x() as u128 * h.layer_size.y() as u128 * h.channels.bytes_per_pixel as u128;
+        if tile > (32 << 20) && tile > 16 * image {
+            let problem = format!("tiles of {} MiB for an image of {} bytes", tile >> 20, image);
+            return Err(Error::format(path, problem, "it is damaged: copy or export it again"));
+        }
     }
     // Compressed, decompressed and sorted.
     limits

@@ -1,6 +1,12 @@
-//! Cell sizes in metres from a georeference.
+//! What a georeference says: if it is of use, and cell sizes in metres.
 
 use eyot_core::Georeference;
+
+/// True if all of it is finite and neither a column nor a row is a step of no length.
+pub(crate) fn is_sound(g: &Georeference) -> bool {
+    let t = &g.transform;
+    t.iter().all(|v| v.is_finite()) && t[1].hypot(t[4]) > 0.0 && t[2].hypot(t[5]) > 0.0
+}
 
 /// Metres per degree of longitude and latitude on the WGS 84 ellipsoid at `latitude` degrees.
 ///

@@ -2,16 +2,14 @@
 
 use crate::error::{Error, Result};
 use crate::fill::fill;
-use crate::georef::cell_size_m;
-use crate::raster::{Raster, ReadOptions, check_size};
+use crate::georef::{cell_size_m, is_sound};
+use crate::raster::{Raster, ReadOptions, check_compression, check_size};
 use eyot_core::{Field, Georeference, Limits};
 use geotiff_reader::crs::ModelType;
 use geotiff_reader::{Error as GeoError, GeoTiffFile};
 use std::path::Path;
 use tiff_reader::{Ifd, OpenOptions, ParseBudgets, RasterLayout, TagValue, TiffFile};
 
-/// A file this much smaller than its content has lost its data or never had any. Deflate reaches 1032, LZW about 2700.
-const MAX_COMPRESSION: u128 = 4096;
 const GDAL_NODATA: u16 = 42113;
 /// Length units of projected coordinates, GeoKey 3076; metres if absent.
 const PROJECTED_LINEAR_UNITS: u16 = 3076;
@@ -91,11 +89,11 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
         _ => width as u128 * (u128::from(ifd.rows_per_strip()).min(height as u128)),
     } * layout.bytes_per_sample as u128;
     let most = image.max(64 << 20);
-    if block > most || image > MAX_COMPRESSION * u128::from(file_bytes) {
-        let problem = format!("the file has {file_bytes} bytes, which cannot hold its {width}x{height} cells");
-        return Err(Error::format(path, problem, "it is truncated or damaged: copy or download it again"));
+    if block > most {
+        let problem = format!("blocks of {block} bytes for an image of {image}");
+        return Err(Error::format(path, problem, "it is damaged: copy or download it again"));
     }
-    Ok(())
+    check_compression(path, width, height, image, file_bytes)
 }
 
 /// The values, and which cells are missing (`None` if none is).
@@ -193,18 +191,12 @@ fn nodata_of(ifd: &Ifd) -> Option<f64> {
 fn georeference(geo: &GeoTiffFile, nodata: Option<f64>) -> Option<Georeference> {
     let t = geo.transform()?;
     let transform = [t.origin_x, t.pixel_width, t.skew_x, t.origin_y, t.skew_y, t.pixel_height];
-    let steps = [t.pixel_width.hypot(t.skew_y), t.skew_x.hypot(t.pixel_height)];
     // A degenerate transform says nothing, nor does the identity, which writers use for images without a place.
     if transform == [0.0, 1.0, 0.0, 0.0, 0.0, 1.0] && geo.epsg().is_none() {
         return None;
     }
-    let sound = transform.iter().all(|v| v.is_finite()) && steps.iter().all(|&s| s > 0.0);
-    sound.then(|| Georeference {
-        transform,
-        epsg: geo.epsg(),
-        geographic: geo.crs().model_type_enum() == ModelType::Geographic,
-        nodata,
-    })
+    let geographic = geo.crs().model_type_enum() == ModelType::Geographic;
+    Some(Georeference { transform, epsg: geo.epsg(), geographic, nodata }).filter(is_sound)
 }
 
 fn metres_per_unit(geo: &GeoTiffFile) -> f64 {

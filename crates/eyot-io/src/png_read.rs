@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::fill::Missing;
 use crate::png_write::key;
-use crate::raster::{Raster, ReadOptions, check_size};
+use crate::raster::{Raster, ReadOptions, check_compression, check_size};
 use crate::scale::Scale;
 use eyot_core::{Field, Limits};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
@@ -14,7 +14,7 @@ use std::path::Path;
 /// Text and colour profiles may use this much; images meet the limits of the caller.
 const METADATA_BYTES: usize = 16 << 20;
 
-pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
     file.rewind().map_err(Error::io(path, "read"))?;
     let failed = |e| as_error(path, e);
     let mut decoder = Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: METADATA_BYTES });
@@ -23,6 +23,8 @@ pub(crate) fn read(path: &Path, mut file: File, options: &ReadOptions, limits: &
     let header = decoder.read_header_info().map_err(failed)?;
     let (width, height, interlaced) = (header.width as usize, header.height as usize, header.interlaced);
     let held = check_size(path, width, height, limits)?;
+    let bits = header.bit_depth as u128 * header.color_type.samples() as u128;
+    check_compression(path, width, height, (width as u128 * bits).div_ceil(8) * height as u128, bytes)?;
     let mut reader = decoder.read_info().map_err(failed)?;
     let (colour, depth) = reader.output_color_type();
     let channels = match colour {

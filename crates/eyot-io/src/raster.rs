@@ -2,12 +2,16 @@
 
 use crate::about::About;
 use crate::error::{Error, Result};
+use crate::georef::is_sound;
 use crate::sample::{ByteOrder, RowOrder, Sample};
 use crate::{exr_read, geotiff_read, npy, png_read, raw, zarr};
 use eyot_core::{Field, Georeference, Limits};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
+
+/// A file this much smaller than its content has lost its data or never had any. Deflate reaches 1032, LZW about 2700.
+const MAX_COMPRESSION: u128 = 4096;
 
 /// A raster from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,7 +99,7 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
     let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
     if metadata.is_dir() {
         if zarr::is_node(path) {
-            return finite(path, zarr::read(path, options, limits)?);
+            return checked(path, zarr::read(path, options, limits)?);
         }
         if [".zarray", ".zgroup"].iter().any(|f| path.join(f).exists()) {
             let problem = "this is a Zarr store of version 2, this program reads version 3";
@@ -112,7 +116,7 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
     }
     // Before the signatures: raw numbers can look like anything.
     if let Some(raster) = raw::read_if_known(path, &mut file, metadata.len(), options, limits)? {
-        return finite(path, raster);
+        return checked(path, raster);
     }
     let mut start = Vec::with_capacity(8);
     Read::by_ref(&mut file).take(8).read_to_end(&mut start).map_err(Error::io(path, "read"))?;
@@ -121,12 +125,12 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
             drop(file);
             geotiff_read::read(path, metadata.len(), options, limits)
         }
-        b"\x89PNG\r\n\x1a\n" => png_read::read(path, file, options, limits),
+        b"\x89PNG\r\n\x1a\n" => png_read::read(path, file, metadata.len(), options, limits),
         [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(path, file, metadata.len(), options, limits),
         [0x76, 0x2f, 0x31, 0x01, ..] => exr_read::read(path, file, metadata.len(), options, limits),
         _ => Err(unknown(path, &start)),
     }?;
-    finite(path, raster)
+    checked(path, raster)
 }
 
 /// Checks the size of a field before it is made. Rows are padded for the engine, by up to 80 values each, which is what
@@ -137,6 +141,15 @@ pub(crate) fn check_size(path: &Path, width: usize, height: usize, limits: &Limi
     let bytes = (width as u128 + PADDING) * (height as u128 + 2) * 4;
     limits.check_bytes("the raster", bytes).map_err(Error::core(path))?;
     Ok(bytes)
+}
+
+/// Refuses files that are far too small for their content, before memory is taken for it.
+pub(crate) fn check_compression(path: &Path, width: usize, height: usize, image: u128, file_bytes: u64) -> Result<()> {
+    if image <= MAX_COMPRESSION * u128::from(file_bytes) {
+        return Ok(());
+    }
+    let problem = format!("the file has {file_bytes} bytes, which cannot hold its {width}x{height} cells");
+    Err(Error::format(path, problem, "it is truncated or damaged: copy, download or export it again"))
 }
 
 fn unknown(path: &Path, start: &[u8]) -> Error {
@@ -156,7 +169,10 @@ fn unknown(path: &Path, start: &[u8]) -> Error {
     Error::format(path, problem, remedy)
 }
 
-fn finite(path: &Path, raster: Raster) -> Result<Raster> {
+/// Every value must be finite; a cell size or place of no use is only unknown.
+fn checked(path: &Path, mut raster: Raster) -> Result<Raster> {
+    raster.cell_m = raster.cell_m.filter(|&(x, y)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0);
+    raster.georeference = raster.georeference.filter(is_sound);
     match raster.field.find_not_finite() {
         None => Ok(raster),
         Some((x, y, value)) => Err(Error::NotFinite {

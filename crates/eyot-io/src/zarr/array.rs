@@ -4,18 +4,25 @@ use super::METADATA;
 use super::codec::{Codec, Codecs};
 use crate::error::{Error, Result};
 use crate::sample::{ByteOrder, Sample};
+use exr::prelude::f16;
 use eyot_core::Limits;
 use serde_json::{Map, Value};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Metadata are kilobytes, consolidated ones of large stores a megabyte.
-const MAX_METADATA_BYTES: u64 = 64 << 20;
+/// Metadata are kilobytes, consolidated ones of large stores a megabyte. Parsed, they can take twenty times as much.
+const MAX_METADATA_BYTES: u64 = 4 << 20;
 /// More dimensions than any landscape has.
 const MAX_RANK: usize = 8;
 /// Largest piece of an array that is worth being read at once.
 const MAX_PIECE_BYTES: u128 = 1 << 30;
+/// Files of an array that are looked for; more would take minutes, whether they are there or not.
+const MAX_PIECES: u128 = 1 << 20;
+/// Pieces up to this size may be far larger than their array.
+const FREE_PIECE_BYTES: u128 = 32 << 20;
+/// Larger ones may hold this many times their part of the array.
+const MAX_EXCESS: u128 = 16;
 
 /// An array whose sizes are sound.
 pub(super) struct Array {
@@ -34,7 +41,7 @@ pub(super) struct Array {
 /// Reads a metadata file as JSON.
 pub(super) fn metadata(folder: &Path) -> Result<Value> {
     let path = folder.join(METADATA);
-    let file = fs::File::open(&path).map_err(Error::io(&path, "read"))?;
+    let file = open(&path)?;
     let mut text = Vec::new();
     file.take(MAX_METADATA_BYTES + 1).read_to_end(&mut text).map_err(Error::io(&path, "read"))?;
     if text.len() as u64 > MAX_METADATA_BYTES {
@@ -103,6 +110,10 @@ impl Array {
                 most >> 20
             ));
         }
+        let inside: u128 = piece.iter().zip(&shape).map(|(p, s)| u128::from(*p.min(s))).product();
+        if piece_bytes > FREE_PIECE_BYTES.max(inside * MAX_EXCESS * sample.bytes() as u128) {
+            return broken(format!("chunks of {piece:?} values are far larger than the shape {shape:?}"));
+        }
         let (prefix, separator) = key(&value["chunk_key_encoding"])?;
         if value["storage_transformers"].as_array().is_some_and(|t| !t.is_empty()) {
             return broken("storage transformers are not read");
@@ -135,12 +146,28 @@ impl Array {
         self.folder.join(key)
     }
 
+    /// Refuses arrays whose rows and columns lie in too many files.
+    pub(super) fn check_pieces(&self) -> Result<()> {
+        let sizes = self.shape.iter().zip(&self.piece).rev().take(2);
+        let pieces: u128 = sizes.map(|(s, p)| u128::from(s.div_ceil(*p))).product();
+        if pieces <= MAX_PIECES {
+            return Ok(());
+        }
+        let problem = format!("chunks of {:?} make {pieces} files of it, at most {MAX_PIECES} are read", self.piece);
+        Err(Error::format(&self.folder, problem, "write it again with larger chunks or in shards"))
+    }
+
+    /// Bytes of the file of a piece, 0 if it was never written.
+    pub(super) fn piece_bytes(&self, at: &[u64]) -> u64 {
+        fs::metadata(self.path(at)).map_or(0, |m| m.len())
+    }
+
     /// The values of a piece as bytes, or `None` if it was never written and so holds the fill value.
     pub(super) fn piece(&self, at: &[u64]) -> Result<Option<Vec<u8>>> {
         let path = self.path(at);
-        let file = match fs::File::open(&path) {
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            other => other.map_err(Error::io(&path, "read"))?,
+        let file = match open(&path) {
+            Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            other => other?,
         };
         let values: u64 = self.piece.iter().product::<u64>() * self.sample.bytes() as u64;
         // What does not compress grows a little; more is no piece of this array.
@@ -165,7 +192,7 @@ impl Array {
         let mut bytes = match self.sample {
             Sample::Float(4) => (self.fill as f32).to_le_bytes().to_vec(),
             Sample::Float(8) => self.fill.to_le_bytes().to_vec(),
-            Sample::Float(_) => if self.fill.is_nan() { 0x7e00u16 } else { 0 }.to_le_bytes().to_vec(),
+            Sample::Float(_) => f16::from_f64(self.fill).to_le_bytes().to_vec(),
             Sample::Unsigned(n) => (self.fill as u64).to_le_bytes()[..n].to_vec(),
             Sample::Signed(n) => (self.fill as i64).to_le_bytes()[..n].to_vec(),
         };
@@ -174,6 +201,15 @@ impl Array {
         }
         bytes
     }
+}
+
+/// Opens a file, and nothing else: a pipe could wait for ever.
+fn open(path: &Path) -> Result<fs::File> {
+    let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
+    if !metadata.is_file() {
+        return Err(Error::format(path, "this is no ordinary file", "copy or export the store again"));
+    }
+    fs::File::open(path).map_err(Error::io(path, "read"))
 }
 
 /// Why an array is refused.

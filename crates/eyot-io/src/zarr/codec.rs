@@ -140,6 +140,10 @@ impl Shards {
             return broken("indices of shards that start with the most significant byte are not read");
         }
         let inner = Codec::chain(&configuration["codecs"], &chunk, sample)?;
+        // Each level would hold all values once more.
+        if inner.chain.iter().any(|c| matches!(c, Codec::Sharding(_))) {
+            return broken("shards within shards are not read");
+        }
         Ok(Self { chunk, inner, index_at_end: configuration["index_location"] != "start", index_checksum })
     }
 
@@ -160,6 +164,8 @@ impl Shards {
         let size = sample.bytes();
         let values = shape.iter().product::<u64>() as usize;
         let mut out = fill.repeat(values);
+        // Chunks that share bytes would take far more work than the shard has bytes.
+        let mut unclaimed = bytes.len() as u64;
         for (i, entry) in index.chunks_exact(16).enumerate() {
             let number = |b: &[u8]| u64::from_le_bytes(std::array::from_fn(|j| b[j]));
             let (offset, length) = (number(&entry[..8]), number(&entry[8..]));
@@ -167,6 +173,7 @@ impl Shards {
                 continue;
             }
             let end = offset.checked_add(length).filter(|&e| e <= bytes.len() as u64).ok_or_else(short)?;
+            unclaimed = unclaimed.checked_sub(length).ok_or("the chunks of the shard overlap")?;
             let packed = bytes[offset as usize..end as usize].to_vec();
             let chunk = self.inner.decode(packed, &self.chunk, sample, fill)?;
             place(&chunk, &self.chunk, &mut out, shape, &position(i, &counts), size);

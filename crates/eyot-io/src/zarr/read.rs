@@ -4,7 +4,7 @@ use super::array::{Array, metadata};
 use super::{METADATA, PLACE};
 use crate::error::{Error, Result};
 use crate::fill::Missing;
-use crate::georef::cell_size_m;
+use crate::georef::{cell_size_m, is_sound};
 use crate::geotiff_read::face_north;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::sample::{ByteOrder, Sample};
@@ -14,6 +14,11 @@ use std::path::{Path, PathBuf};
 
 /// Arrays of a group that are looked at.
 const MAX_ARRAYS: usize = 4096;
+/// Arrays up to this size may have no chunks at all.
+const FREE_BYTES: u128 = 64 << 20;
+/// Values a byte of all chunks, at most: Zstandard makes 17000 of a constant, and chunks of the fill value alone are often
+/// left out.
+const MAX_COMPRESSION: u128 = 1 << 16;
 
 /// True if the folder is a Zarr v3 group or array.
 pub fn is_node(folder: &Path) -> bool {
@@ -38,6 +43,8 @@ pub(crate) fn read(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
     limits
         .check_bytes("the array with a chunk of it", held + 3 * piece * array.sample.bytes() as u128)
         .map_err(Error::core(&folder))?;
+    array.check_pieces()?;
+    check_stored(&array, held)?;
     let nodata = options.nodata.or_else(|| missing_value(&array));
     let number = |key: &str| array.attributes.get(key).and_then(Value::as_f64);
     let (factor, offset) = (number("scale_factor").unwrap_or(1.0), number("add_offset").unwrap_or(0.0));
@@ -92,21 +99,47 @@ fn choose(path: &Path, wanted: Option<&str>) -> Result<PathBuf> {
     }
 }
 
-/// Hands every value of the last two dimensions to `take(row, column, value)`, or of a list to `take(0, i, value)`.
-fn values(array: &Array, mut take: impl FnMut(usize, usize, f64)) -> Result<()> {
+/// Refuses large arrays of which next to nothing is there.
+fn check_stored(array: &Array, image: u128) -> Result<()> {
+    if image <= FREE_BYTES {
+        return Ok(());
+    }
+    let ((mut at, _), rank) = (last_step(array), array.shape.len());
+    let count = |d: usize| array.shape[d].div_ceil(array.piece[d]);
+    let (mut stored, needed) = (0, image / MAX_COMPRESSION);
+    for row in 0..count(rank - 2) {
+        for column in 0..count(rank - 1) {
+            (at[rank - 2], at[rank - 1]) = (row, column);
+            stored += u128::from(array.piece_bytes(&at));
+            if stored >= needed {
+                return Ok(());
+            }
+        }
+    }
+    let problem = format!("its chunks have {stored} bytes, which cannot hold its {:?} cells", array.shape);
+    Err(Error::format(&array.folder, problem, "chunks are missing: copy or export the whole store again"))
+}
+
+/// The piece of the last index along the leading dimensions, and where that index lies in it.
+fn last_step(array: &Array) -> (Vec<u64>, u64) {
     let rank = array.shape.len();
-    let along = |d: usize| if d < rank { (array.shape[d], array.piece[d]) } else { (1, 1) };
-    // Leading dimensions: the last index, and where it lies in its piece.
-    let leading = rank.saturating_sub(2);
-    let ((height, down), (width, across)) =
-        if rank >= 2 { (along(rank - 2), along(rank - 1)) } else { ((1, 1), along(0)) };
-    let size = array.sample.bytes();
     let (mut at, mut start) = (vec![0; rank], 0u64);
-    for d in 0..leading {
+    for d in 0..rank.saturating_sub(2) {
         let last = array.shape[d] - 1;
         at[d] = last / array.piece[d];
         start = start * array.piece[d] + last % array.piece[d];
     }
+    (at, start)
+}
+
+/// Hands every value of the last two dimensions to `take(row, column, value)`, or of a list to `take(0, i, value)`.
+fn values(array: &Array, mut take: impl FnMut(usize, usize, f64)) -> Result<()> {
+    let rank = array.shape.len();
+    let along = |d: usize| if d < rank { (array.shape[d], array.piece[d]) } else { (1, 1) };
+    let ((height, down), (width, across)) =
+        if rank >= 2 { (along(rank - 2), along(rank - 1)) } else { ((1, 1), along(0)) };
+    let size = array.sample.bytes();
+    let (mut at, start) = last_step(array);
     for row in 0..height.div_ceil(down) {
         for column in 0..width.div_ceil(across) {
             if rank >= 2 {
@@ -215,20 +248,14 @@ fn georeference(array: &Array) -> Option<Georeference> {
     let text = |key: &str| array.attributes.get(key).and_then(Value::as_str);
     let numbers: Vec<f64> = text("GeoTransform")?.split_whitespace().map_while(|n| n.parse().ok()).collect();
     let transform: [f64; 6] = numbers.try_into().ok()?;
-    let steps = [transform[1].hypot(transform[4]), transform[2].hypot(transform[5])];
     let code = text("spatial_ref").or_else(|| text("crs_wkt")).and_then(epsg);
     let wkt = text("crs_wkt").or_else(|| text("spatial_ref")).unwrap_or("");
     let geographic = match array.attributes.get("geographic").and_then(Value::as_bool) {
         Some(known) => known,
         None => wkt.starts_with("GEOG") || text("grid_mapping_name") == Some("latitude_longitude"),
     };
-    let sound = transform.iter().all(|v| v.is_finite()) && steps.iter().all(|&s| s > 0.0);
-    sound.then(|| Georeference {
-        transform,
-        epsg: code,
-        geographic,
-        nodata: array.attributes.get("source_nodata").and_then(Value::as_f64),
-    })
+    let nodata = array.attributes.get("source_nodata").and_then(Value::as_f64);
+    Some(Georeference { transform, epsg: code, geographic, nodata }).filter(is_sound)
 }
 
 /// The code in `EPSG:32611` or in the last authority of a WKT.
@@ -247,6 +274,7 @@ fn regular(array: &Array, n: usize) -> Option<(f64, f64)> {
     if array.shape != [n as u64] || n < 2 {
         return None;
     }
+    array.check_pieces().ok()?;
     let mut list = vec![0.0; n];
     values(array, |_, i, v| list[i] = v).ok()?;
     let step = (list[n - 1] - list[0]) / (n - 1) as f64;
