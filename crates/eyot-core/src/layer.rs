@@ -121,6 +121,9 @@ pub mod known {
         LayerSpec::new("wetness", "1", "How much running water this cell has seen lately", (0.0, 1.0));
     /// Bounded coral counter for colours.
     pub const GROWTH: LayerSpec = LayerSpec::new("growth", "1", "How much coral has grown here lately", (0.0, 1.0));
+    /// Dryness for colours.
+    pub const ARIDITY: LayerSpec =
+        LayerSpec::new("aridity", "1", "How dry the land is: 0 green, 1 beds of bare rock and sand", (0.0, 1.0));
     /// Dissolved inorganic carbon available to corals.
     pub const CARBON: LayerSpec =
         LayerSpec::new("carbon", "1", "Inorganic carbon in the sea water relative to the open sea", (0.0, 1.0));

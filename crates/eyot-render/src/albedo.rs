@@ -1,8 +1,9 @@
 //! Colours of the ground: grass and forest, rock, sand and seabed by height, slope, curvature and water.
 //!
 //! Every border between two grounds is a smooth blend whose place wanders with a low noise, because in nature
-//! no ground ends at a contour line.
+//! no ground ends at a contour line. A layer `aridity` turns the land into desert (`arid.rs`).
 
+use crate::arid::arid;
 use crate::ground::{Ground, box_mean, quantile};
 use crate::math::{V3, lerp, mix, scale, smoothstep};
 use crate::noise::fbm;
@@ -32,7 +33,8 @@ const SNOW_LINE_M: f32 = 3000.0;
 
 /// Linear RGB albedo of every cell, row by row from the north-west.
 ///
-/// Reads `height` and, where they exist, `wetness` (rock where rivers ran), `limestone` and `growth` (reef).
+/// Reads `height` and, where they exist, `wetness` (rock where rivers ran), `limestone` and `growth` (reef),
+/// `aridity` (beds of bare rock and sand).
 ///
 /// # Errors
 /// If the world has no layer `height`.
@@ -47,6 +49,7 @@ pub(crate) fn albedo(world: &World, g: &Ground, variation: f32) -> Vec<V3> {
     let wetness = layer(&known::WETNESS.name);
     let limestone = layer(&known::LIMESTONE.name);
     let growth = layer(&known::GROWTH.name);
+    let aridity = layer(&known::ARIDITY.name);
     let slopes = slopes(g);
     let radius = (w.max(h) / 128).clamp(2, 24);
     let mean = box_mean(&g.z, w, h, radius);
@@ -66,6 +69,7 @@ pub(crate) fn albedo(world: &World, g: &Ground, variation: f32) -> Vec<V3> {
                 broad: variation * fbm(px * 11.0, py * 11.0, 4, seed),
                 fine: variation * fbm(px * 90.0, py * 90.0, 3, seed ^ 0x51),
                 wetness: value(&wetness, i).clamp(0.0, 1.0),
+                aridity: value(&aridity, i).clamp(0.0, 1.0),
                 reef: value(&growth, i).clamp(0.0, 1.0).max(smoothstep(0.2, 2.5, value(&limestone, i))),
                 zero: g.zero,
             };
@@ -80,21 +84,22 @@ pub(crate) fn albedo(world: &World, g: &Ground, variation: f32) -> Vec<V3> {
 }
 
 /// What the colour of one cell depends on.
-struct Site {
+pub(crate) struct Site {
     /// m above the datum.
-    z: f32,
+    pub(crate) z: f32,
     /// Rise over run.
     slope: f32,
     /// Ridge (positive) or hollow (negative), about -1..1.
-    bump: f32,
+    pub(crate) bump: f32,
     /// Slow noise, about -0.6..0.6.
-    broad: f32,
+    pub(crate) broad: f32,
     /// Quick noise.
-    fine: f32,
+    pub(crate) fine: f32,
     wetness: f32,
+    aridity: f32,
     reef: f32,
     /// Height of the world's own zero above the datum, m.
-    zero: f32,
+    pub(crate) zero: f32,
 }
 
 /// What the colours of all cells share.
@@ -144,6 +149,9 @@ fn land(s: &Site, k: &Scales, sea: bool) -> V3 {
     let scree = mix(SCREE, ROCK, smoothstep(-0.2, 0.3, s.fine));
     c = mix(c, scree, 0.65 * smoothstep(0.92, 1.12, steep) * smoothstep(0.35, 0.75, up));
     c = mix(c, stone, smoothstep(1.0, 1.28, steep));
+    if s.aridity > 0.0 {
+        c = mix(c, arid(s, up, k.relief, s.slope / k.rock), s.aridity);
+    }
     c = mix(c, mix(RIVER_BED, ROCK, smoothstep(-0.3, 0.3, s.fine)), 0.85 * smoothstep(0.12, 0.65, s.wetness));
     let altitude = s.z - s.zero;
     let snow = smoothstep(-150.0, 350.0, altitude - SNOW_LINE_M + 500.0 * s.broad + 180.0 * s.fine - 120.0 * s.bump);

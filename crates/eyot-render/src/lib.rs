@@ -29,6 +29,7 @@
 //! do not depend on the number of threads.
 
 mod albedo;
+mod arid;
 mod block;
 mod colour_map;
 mod ground;

@@ -210,3 +210,19 @@ fn pictures_give_their_bytes() {
     let p = Picture::new(2, 1, [1, 2, 3]);
     assert_eq!(p.bytes(), [1, 2, 3, 1, 2, 3]);
 }
+
+#[test]
+fn aridity_turns_green_land_into_desert() {
+    let mut w = world(64, 64, |x, y| 900.0 + 60.0 * ((x * x + 3 * y) % 97) as f32 / 97.0 + 4.0 * y as f32);
+    let reds = |w: &World| {
+        let colours = terrain_colours(w).unwrap();
+        colours.iter().filter(|c| c[0] > 1.2 * c[1]).count()
+    };
+    let none = reds(&w);
+    w.put(&known::ARIDITY, Field::from_fn(64, 64, |x, _| if x < 32 { 1.0 } else { 0.0 })).unwrap();
+    let half = reds(&w) - none;
+    // Measured:
+    assert!((1200..=2048).contains(&half), "{half} of 2048 cells turned red, {none} were");
+    w.put(&known::ARIDITY, Field::from_fn(64, 64, |_, _| f32::NAN)).unwrap();
+    assert_eq!(reds(&w), none);
+}

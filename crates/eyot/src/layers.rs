@@ -5,13 +5,14 @@ use eyot_core::LayerSpec;
 use eyot_core::layer::known;
 use std::borrow::Cow;
 
-const KNOWN: [LayerSpec; 9] = [
+const KNOWN: [LayerSpec; 10] = [
     known::HEIGHT,
     known::WATER,
     known::SEDIMENT,
     known::LIMESTONE,
     known::WETNESS,
     known::GROWTH,
+    known::ARIDITY,
     known::CARBON,
     known::LAKE,
     known::DRAINED_AREA,
