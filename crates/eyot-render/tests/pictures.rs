@@ -221,7 +221,6 @@ fn aridity_turns_green_land_into_desert() {
     let none = reds(&w);
     w.put(&known::ARIDITY, Field::from_fn(64, 64, |x, _| if x < 32 { 1.0 } else { 0.0 })).unwrap();
     let half = reds(&w) - none;
-    // Measured:
     assert!((1200..=2048).contains(&half), "{half} of 2048 cells turned red, {none} were");
     w.put(&known::ARIDITY, Field::from_fn(64, 64, |_, _| f32::NAN)).unwrap();
     assert_eq!(reds(&w), none);
