@@ -159,3 +159,11 @@ fn a_value_outside_its_range_is_refused_by_name() {
     let centre = [0.5, f32::NAN];
     assert!((Cone { centre, ..Cone::default() }).generate(&site, &Field::new(8, 8, 0.0)).is_err());
 }
+
+#[test]
+fn discs_far_larger_than_the_land_are_refused() {
+    let grid = Grid::new(17, 9, 0.01, Rim::WRAP, &Limits::default()).unwrap();
+    let circles = GENERATORS.iter().find(|e| e.name == "circles").unwrap();
+    let far = (circles.make)(json!({ "radius_m": 1e7 })).unwrap().check(&grid).unwrap_err().to_string();
+    assert!(far.contains("radius_m") && far.contains("at most 0.68 m"), "{far}");
+}

@@ -44,6 +44,13 @@ pub struct Converted {
 /// If the input cannot be read, the output's format is not known, or it cannot be written.
 pub fn convert(input: &Path, output: &Path, options: &ConvertOptions, limits: &Limits) -> Result<Converted, RunError> {
     let is_run = input.extension().is_some_and(|e| e == "eyot") || (input.is_dir() && !io::is_zarr(input));
+    // A conversion may take only some of the layers; what it leaves out would be lost.
+    if let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize())
+        && from == to
+    {
+        let message = format!("`{}` would be written over itself; choose another name for the result", input.display());
+        return Err(RunError::File(message));
+    }
     let kind = if options.preset.is_some() { Kind::Preset } else { Kind::of(output)? };
     match kind {
         Kind::Raster(format) if !is_run => raster(input, output, format, options, limits),

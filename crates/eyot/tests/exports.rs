@@ -164,6 +164,7 @@ fn wrong_exports_are_named_with_their_place() {
         ("[[export]]\npreset = \"godot\"\nsize = 512\n", "keeps the size of the grid"),
         ("[[export]]\nsize = 505\n", "belongs to presets"),
         ("[[export]]\npreset = \"unreal\"\nformat = \"r16\"\n", "one too many"),
+        ("[[export]]\npreset = \"unity\"\nbytes = \"big\"\n", "no effect with the preset `unity`"),
         ("[[export]]\nformat = \"r16\"\nrange = [3.0, 1.0]\n", "lower number first"),
         ("[[export]]\nformat = \"mask\"\nlayers = [\"gras\"]\n", "no step makes a layer `gras`"),
         ("[[export]]\nformat = \"exe\"\n", "did you mean \"exr\""),
@@ -272,5 +273,7 @@ fn conversions_go_around_without_loss() {
     assert!(done.notes.iter().any(|n| n.contains("unity takes 513 x 513")), "{:?}", done.notes);
     assert!(at("unity/unity_height.raw").exists());
     go(&real, &at("m.obj"), &d);
+    let itself = convert(&at("a.r16"), &at("a.r16"), &d, &limits).unwrap_err().to_string();
+    assert!(itself.contains("over itself"), "{itself}");
     assert!(convert(&real, &at("m.xyz"), &d, &limits).unwrap_err().to_string().contains(".zarr"));
 }

@@ -18,7 +18,7 @@ use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::{LaneBlock, WIDTH};
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::rng::{Key, hash, unit};
-use eyot_core::{Edge, Field, Grid, Result};
+use eyot_core::{Edge, Error, Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -200,8 +200,22 @@ impl Generator for Circles {
         })
     }
 
-    fn check(&self, _grid: &Grid) -> Result<()> {
-        check("circles", self)
+    fn check(&self, grid: &Grid) -> Result<()> {
+        check("circles", self)?;
+        // Work grows with the square of the radius, as every disc that reaches the land counts, on a ring many times over.
+        let (w, h) = grid.extent_m();
+        let most = 4.0 * w.max(h);
+        if f64::from(self.radius_m) > most {
+            return Err(Error::BadParameter {
+                owner: "circles".into(),
+                field: "radius_m".into(),
+                reason: format!(
+                    "{} m is more than four times the longer side of the land; choose at most {most} m",
+                    self.radius_m
+                ),
+            });
+        }
+        Ok(())
     }
 
     fn reach(&self, _grid: &Grid) -> Reach {

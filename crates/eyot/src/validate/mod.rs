@@ -290,6 +290,17 @@ impl Validator<'_> {
             let help = "keep one of them: a preset chooses its formats itself";
             self.out.push(Diagnostic::at(at, "both `format` and `preset` are given", "one too many").help(help));
         }
+        if let Some(preset) = export.preset {
+            let layers = if preset == Preset::Gis { None } else { Some("layers") };
+            let levels = if preset == Preset::Blender { None } else { Some("levels") };
+            for key in ["range", "bytes", "first_row"].into_iter().chain(layers).chain(levels) {
+                if let Some(at) = span(key) {
+                    let message = format!("`{key}` has no effect with the preset `{}`", preset.name());
+                    let help = "leave it out: a preset decides this itself; or choose a `format` instead of a preset";
+                    self.out.push(Diagnostic::at(at, message, "this key").help(help));
+                }
+            }
+        }
         if let (Some(at), Some(size)) = (span("size"), export.size) {
             let problem = match export.preset {
                 Some(preset) => exports::size_problem(preset, size),
