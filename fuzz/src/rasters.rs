@@ -58,7 +58,13 @@ fn read_described(bytes: &[u8], name: &str) -> bool {
     let [description, values] = parts(bytes);
     let path = scratch(name);
     std::fs::write(&path, values).expect("room for an input");
-    std::fs::write(scratch(&format!("{name}.json")), description).expect("room for an input");
+    // An empty description is none.
+    let beside = scratch(&format!("{name}.json"));
+    if description.is_empty() {
+        std::fs::remove_file(beside).ok();
+    } else {
+        std::fs::write(beside, description).expect("room for an input");
+    }
     read_file(&path)
 }
 

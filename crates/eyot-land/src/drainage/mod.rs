@@ -1,7 +1,7 @@
 //! Drainage: where water goes on a landscape. Depressions, receivers, drained areas.
 //!
 //! Everything here works on heights in metres, row by row from the north-west, in `f32` or `f64`, together with their
-//! [`Grid`](eyot_core::Grid): neighbours are the eight around a cell, a wrapping axis is a ring, other rims end. Heights must
+//! [`eyot_core::Grid`]: neighbours are the eight around a cell, a wrapping axis is a ring, other rims end. Heights must
 //! be finite. The usual chain is
 //!
 //! ```
