@@ -176,6 +176,23 @@ impl Octave {
         )
     }
 
+    /// Hashes of the corners of a square of the lattice: (0, 0), (1, 0), (0, 1) and (1, 1).
+    #[inline(always)]
+    pub(super) fn corner_hashes<R: Real, const TORUS: bool>(&self, origin: [u32; 2], iu: R, iv: R) -> [R::Bits; 4] {
+        if TORUS {
+            [
+                self.wrapped_hash(origin, iu, iv),
+                self.wrapped_hash(origin, iu + R::of(1.0), iv),
+                self.wrapped_hash(origin, iu, iv + R::of(1.0)),
+                self.wrapped_hash(origin, iu + R::of(1.0), iv + R::of(1.0)),
+            ]
+        } else {
+            let (column, row) = self.hash_legs(origin, iu, iv);
+            let (column1, row1) = (column.add(R::Bits::of(COLUMN)), row.add(R::Bits::of(ROW)));
+            [hash(column, row), hash(column1, row), hash(column, row1), hash(column1, row1)]
+        }
+    }
+
     /// Hash of a lattice point after whole periods were taken off.
     #[inline(always)]
     pub(super) fn wrapped_hash<R: Real>(&self, origin: [u32; 2], iu: R, iv: R) -> R::Bits {

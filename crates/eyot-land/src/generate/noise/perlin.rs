@@ -4,9 +4,9 @@
 //! corner's gradient with the offset from it. With unit gradients the largest magnitude is sqrt(1/2), reached in the middle of
 //! a cell; [`SCALE`] makes it 1.
 
-use super::gradient::{COLUMN, ROW, dot, hash};
+use super::gradient::dot;
 use super::lattice::{Kernel, Octave};
-use eyot_core::real::{Bits, Real};
+use eyot_core::real::Real;
 
 /// One over the largest magnitude that unit gradients can give.
 pub(super) const SCALE: f32 = std::f32::consts::SQRT_2;
@@ -26,18 +26,7 @@ impl Kernel for Perlin {
         let (iu, iv) = (u.floor(), v.floor());
         let (x, y) = (u - iu, v - iv);
 
-        let h = if TORUS {
-            [
-                o.wrapped_hash(origin, iu, iv),
-                o.wrapped_hash(origin, iu + R::of(1.0), iv),
-                o.wrapped_hash(origin, iu, iv + R::of(1.0)),
-                o.wrapped_hash(origin, iu + R::of(1.0), iv + R::of(1.0)),
-            ]
-        } else {
-            let (column, row) = o.hash_legs(origin, iu, iv);
-            let (column1, row1) = (column.add(R::Bits::of(COLUMN)), row.add(R::Bits::of(ROW)));
-            [hash(column, row), hash(column1, row), hash(column, row1), hash(column1, row1)]
-        };
+        let h = o.corner_hashes::<R, TORUS>(origin, iu, iv);
 
         let (x1, y1) = (x - R::of(1.0), y - R::of(1.0));
         let (s, t) = (fade(x), fade(y));

@@ -1,6 +1,5 @@
 //! Value noise: a random number at each point of a square lattice, blended with the quintic fade.
 
-use super::gradient::{COLUMN, ROW, hash};
 use super::lattice::{Kernel, Octave};
 use super::perlin::fade;
 use eyot_core::real::{Bits, Real};
@@ -18,18 +17,7 @@ impl Kernel for Value {
     #[inline(always)]
     fn at<R: Real, const TORUS: bool>(o: &Octave, origin: [u32; 2], u: R, v: R) -> R {
         let (iu, iv) = (u.floor(), v.floor());
-        let h = if TORUS {
-            [
-                o.wrapped_hash(origin, iu, iv),
-                o.wrapped_hash(origin, iu + R::of(1.0), iv),
-                o.wrapped_hash(origin, iu, iv + R::of(1.0)),
-                o.wrapped_hash(origin, iu + R::of(1.0), iv + R::of(1.0)),
-            ]
-        } else {
-            let (column, row) = o.hash_legs(origin, iu, iv);
-            let (column1, row1) = (column.add(R::Bits::of(COLUMN)), row.add(R::Bits::of(ROW)));
-            [hash(column, row), hash(column1, row), hash(column, row1), hash(column1, row1)]
-        };
+        let h = o.corner_hashes::<R, TORUS>(origin, iu, iv);
         let (s, t) = (fade(u - iu), fade(v - iv));
         let n00: R = number(h[0]);
         let n01: R = number(h[2]);
