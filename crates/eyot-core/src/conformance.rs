@@ -111,7 +111,7 @@ pub fn check(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -> Resul
 /// Where they differ, or where a rule reads farther than it declares.
 pub fn check_graphs(processes: &[Scheduled], grid: Grid) {
     let mut plan = crate::plan::Plan::default();
-    crate::engine::plan_step(processes, 0, &mut Moment { grid, step: 0, turn: 0, sea_level_m: 0.5 }, &mut plan);
+    crate::process::plan_step(processes, 0, &mut Moment { grid, step: 0, turn: 0, sea_level_m: 0.5 }, &mut plan);
     for pass in plan.passes() {
         let graph = pass.graph();
         for (slot, r) in pass.reads().iter().enumerate() {

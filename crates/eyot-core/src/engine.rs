@@ -14,7 +14,7 @@
 #![allow(unsafe_code)]
 
 use crate::control::Control;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::field::{Field, RawField, STAGGERS};
 use crate::grid::{Edge, Grid};
 use crate::isa::Isa;
@@ -24,7 +24,7 @@ use crate::layer::{Beyond, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use crate::limits::Limits;
 use crate::plan::{Pass, Plan};
-use crate::process::{Moment, Scheduled, Span};
+use crate::process::{self, Moment, Scheduled, Span, acts, plan_step};
 use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Tally, TallyUnit};
 use crate::schedule::{Buffer, Schedule};
 use crate::world::World;
@@ -66,21 +66,7 @@ impl CpuEngine {
         span: Span,
         control: &Control<'_>,
     ) -> Result<()> {
-        // Rows are reached by address, so a world that does not fit its grid must not get further than this.
-        world.grid.checked(&self.limits)?;
-        for l in world.layers() {
-            let (expected, found) = (world.grid.cells(), l.field.width() * l.field.height());
-            if (l.field.width(), l.field.height()) != (world.grid.width, world.grid.height) {
-                return Err(Error::Shape { what: format!("layer `{}`", l.spec.name), expected, found });
-            }
-        }
-        processes.iter().try_for_each(|s| s.process.check(&world.grid))?;
-        for s in processes {
-            for (spec, value) in s.process.layers() {
-                world.ensure(&spec, value);
-            }
-            s.process.prepare(world)?;
-        }
+        process::prepare(world, processes, &self.limits)?;
         let mut arena = Arena::new(self.limits, world);
         let mut first = Plan::default();
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
@@ -129,8 +115,8 @@ impl CpuEngine {
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
         let mut before: Option<Saved> = None;
         let mut plan = Plan::default();
-        let outcome = processes.iter().filter(|s| due(s, local_step)).try_for_each(|s| {
-            plan_process(s, local_step, &mut moment, &mut plan);
+        let outcome = processes.iter().filter(|s| s.is_due(local_step)).try_for_each(|s| {
+            s.plan(local_step, &mut moment, &mut plan);
             if let Some(action) = s.process.action() {
                 if before.is_none() {
                     before = Some(arena.save(world)?);
@@ -165,30 +151,6 @@ impl CpuEngine {
             n => n as u64,
         }
     }
-}
-
-/// Adds one step of all processes that are due to the plan, and moves the moment on.
-pub(crate) fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut Moment, plan: &mut Plan) {
-    for s in processes.iter().filter(|s| due(s, local_step)) {
-        plan_process(s, local_step, moment, plan);
-        s.process.advance(moment);
-    }
-    moment.step += 1;
-}
-
-fn plan_process(s: &Scheduled, local_step: u64, moment: &mut Moment, plan: &mut Plan) {
-    plan.step = moment.step;
-    moment.turn = local_step / s.every.max(1);
-    s.process.plan(moment, plan);
-}
-
-fn due(s: &Scheduled, local_step: u64) -> bool {
-    local_step.is_multiple_of(s.every.max(1))
-}
-
-/// True if a process that is due in this step has an action.
-fn acts(processes: &[Scheduled], local_step: u64) -> bool {
-    processes.iter().any(|s| due(s, local_step) && s.process.action().is_some())
 }
 
 /// A world before a step: layers and ledger.

@@ -1,6 +1,6 @@
 //! Rules as expression graphs: a rule runs once on [`Node`]s and leaves its graph behind.
 //!
-//! Equal subexpressions are one node. The graph prints as WGSL ([`crate::wgsl`]) and can be evaluated cell by cell,
+//! Equal subexpressions are one node. The GPU engine prints the graph as WGSL, and it can be evaluated cell by cell,
 //! which the tests use to show that it means what the rule means, bit by bit.
 
 use crate::real::{Bits, Real};
@@ -85,12 +85,17 @@ pub struct Graph {
     pub outputs: Vec<Id>,
     /// Nodes of the sums.
     pub sums: Vec<Id>,
+    /// Nodes of what leaves through each side of an open rim, in the order of [`Side::ALL`]; empty where nothing does.
+    pub leaving: [Vec<Id>; 4],
+    /// Names that the rule gives to some of its values; see [`Real::named`].
+    pub names: Vec<(Id, &'static str)>,
 }
 
 #[derive(Default)]
 struct Builder {
     nodes: Vec<Op>,
     known: HashMap<Op, Id>,
+    names: Vec<(Id, &'static str)>,
 }
 
 thread_local! {
@@ -162,6 +167,10 @@ impl Real for Node {
     fn whole(self) -> BitsNode {
         BitsNode(push(Op::Whole(self.0)))
     }
+    fn named(self, name: &'static str) -> Self {
+        BUILDER.with_borrow_mut(|b| b.names.push((self.0, name)));
+        self
+    }
 }
 
 impl Bits for BitsNode {
@@ -222,6 +231,8 @@ impl Graph {
             Node(push(Op::Param(next - 1)))
         });
         let (out, sums) = U::cell(&params, &Recorder);
+        let ids = |nodes: &[Node]| nodes.iter().map(|n| n.0).collect();
+        let leaving = Side::ALL.map(|side| U::leaving(&params, &Recorder, side).map_or(vec![], |s| ids(s.as_ref())));
         let builder = BUILDER.with_borrow_mut(std::mem::take);
         let mut graph = Self {
             name: U::NAME,
@@ -229,8 +240,10 @@ impl Graph {
             params: U::Params::NAMES,
             reads: U::READS.iter().map(|r| r.layer).collect(),
             writes: U::WRITES.to_vec(),
-            outputs: out.as_ref().iter().map(|n| n.0).collect(),
-            sums: sums.as_ref().iter().map(|n| n.0).collect(),
+            outputs: ids(out.as_ref()),
+            sums: ids(sums.as_ref()),
+            leaving,
+            names: builder.names,
         };
         graph.drop_unused();
         graph
@@ -238,15 +251,8 @@ impl Graph {
 
     /// Removes nodes that nothing needs.
     fn drop_unused(&mut self) {
-        let mut used = vec![false; self.nodes.len()];
-        for &id in self.outputs.iter().chain(&self.sums) {
-            used[id as usize] = true;
-        }
-        for i in (0..self.nodes.len()).rev() {
-            if used[i] {
-                operands(self.nodes[i]).into_iter().flatten().for_each(|o| used[o as usize] = true);
-            }
-        }
+        let roots: Vec<Id> = self.outputs.iter().chain(&self.sums).chain(self.leaving.iter().flatten()).copied().collect();
+        let used = self.needed(&roots);
         let mut renamed = vec![0; self.nodes.len()];
         let mut kept = Vec::new();
         for (i, &op) in self.nodes.iter().enumerate() {
@@ -256,17 +262,33 @@ impl Graph {
             }
         }
         self.nodes = kept;
-        self.outputs.iter_mut().chain(&mut self.sums).for_each(|id| *id = renamed[*id as usize]);
+        let leaving = self.leaving.iter_mut().flatten();
+        self.outputs.iter_mut().chain(&mut self.sums).chain(leaving).for_each(|id| *id = renamed[*id as usize]);
+        self.names.retain(|(id, _)| used[*id as usize]);
+        self.names.iter_mut().for_each(|(id, _)| *id = renamed[*id as usize]);
+    }
+
+    /// For each node whether one of `roots` needs it.
+    pub fn needed(&self, roots: &[Id]) -> Vec<bool> {
+        let mut used = vec![false; self.nodes.len()];
+        roots.iter().for_each(|&id| used[id as usize] = true);
+        for i in (0..self.nodes.len()).rev() {
+            if used[i] {
+                operands(self.nodes[i]).into_iter().flatten().for_each(|o| used[o as usize] = true);
+            }
+        }
+        used
     }
 
     /// Arithmetic operations of a cell: everything but constants, parameters, reads, coordinates and reinterpreted bits. A
-    /// comparison with its choice counts as one.
+    /// comparison with its choice counts as one. What only cells at the rim do does not count.
     pub fn operations(&self) -> usize {
         let free = |op: &&Op| {
             use Op::*;
             !matches!(op, Const(_) | BitsConst(_) | Param(_) | Read(..) | X | Y | Uniform(_) | FromBits(_) | ToBits(_))
         };
-        self.nodes.iter().filter(free).count()
+        let roots: Vec<Id> = self.outputs.iter().chain(&self.sums).copied().collect();
+        self.nodes.iter().zip(self.needed(&roots)).filter(|(op, needed)| *needed && free(op)).count()
     }
 
     /// Farthest offset at which the layer in `slot` is read.

@@ -25,7 +25,6 @@ pub mod reference;
 pub mod rng;
 pub mod rule;
 mod schedule;
-pub mod wgsl;
 mod world;
 
 pub use control::{Cancel, Control};

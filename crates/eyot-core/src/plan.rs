@@ -5,7 +5,9 @@ use crate::isa::Isa;
 use crate::kernel::{self, RowJob};
 use crate::layer::LayerSpec;
 use crate::real::Real;
+use crate::rng::Key;
 use crate::rule::{Cell, MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, ParamSet, Read, Rule, Side, Slot, Tally};
+use std::any::TypeId;
 use std::marker::PhantomData;
 
 /// Rules with their parameters, in the order in which they run.
@@ -54,8 +56,8 @@ impl Plan {
     }
 
     /// The passes in their order.
-    pub fn passes(&self) -> impl ExactSizeIterator<Item = &Pass> {
-        self.passes.iter()
+    pub fn passes(&self) -> &[Pass] {
+        &self.passes
     }
 
     /// Scratch layers declared by the passes.
@@ -81,6 +83,18 @@ impl Pass {
     pub fn graph(&self) -> Graph {
         self.rule.graph()
     }
+    /// Sums kept.
+    pub fn tallies(&self) -> &'static [Tally] {
+        self.rule.tallies()
+    }
+    /// Which rule it is.
+    pub fn kind(&self) -> TypeId {
+        self.rule.kind()
+    }
+    /// What all cells of a stream of random numbers share; the stream itself is still to be mixed in.
+    pub fn key(&self, seed: u64) -> Key {
+        Key::new(seed, 0, self.step)
+    }
     /// Parameter values in the order of the graph's names.
     pub fn params(&self) -> Vec<f32> {
         self.rule.params()
@@ -89,6 +103,7 @@ impl Pass {
 
 /// A rule whose type has been forgotten.
 pub(crate) trait ErasedRule: Send + Sync {
+    fn kind(&self) -> TypeId;
     fn name(&self) -> &'static str;
     fn reads(&self) -> &'static [Read];
     fn writes(&self) -> &'static [&'static str];
@@ -114,6 +129,9 @@ impl<U: Rule> ErasedRule for Typed<U>
 where
     <U::Params as ParamSet>::Of<f32>: Send + Sync,
 {
+    fn kind(&self) -> TypeId {
+        TypeId::of::<U>()
+    }
     fn name(&self) -> &'static str {
         U::NAME
     }

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::field::Field;
 use crate::grid::{Edge, Grid};
 use crate::layer::LayerSpec;
+use crate::limits::Limits;
 use crate::plan::Plan;
 use crate::world::World;
 use schemars::{JsonSchema, Schema};
@@ -340,6 +341,57 @@ pub struct Scheduled {
     pub process: Box<dyn Process>,
     /// It runs in every `every`-th step; at least 1.
     pub every: u64,
+}
+
+impl Scheduled {
+    /// True if the process runs in the `local_step`-th step of a simulation.
+    pub fn is_due(&self, local_step: u64) -> bool {
+        local_step.is_multiple_of(self.every.max(1))
+    }
+
+    /// Adds the passes of one step to the plan.
+    pub fn plan(&self, local_step: u64, moment: &mut Moment, plan: &mut Plan) {
+        plan.step = moment.step;
+        moment.turn = local_step / self.every.max(1);
+        self.process.plan(moment, plan);
+    }
+}
+
+/// Adds one step of all processes that are due to the plan, and moves the moment on.
+pub fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut Moment, plan: &mut Plan) {
+    for s in processes.iter().filter(|s| s.is_due(local_step)) {
+        s.plan(local_step, moment, plan);
+        s.process.advance(moment);
+    }
+    moment.step += 1;
+}
+
+/// True if a process that is due in this step has an action.
+pub fn acts(processes: &[Scheduled], local_step: u64) -> bool {
+    processes.iter().any(|s| s.is_due(local_step) && s.process.action().is_some())
+}
+
+/// What every engine does before the first step: finds what cannot work, and makes the layers that the processes need.
+///
+/// # Errors
+/// If the world does not fit its grid or the limits, or a parameter does not fit the world.
+pub fn prepare(world: &mut World, processes: &[Scheduled], limits: &Limits) -> Result<()> {
+    // Engines reach rows by address, so a world that does not fit its grid must not get further than this.
+    world.grid.checked(limits)?;
+    for l in world.layers() {
+        let (expected, found) = (world.grid.cells(), l.field.width() * l.field.height());
+        if (l.field.width(), l.field.height()) != (world.grid.width, world.grid.height) {
+            return Err(Error::Shape { what: format!("layer `{}`", l.spec.name), expected, found });
+        }
+    }
+    processes.iter().try_for_each(|s| s.process.check(&world.grid))?;
+    for s in processes {
+        for (spec, value) in s.process.layers() {
+            world.ensure(&spec, value);
+        }
+        s.process.prepare(world)?;
+    }
+    Ok(())
 }
 
 /// Span of steps to run.

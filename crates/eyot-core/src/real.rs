@@ -33,6 +33,11 @@ pub trait Real:
     /// A whole number of magnitude below 2^22 as a two's complement integer; anything else gives something useless.
     fn whole(self) -> Self::Bits;
 
+    /// The same number; where the rule is printed as a shader it is called `name`. Shown with its equation: `"(3) depth"`.
+    #[inline(always)]
+    fn named(self, _name: &'static str) -> Self {
+        self
+    }
     /// Starts a choice: `a.lt(b).pick(x, y)`.
     #[inline(always)]
     fn lt(self, other: Self) -> Less<Self> {

@@ -3,12 +3,11 @@
 //! Written to be obviously right rather than fast, and independent of the engine: no padding, no pointers, no waves. Tests
 //! compare engines with it bit by bit (`f32`) and use it where single precision would hide an error (`f64`).
 
-use crate::engine::plan_step;
 use crate::grid::{Edge, Grid};
 use crate::kernel::cell_number;
 use crate::layer::{Beyond, LayerSpec, Stagger};
 use crate::plan::{Pass, Plan, View};
-use crate::process::{Moment, Scheduled};
+use crate::process::{Moment, Scheduled, plan_step};
 use crate::real::Real;
 use crate::rng::{self, Key};
 use crate::rule::{Side, TallyUnit};
@@ -164,7 +163,7 @@ impl<T: Number> Reference<T> {
             for spec in plan.scratch_layers().to_vec() {
                 self.make(&spec, 0.0);
             }
-            plan.passes().for_each(|p| self.pass(p));
+            plan.passes().iter().for_each(|p| self.pass(p));
             (self.step, self.sea_level_m) = (moment.step, moment.sea_level_m);
         }
     }

@@ -112,7 +112,7 @@ impl Rule for Slump {
         let y = excess(c, 0, 1, p.stay_y) + excess(c, 0, -1, p.stay_y);
         let d = (excess(c, 1, 1, p.stay_d) + excess(c, -1, -1, p.stay_d))
             + (excess(c, -1, 1, p.stay_d) + excess(c, 1, -1, p.stay_d));
-        ([c.here(0) + (p.rate * (x + y) + p.rate_d * d)], [])
+        ([(c.here(0) + (p.rate * (x + y) + p.rate_d * d)).named("(1) slumped")], [])
     }
 }
 

@@ -35,17 +35,18 @@ impl Rule for Flux {
     #[inline(always)]
     fn cell<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>) -> ([R; 4], [R; 0]) {
         let [water, sediment, flux_x, flux_y] = [1, 2, 3, 4];
-        let here = head(p, c, 0, 0);
+        let here = head(p, c, 0, 0).named("head");
         // (1) An edge's flux is pushed by the difference of the heads on its two sides.
-        let east = p.keep * c.here(flux_x) + p.push_x * (here - head(p, c, 1, 0));
-        let west = p.keep * c.at(flux_x, -1, 0) + p.push_x * (head(p, c, -1, 0) - here);
-        let south = p.keep * c.here(flux_y) + p.push_y * (here - head(p, c, 0, 1));
-        let north = p.keep * c.at(flux_y, 0, -1) + p.push_y * (head(p, c, 0, -1) - here);
+        let east = (p.keep * c.here(flux_x) + p.push_x * (here - head(p, c, 1, 0))).named("(1) east");
+        let west = (p.keep * c.at(flux_x, -1, 0) + p.push_x * (head(p, c, -1, 0) - here)).named("(1) west");
+        let south = (p.keep * c.here(flux_y) + p.push_y * (here - head(p, c, 0, 1))).named("(1) south");
+        let north = (p.keep * c.at(flux_y, 0, -1) + p.push_y * (head(p, c, 0, -1) - here)).named("(1) north");
         // (2) What flows out during dt must be there.
         let zero = R::of(0.0);
         let out = (east.positive() - west.min(zero)) + (south.positive() - north.min(zero));
+        let out = out.named("out");
         let depth = c.here(water);
-        let afford = depth.lt(p.dt * out).pick(depth / (p.dt * out), R::of(1.0));
+        let afford = depth.lt(p.dt * out).pick(depth / (p.dt * out), R::of(1.0)).named("(2) afford");
         // The sediment that a unit of raw outflow carries: concentration times what the cell can afford.
         let concentration = c.here(sediment) / depth.max(R::of(1e-6));
         ([east.flushed(), south.flushed(), afford, afford * concentration], [])
@@ -130,7 +131,7 @@ impl Rule for Erode {
 
         // (3) Water moves.
         let depth = c.here(water);
-        let moved = depth + p.dt * ((west - east) + (north - south));
+        let moved = (depth + p.dt * ((west - east) + (north - south))).named("(3) moved");
         let wet = moved.positive();
 
         // (4) Velocity from the mean flux through the cell and the mean depth; (5) slope. Speed and sine are only
@@ -143,16 +144,18 @@ impl Rule for Erode {
         let g2 = gx * gx + gy * gy;
         let mean2 = mean.max(p.dry) * mean.max(p.dry);
         let inverse = one / (mean2 * (one + g2));
-        let speed2 = q2 * (one + g2) * inverse;
-        let sine2 = (g2 * mean2 * inverse).clamp(p.sine2_min, p.sine2_max);
+        let speed2 = (q2 * (one + g2) * inverse).named("(4) speed_squared");
+        let sine2 = (g2 * mean2 * inverse).clamp(p.sine2_min, p.sine2_max).named("(5) sine_squared");
         let flowing = p.dry.lt(mean);
         let capped2 = flowing.pick(speed2.min(p.speed2_max), zero);
 
         // (6) Capacity grows with depth, so that channels win over films.
         let capacity = p.capacity * (capped2 * sine2).sqrt() * (mean * p.ramp).min(one);
+        let capacity = capacity.named("(6) capacity");
 
         // (7) Sediment moves with the water, then ground and water exchange it.
         let carried = c.here(sediment) + p.dt * ((west_load - east_load) + (north_load - south_load));
+        let carried = carried.named("(7) carried");
         let load = carried.positive();
         let h = c.here(height);
         let lowest = c.at(height, 1, 0).min(c.at(height, -1, 0)).min(c.at(height, 0, 1).min(c.at(height, 0, -1)));
@@ -165,14 +168,14 @@ impl Rule for Erode {
         // In the sea the river ends: its water joins the sea and all its load settles.
         let dug = at_sea.pick(zero, dug);
         let settled = at_sea.pick(load, settled);
-        let new_height = (h - dug) + settled.min(spare(h, load));
+        let new_height = ((h - dug) + settled.min(spare(h, load))).named("(7) new_height");
         // The load takes what the ground really gave after rounding, so that nothing is made of it.
-        let new_load = (load + (h - new_height)).flushed();
+        let new_load = (load + (h - new_height)).flushed().named("(7) new_load");
 
         // (8) Evaporation and rain.
         let kept = wet * at_sea.pick(zero, p.keep);
         let fallen = at_sea.pick(zero, p.rain * p.dt);
-        let new_water = (kept + fallen).flushed();
+        let new_water = (kept + fallen).flushed().named("(8) new_water");
 
         let lost = wet - kept;
         let sums = [

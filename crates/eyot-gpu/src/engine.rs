@@ -1,0 +1,868 @@
+//! The GPU engine: runs plans on the card, with the layers left there.
+//!
+//! A simulation makes the world **resident**: its layers are brought to the card once and stay there. Steps are planned on the
+//! processor, cut into [groups](crate::group), and hundreds of dispatches go to the card in one submission; two submissions are
+//! under way at a time, each short enough that desktops stay responsive and a request to stop is met. What has no rule (an
+//! [`Action`](eyot_core::process::Action)) runs on the processor, with only the layers moved that changed.
+//!
+//! The world's own layers are out of date until [`GpuEngine::bring_back`].
+
+use crate::arena::{Arena, Pending};
+use crate::device::Gpu;
+use crate::error::{GpuError, Result};
+use crate::group::{Bounds, Group, JOB_WORDS, Layers, TILE, groups};
+use crate::reduce::Reducer;
+use crate::shader::{self, Setting};
+use eyot_core::control::Control;
+use eyot_core::graph::Graph;
+use eyot_core::plan::{Pass, Plan};
+use eyot_core::process::{self, Moment, Scheduled, Span, acts, plan_step};
+use eyot_core::rule::{Tally, TallyUnit};
+use eyot_core::{Edge, Error, Field, Grid, LayerSpec, Ledger, Limits, Stagger, World};
+use std::any::TypeId;
+use std::borrow::Cow;
+use std::collections::{HashMap, VecDeque};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Bytes of the uniform block of a dispatch.
+pub(crate) const JOB_BYTES: u64 = 4 * JOB_WORDS as u64;
+/// Most dispatches of one submission.
+const MOST_DISPATCHES: usize = 4096;
+/// Numbers in a workgroup's memory that every WebGPU device has, less those that the sums need.
+pub(crate) const SHARED: usize = 16384 / 4 - 4 * crate::group::THREADS;
+/// Below so many cells the time of a dispatch is that of its launch, and several steps go into one.
+const SMALL: usize = 1 << 18;
+/// A submission aims at this long.
+const SUBMISSION: Duration = Duration::from_millis(20);
+/// Submissions under way at a time: one on the card while the next is written.
+const IN_FLIGHT: usize = 2;
+
+/// How the engine works; nothing here changes a result by more than rounding.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Bounds on what may be allocated.
+    pub limits: Limits,
+    /// Passes of a dispatch; 0 chooses, 1 switches fusing off.
+    pub most_passes: usize,
+    /// Bytes of one buffer, beside the device's own bound; larger grids are cut.
+    pub most_bytes: u64,
+    /// Measures the card's own time with timestamps, if it has them.
+    pub timed: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { limits: Limits::default(), most_passes: 0, most_bytes: u64::MAX, timed: false }
+    }
+}
+
+/// What the engine has done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Steps.
+    pub steps: u64,
+    /// Submissions.
+    pub submissions: u64,
+    /// Dispatches, with a barrier before each.
+    pub dispatches: u64,
+    /// Bytes moved between the card's memory and its processors if every layer is moved once a dispatch.
+    pub bytes: u64,
+    /// Pipelines compiled.
+    pub pipelines: u64,
+    /// The card's own time, s; 0 without [`Options::timed`].
+    pub card_s: f64,
+}
+
+/// See the module.
+pub struct GpuEngine {
+    gpu: Gpu,
+    /// How it works.
+    pub options: Options,
+    bind_layout: wgpu::BindGroupLayout,
+    pipeline_layout: wgpu::PipelineLayout,
+    job: wgpu::Buffer,
+    pipelines: HashMap<String, wgpu::ComputePipeline>,
+    cache: Option<wgpu::PipelineCache>,
+    reducer: Reducer,
+    resident: Option<Resident>,
+    timer: Option<Timer>,
+    work: Work,
+}
+
+/// A world whose layers are on the card.
+struct Resident {
+    arena: Arena,
+    specs: Vec<LayerSpec>,
+    world_layers: usize,
+    /// Which of its two copies holds each layer.
+    current: Vec<usize>,
+    /// Slots by layer and copy.
+    slots: HashMap<(usize, usize), usize>,
+    /// Layers that the world's own copies of are out of date.
+    stale: Vec<bool>,
+    accounts: Vec<Tally>,
+    /// How much of the sums stands in the ledger already.
+    posted: Vec<f64>,
+    seed: u64,
+    kernels: HashMap<Group, Arc<Kernel>>,
+    graphs: HashMap<TypeId, Arc<Graph>>,
+    /// Step and sea level of the world's own copies.
+    synced: (u64, f64),
+}
+
+/// A group that is ready to run.
+struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    outer: [usize; 2],
+    bytes_per_cell: usize,
+}
+
+/// One dispatch of a submission.
+struct Dispatch {
+    kernel: Arc<Kernel>,
+    slab: usize,
+    job: u32,
+    tiles: [u32; 2],
+    last_of_group: bool,
+}
+
+struct Timer {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    /// Submissions timed since the last reading.
+    used: u32,
+}
+
+/// Why a resident world cannot go on as it is.
+enum Misfit {
+    /// A layer, copy or account is needed that it was not made for.
+    Rebuild,
+    Failed(GpuError),
+}
+
+impl From<GpuError> for Misfit {
+    fn from(e: GpuError) -> Self {
+        Self::Failed(e)
+    }
+}
+
+impl GpuEngine {
+    /// An engine on an open device. `cache` is what [`GpuEngine::cache_data`] gave in an earlier process, or nothing.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn new(gpu: Gpu, options: Options, cache: Option<&[u8]>) -> Result<Self> {
+        let device = &gpu.device;
+        let storage = |binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: false },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let job_entry = wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: true,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let bind_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("rules"),
+            entries: &[job_entry, storage(1), storage(2)],
+        });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("rules"),
+            bind_group_layouts: &[Some(&bind_layout)],
+            immediate_size: 0,
+        });
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let job = gpu.buffer("jobs", JOB_BYTES * MOST_DISPATCHES as u64, usage)?;
+        let timed = options.timed && device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let timer = if timed { Some(Timer::new(&gpu)?) } else { None };
+        let cache = crate::cache::open(&gpu, cache);
+        let reducer = Reducer::new(&gpu);
+        gpu.check()?;
+        Ok(Self {
+            gpu,
+            options,
+            bind_layout,
+            pipeline_layout,
+            job,
+            pipelines: HashMap::new(),
+            cache,
+            reducer,
+            resident: None,
+            timer,
+            work: Work::default(),
+        })
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// What has been done so far.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    /// Compiled pipelines for [`GpuEngine::new`] of the next process, if the driver gives them away.
+    pub fn cache_data(&self) -> Option<Vec<u8>> {
+        self.cache.as_ref().and_then(wgpu::PipelineCache::get_data)
+    }
+
+    /// Runs a span of steps of the given processes on the world, as the CPU engine does. Afterwards the step and the sea level
+    /// of `world` are right, its layers and its ledger not until [`GpuEngine::bring_back`].
+    ///
+    /// Between two calls the world must not be changed unless it was brought back and [`GpuEngine::release`]d.
+    ///
+    /// # Errors
+    /// If a parameter does not fit the world or memory would exceed the limits (before the first step), on a request to stop
+    /// (the world is then in the state after some whole step; `world.step` tells which), if a value that is not finite turns up,
+    /// and if the device fails: the world is then what it was when it was last brought back.
+    pub fn simulate(
+        &mut self,
+        world: &mut World,
+        processes: &[Scheduled],
+        span: Span,
+        control: &Control<'_>,
+    ) -> Result<()> {
+        let outcome = self.span(world, processes, span, control);
+        match &outcome {
+            Err(GpuError::Core(Error::Cancelled(_))) | Ok(()) => {}
+            Err(_) => self.fall_back(world),
+        }
+        outcome
+    }
+
+    /// Makes the layers and the ledger of `world` what they are on the card.
+    ///
+    /// # Errors
+    /// If the device was lost; `world` is then what it was when it was last brought back.
+    pub fn bring_back(&mut self, world: &mut World) -> Result<()> {
+        let Some(r) = &mut self.resident else { return Ok(()) };
+        let outcome = r.bring_back(&self.gpu, world, |_| true);
+        if outcome.is_err() {
+            self.fall_back(world);
+        }
+        outcome?;
+        world.check_finite(&format!("step {}", world.step))?;
+        Ok(())
+    }
+
+    /// Begins to bring one layer back while the simulation goes on. `None` if no layer of that name is on the card.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn request(&self, name: &str) -> Result<Option<Pending>> {
+        let Some(r) = &self.resident else { return Ok(None) };
+        let Some(layer) = r.specs[..r.world_layers].iter().position(|s| s.name == name) else { return Ok(None) };
+        r.arena.request(&self.gpu, r.slots[&(layer, r.current[layer])]).map(Some)
+    }
+
+    /// Smallest and largest value of a layer and how many of its values are not finite, found on the card.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn range(&self, name: &str) -> Result<Option<crate::reduce::Range>> {
+        let Some(r) = &self.resident else { return Ok(None) };
+        let Some(layer) = r.specs[..r.world_layers].iter().position(|s| s.name == name) else { return Ok(None) };
+        self.reducer.range(&self.gpu, &r.arena, r.slots[&(layer, r.current[layer])]).map(Some)
+    }
+
+    /// Gives the card's memory back. What was not brought back is lost.
+    pub fn release(&mut self) {
+        self.resident = None;
+    }
+
+    /// Makes the world what it was when it was last brought back.
+    fn fall_back(&mut self, world: &mut World) {
+        if let Some(r) = self.resident.take() {
+            (world.step, world.sea_level_m) = r.synced;
+        }
+    }
+
+    fn span(&mut self, world: &mut World, processes: &[Scheduled], span: Span, control: &Control<'_>) -> Result<()> {
+        self.gpu.check()?;
+        let missing = |r: &Resident| {
+            let mut needed = processes.iter().flat_map(|s| s.process.layers());
+            needed.any(|(spec, _)| !r.specs[..r.world_layers].iter().any(|s| s.name == spec.name))
+        };
+        if self.resident.as_ref().is_some_and(missing) {
+            self.bring_back(world)?;
+            self.release();
+        }
+        process::prepare(world, processes, &self.options.limits)?;
+        if self.resident.is_none() {
+            self.settle(world, processes, span)?;
+        }
+        let mut done = 0;
+        let mut pace = Pace::default();
+        control.check()?;
+        while done < span.steps {
+            let at = span.from + done;
+            if acts(processes, at) {
+                pace.finish(&self.gpu, control, span.steps)?;
+                self.acting_step(world, processes, at, control)?;
+                done += 1;
+                pace.done = done;
+                control.tick(done, span.steps)?;
+                continue;
+            }
+            let most = pace.steps.min(span.steps - done);
+            let steps = (1..most).find(|i| acts(processes, at + i)).unwrap_or(most);
+            let moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+            let mut moment_after = moment;
+            let mut plan = Plan::default();
+            for i in 0..steps {
+                plan_step(processes, at + i, &mut moment_after, &mut plan);
+            }
+            match self.submit(&plan) {
+                Ok(Some(submission)) => pace.begun(submission, steps),
+                Ok(None) => pace.done += steps,
+                Err(Misfit::Failed(e)) => return Err(e),
+                Err(Misfit::Rebuild) => {
+                    pace.finish(&self.gpu, control, span.steps)?;
+                    self.bring_back(world)?;
+                    self.release();
+                    self.settle(world, processes, Span { from: at, steps: span.steps - done })?;
+                    continue;
+                }
+            }
+            (world.step, world.sea_level_m) = (moment_after.step, moment_after.sea_level_m);
+            done += steps;
+            self.work.steps += steps;
+            pace.wait(&self.gpu, IN_FLIGHT - 1, control, span.steps)?;
+        }
+        pace.finish(&self.gpu, control, span.steps)?;
+        self.read_timer()?;
+        self.check_finite(world)
+    }
+
+    /// Finds values that are not finite without moving layers.
+    fn check_finite(&mut self, world: &mut World) -> Result<()> {
+        let Some(r) = &self.resident else { return Ok(()) };
+        let changed: Vec<usize> = (0..r.world_layers).filter(|&l| r.stale[l]).collect();
+        for l in changed {
+            let r = self.resident.as_ref().ok_or_else(|| GpuError::Fault("no world is on the card".into()))?;
+            let slot = r.slots[&(l, r.current[l])];
+            if self.reducer.range(&self.gpu, &r.arena, slot)?.not_finite > 0 {
+                // Names the place.
+                return self.bring_back(world);
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings the world to the card.
+    fn settle(&mut self, world: &mut World, processes: &[Scheduled], span: Span) -> Result<()> {
+        let resident = Resident::new(self, world, processes, span)?;
+        self.resident = Some(resident);
+        Ok(())
+    }
+
+    /// One step in which some process acts on the whole world. On an error the world is as it was before the step.
+    fn acting_step(
+        &mut self,
+        world: &mut World,
+        processes: &[Scheduled],
+        at: u64,
+        control: &Control<'_>,
+    ) -> Result<()> {
+        self.bring_back(world)?;
+        let held: u128 = world.layers().iter().map(|l| l.field.bytes() as u128).sum();
+        self.options.limits.check_bytes("a copy of the world to go back to", 2 * held)?;
+        let before = world.clone();
+        // The world's own copies must all be of the same moment again.
+        let outcome = self.act(world, processes, at, control).and_then(|()| self.bring_back(world));
+        if outcome.is_err() {
+            *world = before;
+            // What is on the card is in the middle of a step.
+            self.release();
+        }
+        outcome
+    }
+
+    fn act(&mut self, world: &mut World, processes: &[Scheduled], at: u64, control: &Control<'_>) -> Result<()> {
+        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut plan = Plan::default();
+        for s in processes.iter().filter(|s| s.is_due(at)) {
+            s.plan(at, &mut moment, &mut plan);
+            if let Some(action) = s.process.action() {
+                self.run_now(world, processes, at, &std::mem::take(&mut plan))?;
+                let gone = || GpuError::Fault("no world is on the card".into());
+                let names: Vec<LayerSpec> = s.process.layers().into_iter().map(|(spec, _)| spec).collect();
+                let named = |spec: &LayerSpec| names.iter().any(|n| n.name == spec.name);
+                let r = self.resident.as_mut().ok_or_else(gone)?;
+                r.bring_back(&self.gpu, world, named)?;
+                action.act(&moment, world, control)?;
+                for l in (0..r.world_layers).filter(|&l| named(&r.specs[l])) {
+                    let field = &world.layer(&r.specs[l].name)?.field;
+                    r.arena.upload(&self.gpu, r.slots[&(l, r.current[l])], field)?;
+                }
+                r.share(&self.gpu);
+            }
+            s.process.advance(&mut moment);
+        }
+        self.run_now(world, processes, at, &plan)?;
+        (world.step, world.sea_level_m) = (moment.step + 1, moment.sea_level_m);
+        self.work.steps += 1;
+        Ok(())
+    }
+
+    /// Runs a part of a step and waits for it.
+    fn run_now(&mut self, world: &mut World, processes: &[Scheduled], at: u64, plan: &Plan) -> Result<()> {
+        match self.submit(plan) {
+            Ok(_) => {}
+            Err(Misfit::Failed(e)) => return Err(e),
+            Err(Misfit::Rebuild) => {
+                self.bring_back(world)?;
+                self.release();
+                self.settle(world, processes, Span { from: at, steps: 64 })?;
+                if self.submit(plan).is_err() {
+                    return Err(GpuError::Fault("a plan does not fit the world that was made for it".into()));
+                }
+            }
+        }
+        self.gpu.wait(None)
+    }
+
+    /// Sends a plan to the card, in more than one submission if it is long. Nothing if it is empty.
+    fn submit(&mut self, plan: &Plan) -> Result<Option<wgpu::SubmissionIndex>, Misfit> {
+        let Some(mut r) = self.resident.take() else {
+            return Err(GpuError::Fault("no world is on the card".into()).into());
+        };
+        let outcome = self.submit_to(&mut r, plan);
+        self.resident = Some(r);
+        outcome
+    }
+
+    fn submit_to(&mut self, r: &mut Resident, plan: &Plan) -> Result<Option<wgpu::SubmissionIndex>, Misfit> {
+        let passes = plan.passes();
+        let layers = Layers { specs: &r.specs, world_layers: r.world_layers };
+        let groups = groups(passes, &layers, self.bounds(&r.arena.grid)).ok_or(Misfit::Rebuild)?;
+        r.check_room(&groups, passes)?;
+        let (mut jobs, mut dispatches, mut first) = (Vec::<u32>::new(), Vec::<Dispatch>::new(), 0);
+        let mut last = None;
+        for group in &groups {
+            let of_group = &passes[first..first + group.stages.len()];
+            first += group.stages.len();
+            if dispatches.len() + r.arena.slabs.len() > MOST_DISPATCHES {
+                last = Some(self.flush(r, &mut jobs, &mut dispatches)?);
+            }
+            let kernel = self.kernel(r, group, of_group)?;
+            r.dispatch(group, of_group, &kernel, &mut jobs, &mut dispatches);
+            self.work.bytes += (kernel.bytes_per_cell * r.arena.grid.cells()) as u64;
+            for &(layer, elsewhere) in &group.outputs {
+                if elsewhere {
+                    r.current[layer] = 1 - r.current[layer];
+                }
+                if layer < r.world_layers {
+                    r.stale[layer] = true;
+                }
+            }
+        }
+        if !dispatches.is_empty() {
+            last = Some(self.flush(r, &mut jobs, &mut dispatches)?);
+        }
+        Ok(last)
+    }
+
+    fn bounds(&self, grid: &Grid) -> Bounds {
+        let passes = match self.options.most_passes {
+            0 if grid.cells() <= SMALL => 8,
+            0 => 4,
+            n => n,
+        };
+        Bounds { shared: SHARED, passes }
+    }
+
+    /// Submits what has been collected.
+    fn flush(
+        &mut self,
+        r: &Resident,
+        jobs: &mut Vec<u32>,
+        dispatches: &mut Vec<Dispatch>,
+    ) -> Result<wgpu::SubmissionIndex, GpuError> {
+        self.gpu.queue.write_buffer(&self.job, 0, bytemuck::cast_slice(jobs));
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut next = 0;
+        while next < dispatches.len() {
+            // Between slabs rows must be shared, which cannot be done inside a pass.
+            let end = if r.arena.split() {
+                next + 1 + dispatches[next..].iter().position(|d| d.last_of_group).unwrap_or(dispatches.len() - next - 1)
+            } else {
+                dispatches.len()
+            };
+            let timestamp_writes = self.timer.as_ref().and_then(Timer::writes);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+            for d in &dispatches[next..end] {
+                pass.set_pipeline(&d.kernel.pipeline);
+                pass.set_bind_group(0, &r.arena.slabs[d.slab].bind, &[d.job]);
+                pass.dispatch_workgroups(d.tiles[0], d.tiles[1], 1);
+            }
+            drop(pass);
+            if let Some(timer) = &mut self.timer {
+                timer.used = (timer.used + 1).min(MOST_TIMED);
+            }
+            r.arena.share(&mut encoder);
+            next = end;
+        }
+        self.work.submissions += 1;
+        self.work.dispatches += dispatches.len() as u64;
+        jobs.clear();
+        dispatches.clear();
+        let index = self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.check()?;
+        Ok(index)
+    }
+
+    fn read_timer(&mut self) -> Result<()> {
+        if let Some(timer) = &mut self.timer {
+            self.work.card_s += timer.seconds(&self.gpu)?;
+        }
+        Ok(())
+    }
+
+    /// The pipeline of a group, compiled when it is first needed.
+    fn kernel(&mut self, r: &mut Resident, group: &Group, passes: &[Pass]) -> Result<Arc<Kernel>> {
+        if let Some(kernel) = r.kernels.get(group) {
+            return Ok(Arc::clone(kernel));
+        }
+        let graphs: Vec<Arc<Graph>> =
+            passes.iter().map(|p| Arc::clone(r.graphs.entry(p.kind()).or_insert_with(|| Arc::new(p.graph())))).collect();
+        let graphs: Vec<&Graph> = graphs.iter().map(|g| &**g).collect();
+        let setting = Setting { specs: &r.specs, rim: r.arena.grid.rim, split: r.arena.split() };
+        let source = shader::wgsl(group, &graphs, setting);
+        let pipeline = match self.pipelines.get(&source) {
+            Some(p) => p.clone(),
+            None => {
+                let p = self.compile(passes[0].name(), &source)?;
+                self.pipelines.insert(source, p.clone());
+                p
+            }
+        };
+        let outer = group.outer_faces(&r.specs, r.arena.grid.rim);
+        let kernel = Arc::new(Kernel { pipeline, outer, bytes_per_cell: group.bytes_per_cell() });
+        r.kernels.insert(group.clone(), Arc::clone(&kernel));
+        Ok(kernel)
+    }
+
+    fn compile(&mut self, name: &str, source: &str) -> Result<wgpu::ComputePipeline> {
+        let scope = self.gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let module = self.gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(name),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let pipeline = self.gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(name),
+            layout: Some(&self.pipeline_layout),
+            module: &module,
+            entry_point: Some("main"),
+            // A workgroup writes its memory before it reads it.
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
+            cache: self.cache.as_ref(),
+        });
+        self.work.pipelines += 1;
+        match pollster::block_on(scope.pop()) {
+            Some(e) => Err(GpuError::Fault(format!("rule `{name}`: {e}"))),
+            None => self.gpu.check().map(|()| pipeline),
+        }
+    }
+}
+
+impl Resident {
+    fn new(engine: &GpuEngine, world: &World, processes: &[Scheduled], span: Span) -> Result<Self> {
+        let mut specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
+        let world_layers = specs.len();
+        // Which layers are looked at from other cells, and which are written, over enough steps to see every schedule.
+        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut plan = Plan::default();
+        for i in 0..span.steps.clamp(1, 64) {
+            plan_step(processes, span.from + i, &mut moment, &mut plan);
+            for spec in plan.scratch_layers() {
+                if !specs.iter().any(|s| s.name == spec.name) {
+                    specs.push(spec.clone());
+                }
+            }
+        }
+        let passes = plan.passes();
+        let layers = Layers { specs: &specs, world_layers };
+        let bounds = engine.bounds(&world.grid);
+        let missing = || GpuError::Fault("a rule names a layer that its process does not".into());
+        let all = groups(passes, &layers, bounds).ok_or_else(missing)?;
+        let mut slots = HashMap::new();
+        let mut add = |key| {
+            let n = slots.len();
+            slots.entry(key).or_insert(n);
+        };
+        (0..world_layers).for_each(|l| add((l, 0)));
+        for (layer, spec) in specs.iter().enumerate() {
+            let written = passes.iter().any(|p| p.writes().contains(&&*spec.name));
+            let read = passes.iter().any(|p| p.reads().iter().any(|r| r.layer == spec.name));
+            // Small grids are cut into groups elsewhere in every submission, so that any copy may be needed.
+            let stored = layer < world_layers
+                || world.grid.cells() <= SMALL
+                || all.iter().any(|g| g.outputs.iter().any(|(l, _)| *l == layer));
+            if written && stored {
+                add((layer, 0));
+                if read {
+                    add((layer, 1));
+                }
+            }
+        }
+        let mut accounts: Vec<Tally> = Vec::new();
+        for t in passes.iter().flat_map(|p| p.tallies()) {
+            if !accounts.iter().any(|a| a.account == t.account) {
+                accounts.push(*t);
+            }
+        }
+        let bytes = u128::from(Arena::slot_bytes(&world.grid)) * slots.len() as u128;
+        engine.options.limits.check_bytes("the layers of this simulation on the graphics card", bytes)?;
+        let arena = Arena::new(
+            &engine.gpu,
+            &engine.bind_layout,
+            &engine.job,
+            world.grid,
+            slots.len(),
+            accounts.len(),
+            engine.options.most_bytes,
+        )?;
+        for (l, layer) in world.layers().iter().enumerate() {
+            arena.upload(&engine.gpu, slots[&(l, 0)], &shut(&layer.spec, &world.grid, &layer.field))?;
+        }
+        let r = Self {
+            arena,
+            current: vec![0; specs.len()],
+            stale: vec![false; specs.len()],
+            specs,
+            world_layers,
+            slots,
+            posted: vec![0.0; accounts.len()],
+            accounts,
+            seed: world.seed,
+            kernels: HashMap::new(),
+            graphs: HashMap::new(),
+            synced: (world.step, world.sea_level_m),
+        };
+        r.share(&engine.gpu);
+        Ok(r)
+    }
+
+    /// Copies the rows that slabs share.
+    fn share(&self, gpu: &Gpu) {
+        if self.arena.split() {
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.arena.share(&mut encoder);
+            gpu.queue.submit([encoder.finish()]);
+        }
+    }
+
+    /// Brings the layers back that are out of date and `wanted`, and the ledger.
+    fn bring_back(&mut self, gpu: &Gpu, world: &mut World, wanted: impl Fn(&LayerSpec) -> bool) -> Result<()> {
+        gpu.check()?;
+        let mut fields: Vec<(usize, Field)> = Vec::new();
+        for l in (0..self.world_layers).filter(|&l| self.stale[l] && wanted(&self.specs[l])) {
+            fields.push((l, self.arena.request(gpu, self.slots[&(l, self.current[l])])?.take(gpu)?));
+        }
+        let totals = self.arena.totals(gpu)?;
+        // Nothing can fail from here on: the world changes as a whole.
+        for (l, field) in fields {
+            world.layer_mut(&self.specs[l].name)?.field = field;
+            self.stale[l] = false;
+        }
+        post(&mut world.ledger, &self.accounts, &self.posted, &totals, world.grid.cell_area_m2());
+        self.posted = totals;
+        self.synced = (world.step, world.sea_level_m);
+        Ok(())
+    }
+
+    /// Finds slots and accounts that the groups need and that are not there.
+    fn check_room(&self, groups: &[Group], passes: &[Pass]) -> Result<(), Misfit> {
+        let mut current = self.current.clone();
+        for group in groups {
+            let there = |l: usize, copy: usize| self.slots.contains_key(&(l, copy));
+            let inputs = group.inputs.iter().all(|&l| there(l, current[l]));
+            for &(l, elsewhere) in &group.outputs {
+                if elsewhere {
+                    current[l] = 1 - current[l];
+                }
+            }
+            if !inputs || !group.outputs.iter().all(|&(l, _)| there(l, current[l])) {
+                return Err(Misfit::Rebuild);
+            }
+        }
+        let mut tallies = passes.iter().flat_map(|p| p.tallies());
+        if tallies.any(|t| !self.accounts.iter().any(|a| a.account == t.account)) {
+            return Err(Misfit::Rebuild);
+        }
+        Ok(())
+    }
+
+    /// Adds the dispatches of a group, one a slab.
+    fn dispatch(
+        &self,
+        group: &Group,
+        passes: &[Pass],
+        kernel: &Arc<Kernel>,
+        jobs: &mut Vec<u32>,
+        dispatches: &mut Vec<Dispatch>,
+    ) {
+        let (a, g) = (&self.arena, &self.arena.grid);
+        for (n, slab) in a.slabs.iter().enumerate() {
+            let outer = [kernel.outer[0], if n == 0 { kernel.outer[1] } else { 0 }];
+            let (left, top) = (-(outer[0] as i32), slab.first as i32 - outer[1] as i32);
+            let start = jobs.len();
+            let end_row = slab.first + slab.rows;
+            // In the order of `shader::job_fields`.
+            let head = [g.width as i32, g.height as i32, left, top, a.first_row(slab), end_row as i32];
+            jobs.extend(head.map(|v| v as u32));
+            jobs.extend([a.stride, a.slots, slab.first_group, a.groups].map(|v| v as u32));
+            jobs.extend(group.inputs.iter().map(|&l| self.slots[&(l, self.current[l])] as u32));
+            jobs.extend(group.outputs.iter().map(|&(l, elsewhere)| {
+                let copy = if elsewhere { 1 - self.current[l] } else { self.current[l] };
+                self.slots[&(l, copy)] as u32
+            }));
+            for pass in passes {
+                let key = pass.key(self.seed);
+                jobs.extend([key.low, key.high]);
+                jobs.extend(pass.params().iter().map(|p| p.to_bits()));
+                jobs.extend(pass.tallies().iter().map(|t| {
+                    self.accounts.iter().position(|a| a.account == t.account).unwrap_or_default() as u32
+                }));
+            }
+            jobs.resize(start + JOB_WORDS, 0);
+            let tiles = [(g.width + outer[0]).div_ceil(TILE[0]) as u32, (slab.rows + outer[1]).div_ceil(TILE[1]) as u32];
+            dispatches.push(Dispatch {
+                kernel: Arc::clone(kernel),
+                slab: n,
+                job: 4 * start as u32,
+                tiles,
+                last_of_group: n + 1 == a.slabs.len(),
+            });
+        }
+    }
+}
+
+/// Adds to the ledger what the sums have grown by.
+fn post(ledger: &mut Ledger, accounts: &[Tally], posted: &[f64], totals: &[f64], area: f64) {
+    for ((t, posted), total) in accounts.iter().zip(posted).zip(totals) {
+        let (scale, unit) = match t.unit {
+            TallyUnit::Thickness => (area, "m3"),
+            TallyUnit::Count => (1.0, "1"),
+        };
+        ledger.add(t.account, scale * (total - posted), unit, t.meaning, t.sign);
+    }
+}
+
+/// The layer as rules must find it: shut on the faces of closed rims.
+fn shut<'a>(spec: &LayerSpec, grid: &Grid, field: &'a Field) -> Cow<'a, Field> {
+    let (x, y) = (grid.rim.x == Edge::Closed, grid.rim.y == Edge::Closed);
+    match spec.stagger {
+        Stagger::FaceX if x => {
+            let mut field = field.clone();
+            field.rows_mut().for_each(|r| r[grid.width - 1] = 0.0);
+            Cow::Owned(field)
+        }
+        Stagger::FaceY if y => {
+            let mut field = field.clone();
+            field.row_mut(grid.height - 1).fill(0.0);
+            Cow::Owned(field)
+        }
+        _ => Cow::Borrowed(field),
+    }
+}
+
+/// How many steps go into a submission, and which submissions are under way.
+struct Pace {
+    steps: u64,
+    done: u64,
+    under_way: VecDeque<(wgpu::SubmissionIndex, u64)>,
+    last: Instant,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self { steps: 1, done: 0, under_way: VecDeque::new(), last: Instant::now() }
+    }
+}
+
+impl Pace {
+    fn begun(&mut self, submission: wgpu::SubmissionIndex, steps: u64) {
+        if self.under_way.is_empty() {
+            self.last = Instant::now();
+        }
+        self.under_way.push_back((submission, steps));
+    }
+
+    /// Waits until no more than `keep` submissions are under way.
+    fn wait(&mut self, gpu: &Gpu, keep: usize, control: &Control<'_>, total: u64) -> Result<()> {
+        while self.under_way.len() > keep {
+            let Some((submission, steps)) = self.under_way.pop_front() else { break };
+            gpu.wait(Some(submission))?;
+            let took = self.last.elapsed();
+            self.last = Instant::now();
+            let wanted = steps as f64 * SUBMISSION.as_secs_f64() / took.as_secs_f64().max(1e-6);
+            self.steps = (wanted as u64).clamp(1, 2 * steps.max(1));
+            self.done += steps;
+            control.tick(self.done, total)?;
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, gpu: &Gpu, control: &Control<'_>, total: u64) -> Result<()> {
+        self.wait(gpu, 0, control, total)
+    }
+}
+
+/// Most submissions that are timed between two readings.
+const MOST_TIMED: u32 = 2000;
+
+impl Timer {
+    fn new(gpu: &Gpu) -> Result<Self> {
+        let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("timer"),
+            ty: wgpu::QueryType::Timestamp,
+            count: 2 * MOST_TIMED,
+        });
+        let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
+        let resolved = gpu.buffer("timer", 16 * u64::from(MOST_TIMED), usage)?;
+        Ok(Self { queries, resolved, used: 0 })
+    }
+
+    /// Where the next pass is to write its times, if there is room.
+    fn writes(&self) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        (self.used < MOST_TIMED).then(|| wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(2 * self.used),
+            end_of_pass_write_index: Some(2 * self.used + 1),
+        })
+    }
+
+    /// The card's time since the last reading, s.
+    fn seconds(&mut self, gpu: &Gpu) -> Result<f64> {
+        if self.used == 0 {
+            return Ok(0.0);
+        }
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.resolve_query_set(&self.queries, 0..2 * self.used, &self.resolved, 0);
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = gpu.read(&self.resolved, 0, 16 * u64::from(self.used))?;
+        self.used = 0;
+        let ticks: Vec<[u64; 2]> = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect();
+        let ticks: u64 = ticks.iter().map(|[begin, end]| end.saturating_sub(*begin)).sum();
+        Ok(ticks as f64 * f64::from(gpu.queue.get_timestamp_period()) * 1e-9)
+    }
+}

@@ -1,0 +1,112 @@
+//! Every rule on the GPU against the reference: every rim, odd sizes, alone and in groups, in one piece and in slabs.
+
+use eyot_core::conformance::{random_world, rims};
+use eyot_core::control::Control;
+use eyot_core::process::{Scheduled, Span};
+use eyot_core::reference::Reference;
+use eyot_core::{Rim, World};
+use eyot_gpu::{Gpu, GpuEngine, Options};
+use variants::{start, variants};
+
+mod common;
+#[path = "../../eyot-land/tests/variants/mod.rs"]
+mod variants;
+
+/// A shape for each thing that can go wrong: no neighbours, one row, one column, less than a tile, one more than a tile, not a
+/// multiple of anything.
+const SHAPES: [(usize, usize); 8] = [(1, 1), (1, 7), (9, 1), (3, 5), (27, 51), (33, 17), (64, 64), (100, 35)];
+
+/// Largest difference of the layers, in units in the last place of the largest value around, and where.
+fn difference(world: &World, reference: &Reference<f32>) -> (f64, String) {
+    let mut worst = (0.0, String::new());
+    for l in world.layers() {
+        // Values near zero come from differences of larger ones.
+        let scale = l.field.iter().fold(f32::MIN_POSITIVE, |m, v| m.max(v.abs()));
+        let ulp = f64::from(f32::from_bits(scale.to_bits() + 1) - scale);
+        for y in 0..world.grid.height {
+            for x in 0..world.grid.width {
+                let (got, want) = (l.field.get(x, y), reference.get(&l.spec.name, x, y));
+                let d = f64::from((got - want).abs()) / ulp;
+                if d > worst.0 || d.is_nan() {
+                    worst = (d, format!("{} at ({x}, {y}) is {got:?}, the reference has {want:?}", l.spec.name));
+                }
+            }
+        }
+    }
+    worst
+}
+
+fn run(engine: &mut GpuEngine, world: &mut World, processes: &[Scheduled], steps: u64) {
+    engine.simulate(world, processes, Span { from: 0, steps }, &Control::none()).unwrap();
+    engine.bring_back(world).unwrap();
+    engine.release();
+}
+
+fn check(gpu: Gpu, options: Options, shapes: &[(usize, usize)], rims: &[Rim], steps: u64, most_ulp: f64) -> f64 {
+    let mut engine = GpuEngine::new(gpu, options, None).unwrap();
+    let mut worst: f64 = 0.0;
+    for (name, processes) in variants() {
+        for &shape in shapes {
+            for (i, &rim) in rims.iter().enumerate() {
+                let mut world = random_world(shape, rim, 7 + i as u64, &processes, &start).unwrap();
+                let mut reference = Reference::<f32>::new(&world);
+                reference.simulate(&processes, steps);
+                run(&mut engine, &mut world, &processes, steps);
+                let (d, place) = difference(&world, &reference);
+                assert!(d <= most_ulp, "{name} {shape:?} {rim:?}: {d} ulp: {place}");
+                worst = worst.max(d);
+                for (account, want) in &reference.ledger {
+                    let got = world.ledger.amount(account);
+                    assert!(
+                        (got - want).abs() <= 1e-5 * want.abs() + 1e-6,
+                        "{account}: {got}, reference {want}; {name} {shape:?} {rim:?}"
+                    );
+                }
+            }
+        }
+    }
+    worst
+}
+
+/// D2: after one step at most 8 units in the last place.
+#[test]
+fn one_step_equals_the_reference_for_every_rule() {
+    let Some(gpu) = common::gpu() else { return };
+    let worst = check(gpu, Options::default(), &SHAPES, &rims(), 1, 8.0);
+    println!("largest difference: {worst} ulp");
+}
+
+#[test]
+fn some_steps_in_groups_equal_the_reference() {
+    let Some(gpu) = common::gpu() else { return };
+    let options = Options { most_passes: 8, ..Options::default() };
+    let worst = check(gpu, options, &[(27, 51), (64, 40)], &rims(), 5, 64.0);
+    println!("largest difference: {worst} ulp");
+}
+
+#[test]
+fn passes_one_by_one_equal_the_reference() {
+    let Some(gpu) = common::gpu() else { return };
+    let options = Options { most_passes: 1, ..Options::default() };
+    let worst = check(gpu, options, &[(27, 51)], &[Rim::CLOSED, Rim::OPEN, Rim::WRAP], 5, 64.0);
+    println!("largest difference: {worst} ulp");
+}
+
+/// Buffers so small that the grid is cut into slabs.
+#[test]
+fn slabs_equal_the_reference() {
+    let Some(gpu) = common::gpu() else { return };
+    for most_passes in [1, 4] {
+        let options = Options { most_passes, most_bytes: 120_000, ..Options::default() };
+        let worst = check(
+            Gpu::open(&eyot_gpu::Choice::Best).unwrap(),
+            options,
+            &[(27, 97), (64, 64)],
+            &[Rim::CLOSED, Rim::OPEN, Rim::WRAP],
+            5,
+            64.0,
+        );
+        println!("largest difference: {worst} ulp");
+    }
+    drop(gpu);
+}
