@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{assert_said, assert_same, contents, eyot};
+use common::{assert_said, assert_same, contents, eyot, said};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -45,16 +45,12 @@ fn place() -> tempfile::TempDir {
     folder
 }
 
-fn run(folder: &Path, args: &[&str], code: i32, answers: &[&str]) {
-    assert_said(&eyot(folder, args).output().unwrap(), code, answers);
-}
-
 #[test]
 fn two_runs_leave_the_same_folder_whatever_their_threads_and_timing() {
     let folder = place();
     let f = folder.path();
-    run(f, &["run", "a.toml", "--out", "one", "--threads", "1"], 0, &[]);
-    run(f, &["run", "a.toml", "--out", "three", "--threads", "3", "--checkpoint-seconds", "0.01"], 0, &[]);
+    said(f, &["run", "a.toml", "--out", "one", "--threads", "1"], 0, &[]);
+    said(f, &["run", "a.toml", "--out", "three", "--threads", "3", "--checkpoint-seconds", "0.01"], 0, &[]);
     let (one, three) = (contents(&f.join("one")), contents(&f.join("three")));
     assert!(one.len() > 7, "{:?}", one.keys());
     assert_same(&one, &three, "1 and 3 threads");
@@ -65,7 +61,7 @@ fn two_runs_leave_the_same_folder_whatever_their_threads_and_timing() {
 fn an_interrupt_while_results_are_written_stops_and_resume_finishes_them() {
     let folder = place();
     let f = folder.path();
-    run(f, &["run", "a.toml", "--out", "out", "--quiet"], 0, &[]);
+    said(f, &["run", "a.toml", "--out", "out", "--quiet"], 0, &[]);
     let whole = contents(&f.join("out"));
     // World, two rasters, the mesh, the view: while each of them is under way.
     for n in 1..=5 {
@@ -78,8 +74,8 @@ fn an_interrupt_while_results_are_written_stops_and_resume_finishes_them() {
             assert!(name == "checkpoint.eyot" || bytes == whole[&name], "stopped at file {n}: {name}");
         }
         assert!(!f.join("out/run.json").exists(), "stopped at file {n}: it passes for finished");
-        run(f, &["run", "a.toml", "--out", "out"], 2, &["can be continued"]);
-        run(f, &["resume", "out", "--threads", "1"], 0, &[]);
+        said(f, &["run", "a.toml", "--out", "out"], 2, &["can be continued"]);
+        said(f, &["resume", "out", "--threads", "1"], 0, &[]);
         assert_same(&contents(&f.join("out")), &whole, &format!("stopped at file {n}"));
     }
 }
@@ -90,13 +86,13 @@ fn a_folder_belongs_to_the_run_at_work() {
     let folder = place();
     let f = folder.path();
     let start: &[&str] = &["run", "a.toml", "--out", "out", "--set", "rain.steps=300"];
-    run(f, start, 0, &[]);
+    said(f, start, 0, &[]);
     let whole = contents(&f.join("out"));
     std::fs::remove_dir_all(f.join("out")).unwrap();
     let child = common::start_until(f, start, "step_begun", 1);
     common::signal(&child, "-STOP");
     for args in [start, &["resume", "out"], &[start, &["--restart"]].concat()] {
-        run(f, args, 2, &["another run (process", "choose another folder"]);
+        said(f, args, 2, &["another run (process", "choose another folder"]);
     }
     common::signal(&child, "-CONT");
     assert_said(&child.wait_with_output().unwrap(), 0, &[]);
@@ -138,7 +134,7 @@ fn with_small_files(folder: &Path, args: &[&str]) -> std::process::Output {
 fn a_disk_that_refuses_leaves_earlier_results_alone() {
     let folder = place();
     let f = folder.path();
-    run(f, &["run", "a.toml", "--out", "out"], 0, &[]);
+    said(f, &["run", "a.toml", "--out", "out"], 0, &[]);
     let before = contents(&f.join("out"));
     assert!(before["world.eyot"].len() > 1 << 17);
     let o = with_small_files(f, &["run", "a.toml", "--out", "out", "--seed", "9"]);
@@ -178,13 +174,13 @@ fn a_full_disk_is_called_one_and_the_run_goes_on_when_there_is_room() {
     let script = r#""$1" run a.toml --out disk/out 2> first; echo "rc $?"; ls -A disk/out; mount -o remount,size=64m disk
         "$1" resume disk/out --quiet; echo "rc $?"; ls -A disk/out"#;
     let Some(o) = on_a_disk(folder.path(), "size=1500k", script) else { return };
-    let said = String::from_utf8_lossy(&o.stdout).into_owned();
+    let told = String::from_utf8_lossy(&o.stdout).into_owned();
     let first = std::fs::read_to_string(folder.path().join("first")).unwrap();
     assert!(first.contains("make room") && !first.contains("panicked"), "{first}");
     let (before, after) =
-        said.split_once("rc 1\n").expect("the first run fails").1.split_once("rc 0\n").expect("then not");
-    assert!(before.contains("world.eyot") && !before.contains("run.json") && !before.contains(".tmp"), "{said}");
-    assert!(after.contains("run.json") && after.contains("terrain.glb"), "{said}");
+        told.split_once("rc 1\n").expect("the first run fails").1.split_once("rc 0\n").expect("then not");
+    assert!(before.contains("world.eyot") && !before.contains("run.json") && !before.contains(".tmp"), "{told}");
+    assert!(after.contains("run.json") && after.contains("terrain.glb"), "{told}");
 }
 
 #[cfg(target_os = "linux")]
@@ -201,7 +197,7 @@ fn a_read_only_folder_is_called_one() {
 fn damaged_and_foreign_checkpoints_are_refused_and_nothing_is_lost() {
     let folder = place();
     let f = folder.path();
-    run(f, &["run", "a.toml", "--out", "out"], 0, &[]);
+    said(f, &["run", "a.toml", "--out", "out"], 0, &[]);
     // A finished world without a report is where writing goes on.
     std::fs::remove_file(f.join("out/run.json")).unwrap();
     let (path, original) = (f.join("out/world.eyot"), std::fs::read(f.join("out/world.eyot")).unwrap());
@@ -223,8 +219,8 @@ fn damaged_and_foreign_checkpoints_are_refused_and_nothing_is_lost() {
     for (bytes, answer) in cases {
         std::fs::write(&path, &bytes).unwrap();
         let before = contents(&f.join("out"));
-        run(f, &["resume", "out"], 1, &["world.eyot", answer]);
-        run(f, &["stats", "out"], 2, &["world.eyot", answer]);
+        said(f, &["resume", "out"], 1, &["world.eyot", answer]);
+        said(f, &["stats", "out"], 2, &["world.eyot", answer]);
         assert_same(&contents(&f.join("out")), &before, answer);
     }
     // A sound file whose recipe is about another grid, and one without the state of a run.
@@ -241,5 +237,5 @@ fn damaged_and_foreign_checkpoints_are_refused_and_nothing_is_lost() {
         assert_said(&o, if answer.contains("TOML") { 2 } else { 1 }, &[answer]);
     }
     std::fs::write(&path, &original).unwrap();
-    run(f, &["resume", "out"], 0, &[]);
+    said(f, &["resume", "out"], 0, &[]);
 }

@@ -39,12 +39,9 @@ impl Outputs<'_> {
     /// # Errors
     /// [`RunError::Stopped`] on a request to stop: the files so far are whole, the world among them unless nothing was
     /// written.
-    pub(crate) fn write(
-        &self,
-        state: &State,
-        exported: &mut dyn FnMut(usize) -> Result<(), RunError>,
-    ) -> Result<Vec<PathBuf>, RunError> {
+    pub(crate) fn write(&self, state: &State, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
         let mut written = Vec::new();
+        let former = former_outputs(self.out);
         self.replace_world(state, &mut written)?;
         for (i, export) in self.recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
             let files: Vec<PathBuf> = export.files().iter().map(|f| self.out.join(f)).collect();
@@ -53,7 +50,7 @@ impl Outputs<'_> {
                 continue;
             }
             self.export(export, &mut written)?;
-            exported(i + 1)?;
+            exported(i + 1);
         }
         let (world, view) = (self.world, &self.recipe.view);
         if view.enabled && world.get("height").is_some() {
@@ -71,6 +68,7 @@ impl Outputs<'_> {
         if state.streamed {
             self.remove(CHECKPOINT_FILE)?;
         }
+        self.warn_of(former, &written);
         Ok(written)
     }
 
@@ -88,6 +86,25 @@ impl Outputs<'_> {
         checkpoint::save(&checkpoint, self.world, &self.recipe.source.text, &value).map_err(file)?;
         self.remove(REPORT_FILE)?;
         std::fs::rename(&checkpoint, &path).map_err(|source| RunError::Folder { path: self.out.to_owned(), source })
+    }
+
+    /// Files of an earlier run that this one did not write are still there: they belong to the user, but no longer to the
+    /// land in this folder.
+    fn warn_of(&self, former: Vec<String>, written: &[PathBuf]) {
+        let stale: Vec<String> = former
+            .into_iter()
+            .filter(|name| !written.iter().any(|p| p.ends_with(name)) && self.out.join(name).exists())
+            .map(|name| format!("`{name}`"))
+            .collect();
+        if !stale.is_empty() {
+            let (files, they) = if stale.len() == 1 { ("file", "it shows") } else { ("files", "they show") };
+            let message = format!(
+                "`{}` still holds the {files} {} of an earlier run: {they} another land; remove what you do not need",
+                self.out.display(),
+                stale.join(", ")
+            );
+            (self.tell)(Event::Warning { message });
+        }
     }
 
     fn remove(&self, name: &str) -> Result<(), RunError> {
@@ -161,6 +178,14 @@ impl Outputs<'_> {
             },
         })
     }
+}
+
+/// The files that the report of an earlier run in this folder lists.
+fn former_outputs(out: &Path) -> Vec<String> {
+    let report = std::fs::read(out.join(REPORT_FILE)).ok().and_then(|t| serde_json::from_slice::<Value>(&t).ok());
+    let names = report.as_ref().and_then(|r| r["outputs"].as_array());
+    let plain = |name: &&str| Path::new(name).file_name().is_some_and(|n| n == *name);
+    names.into_iter().flatten().filter_map(Value::as_str).filter(plain).map(str::to_owned).collect()
 }
 
 /// Draws a picture as the options say.

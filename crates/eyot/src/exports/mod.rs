@@ -197,7 +197,7 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
             for (name, layer) in files.iter().zip(&export.layers) {
                 if present(layer) || is_material(layer) {
                     let path = job.file(name)?;
-                    let (mask, size) = materials::mask(world, layer, export, job.limits)?;
+                    let (mask, size) = materials::mask(world, layer, export, job.limits, job.note)?;
                     io::write_mask(&path, size, &mask).map_err(file)?;
                 }
             }
