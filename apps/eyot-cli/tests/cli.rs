@@ -55,6 +55,7 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
     std::fs::write(f.join("binary.toml"), [0xff, 0xfe, 0, 1]).unwrap();
     std::fs::write(f.join("small.toml"), SMALL).unwrap();
     std::fs::write(f.join("noise.tif"), [7; 100]).unwrap();
+    std::fs::write(f.join("noise.r32"), [7; 100]).unwrap();
     std::fs::write(f.join("empty.png"), []).unwrap();
     std::fs::write(f.join("bad.eyot"), b"EYOTCKPT\x01").unwrap();
     let cases: &[(&[&str], &str)] = &[
@@ -87,6 +88,16 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["stats", "empty.png"], "empty.png"),
         (&["stats", "bad.eyot"], "bad.eyot"),
         (&["render", "noise.tif", "--azimuth", "north"], "-360 to 360"),
+        (&["run", "small.toml", "--seed", "99999999999999999999"], "from 0 to 18446744073709551615"),
+        (&["run", "small.toml", "--set", "seed=99999999999999999999"], "at most 18446744073709551615"),
+        (&["check", "small.toml", "--preset", "unreal", "--set", "grid.size=[1, 9]"], "`unreal` needs at least 2 x 2"),
+        (&["check", "small.toml", "--max-memory", "100"], "the limit is 100 bytes"),
+        (&["check", "small.toml", "--preset", "unity", "--stream", "always"], "cannot be streamed"),
+        (&["convert", "nothere.tif", "a.png"], "nothere.tif"),
+        (&["convert", "noise.tif", "a.png"], "noise.tif"),
+        (&["convert", "noise.tif", "a.doc"], "does not say its format"),
+        (&["render", "noise.r32", "--out", "a.jpg"], "ends in .png"),
+        (&["bench", "drainage", "--size", "32768"], "--size"),
         (&["frobnicate"], "--help"),
         (&[], "Usage"),
     ];
@@ -94,6 +105,55 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         said(f, args, 2, &[answer]);
     }
     assert!(!f.join("small").exists(), "a refused run leaves nothing");
+}
+
+/// Whatever ends a run before its first step, `check` says as well, in the same words.
+#[test]
+fn check_refuses_what_run_refuses() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("noise.tif"), [7; 100]).unwrap();
+    std::fs::write(f.join("odd.r32"), [7; 24]).unwrap();
+    std::fs::write(f.join("nan.r32"), f32::NAN.to_le_bytes()).unwrap();
+    // 2^20 x 2^20 values, of which none is there.
+    let mut bomb = b"\x93NUMPY\x01\x00".to_vec();
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1048576, 1048576), }";
+    bomb.extend((header.len() as u16).to_le_bytes());
+    bomb.extend(header.as_bytes());
+    std::fs::write(f.join("bomb.npy"), bomb).unwrap();
+    let import = |file: &str| format!("generate = \"import\"\nfile = \"{file}\"\n");
+    let water = "generate = \"cone\"\n[[step]]\nsimulate = \"hydraulic\"\nsteps = 9\n";
+    for (step, answer) in [
+        (import("nothere.tif"), "there is no such file"),
+        (import("noise.tif"), "no GeoTIFF"),
+        (import("odd.r32"), "make no square"),
+        (import("nan.r32"), "nodata"),
+        (import("bomb.npy"), "too large"),
+        (import("."), "is not a file"),
+        (format!("{water}hydraulic.springs = 0.1\n"), "no step makes a layer `springs`"),
+        (format!("{water}hydraulic.time_step = 1e6\n"), "time_step"),
+        (format!("{water}every = 3\n"), "hydraulic.every"),
+    ] {
+        std::fs::write(f.join("a.toml"), format!("[grid]\nsize = 8\n[[step]]\n{step}")).unwrap();
+        let refused = said(f, &["check", "a.toml"], 2, &[answer]);
+        assert_eq!(said(f, &["run", "a.toml"], 2, &[]), refused);
+    }
+    assert!(!f.join("a").exists(), "a refused run leaves nothing");
+    // What is switched off needs nothing.
+    let off = format!("[grid]\nsize = 8\n[[step]]\n{water}hydraulic.springs = 0.1\nhydraulic.enabled = false\n");
+    std::fs::write(f.join("a.toml"), off).unwrap();
+    said(f, &["check", "a.toml"], 0, &[]);
+}
+
+/// Commands that people copy from messages work on any name of a folder.
+#[test]
+fn commands_in_messages_are_quoted() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("small.toml"), SMALL).unwrap();
+    said(f, &["run", "small.toml", "--out", "my land", "--quiet"], 0, &[]);
+    said(f, &["resume", "my land"], 2, &["`eyot render 'my land'`"]);
+    said(f, &["new", "my recipe"], 0, &["eyot run 'my recipe.toml'"]);
 }
 
 #[test]

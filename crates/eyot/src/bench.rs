@@ -143,10 +143,16 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
         .num_threads(options.threads)
         .build()
         .map_err(|e| bad("threads", e.to_string()))?;
-    pool.install(|| match options.what {
+    let result = pool.install(|| match options.what {
         BenchSubject::Noise => noise(options),
         BenchSubject::Drainage => drainage(options),
         _ => simulation(options),
+    });
+    result.map_err(|e| match e {
+        Error::Limit { what, needed, limit, .. } => {
+            Error::Limit { what, needed, limit, remedy: "choose fewer cells with --size" }
+        }
+        other => other,
     })
 }
 

@@ -342,7 +342,11 @@ impl Validator<'_> {
             self.out.push(Diagnostic::whole(message));
         }
         let size = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
-        let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
+        let layers = match self.layers.len() {
+            1 => "1 layer".to_owned(),
+            n => format!("{n} layers"),
+        };
+        let what = format!("this recipe with {layers} of {} x {} cells", grid.width, grid.height);
         match stream::obstacle(steps, exports, &grid) {
             // A step that is wrong has no memory that could be known.
             Some(obstacle) if self.out.is_empty() => {
@@ -350,7 +354,8 @@ impl Validator<'_> {
                     Ok(peak) => peak,
                     Err(e) => return self.out.push(Diagnostic::at(size, e.to_string(), "this grid")),
                 };
-                let what = peak.step.map_or(what, |s| format!("step {} ({}) of {what}", s.number, s.name));
+                let what =
+                    peak.step.map_or_else(|| what.clone(), |s| format!("step {} ({}) of {what}", s.number, s.name));
                 if let Err(e) = self.limits.check_bytes(&what, peak.bytes) {
                     self.too_large(doc, size, &obstacle, &e);
                 }
