@@ -15,6 +15,12 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
         };
         return Err(report::usage(&format!("there is no built-in recipe `{}`", args.from), &help));
     };
+    if args.name.file_name().is_none() {
+        return Err(report::usage(
+            &format!("`{}` is no name of a file", args.name.display()),
+            "for example: eyot new mine",
+        ));
+    }
     let mut path = args.name.clone();
     if path.extension().is_none_or(|e| e != "toml") {
         path.as_mut_os_string().push(".toml");

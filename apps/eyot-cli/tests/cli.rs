@@ -81,6 +81,7 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["resume", "nothere"], "--out"),
         (&["resume", "."], "stopped run"),
         (&["new", "a", "--from", "iland"], "did you mean --from island?"),
+        (&["new", ".."], "is no name of a file"),
         (&["describe", "conne"], "did you mean `cone`?"),
         (&["render", "nothere"], "height map"),
         (&["render", "."], "holds no run"),

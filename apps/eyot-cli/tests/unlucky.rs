@@ -263,3 +263,21 @@ fn what_an_earlier_run_left_is_named_and_stays() {
     // Quiet is quiet.
     assert_eq!(said(f, &[&other[..], &["--quiet"]].concat(), 0, &[]), "");
 }
+
+/// Hours of work must not be lost, nor end in a run that can never be finished, because a peak exceeds the scale of a file.
+#[test]
+fn an_export_that_values_do_not_fit_costs_only_itself() {
+    let folder = place();
+    let f = folder.path();
+    let narrow = format!("{RECIPE}[[export]]\nformat = \"r16\"\nrange = [0.0, 1.0]\n[[export]]\nformat = \"npy\"\n");
+    std::fs::write(f.join("b.toml"), narrow).unwrap();
+    let answers = ["height.r16", "beyond the scale", "all other files are there", "eyot convert"];
+    said(f, &["run", "b.toml", "--out", "out", "--set", "rain.steps=1"], 1, &answers);
+    for file in ["world.eyot", "height.r32", "height.npy", "terrain.glb", "preview.png", "run.json"] {
+        assert!(f.join("out").join(file).is_file(), "{file}");
+    }
+    assert!(!f.join("out/height.r16").exists());
+    assert!(!std::fs::read_to_string(f.join("out/run.json")).unwrap().contains("height.r16"));
+    said(f, &["resume", "out"], 2, &["is finished"]);
+    said(f, &["convert", "out", "out/height.r16"], 0, &[]);
+}

@@ -74,7 +74,7 @@ fn amount(bytes: u128) -> String {
     let units = ["bytes", "KiB", "MiB", "GiB", "TiB"];
     let unit = (0..units.len()).rfind(|i| bytes >> (10 * i) > 0).unwrap_or(0);
     if unit == 0 {
-        return format!("{bytes} bytes");
+        return if bytes == 1 { "1 byte".to_owned() } else { format!("{bytes} bytes") };
     }
     format!("{:.1} {}", bytes as f64 / 1024_f64.powi(unit as i32), units[unit])
 }
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn amounts_are_never_nothing() {
-        assert_eq!(amount(1023), "1023 bytes");
+        assert_eq!((amount(1).as_str(), amount(1023).as_str()), ("1 byte", "1023 bytes"));
         assert_eq!(amount(1024), "1.0 KiB");
         assert_eq!(amount(3 << 19), "1.5 MiB");
         assert_eq!(amount(40 << 30), "40.0 GiB");

@@ -111,13 +111,10 @@ pub(crate) fn write_folder_atomically(path: &Path, mark: &str, write: impl FnOnc
     sync_folder(parent).map_err(Error::io(parent, "flush the folder"))
 }
 
-/// The system's own error, without the temporary name that its wrapping tells: nobody asked for a file of that name.
+/// What the system says, without the temporary name that `tempfile` adds: nobody asked for a file of that name.
 fn bare(e: io::Error) -> io::Error {
-    let inner = e.get_ref().and_then(|w| w.source()).and_then(|s| s.downcast_ref::<io::Error>());
-    match inner.and_then(io::Error::raw_os_error) {
-        Some(code) => io::Error::from_raw_os_error(code),
-        None => e,
-    }
+    let text = e.to_string();
+    io::Error::new(e.kind(), text.split(" at path ").next().unwrap_or_default())
 }
 
 fn folder_builder(prefix: &'static str, suffix: &'static str) -> tempfile::Builder<'static, 'static> {

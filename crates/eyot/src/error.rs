@@ -29,6 +29,9 @@ pub enum RunError {
     /// A file could not be written.
     #[error("{0}")]
     File(String),
+    /// Values do not fit the file that they were to be exported to. Everything else is written.
+    #[error("{0}")]
+    Export(String),
     /// The output folder cannot be used.
     #[error("cannot use `{}`: {source}", path.display())]
     Folder {
@@ -130,6 +133,7 @@ impl RunError {
             | Self::NotStreamed(_) => true,
             Self::Step { .. }
             | Self::File(_)
+            | Self::Export(_)
             | Self::Folder { .. }
             | Self::Stopped
             | Self::Threads { .. }
@@ -147,6 +151,9 @@ impl RunError {
             }
             Self::Step { source: Core::Limit { remedy, .. }, .. } => (*remedy).to_owned(),
             Self::Step { source: Core::BadParameter { owner, .. }, .. } => format!("`eyot describe {owner}` explains its parameters"),
+            Self::Export(_) => {
+                "all other files are there; `eyot convert` makes this one from the folder of the run, or change the export".to_owned()
+            }
             Self::Folder { .. } => "choose another folder with --out, or check its permissions and the space on its disk".to_owned(),
             Self::Busy { .. } => "wait for it, stop it, or choose another folder with --out".to_owned(),
             Self::Unfinished { folder } => {

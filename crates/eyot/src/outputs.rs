@@ -37,10 +37,12 @@ impl Outputs<'_> {
     /// other one.
     ///
     /// # Errors
+    /// [`RunError::Export`] if values do not fit the file that they were to be exported to; everything else is written then.
     /// [`RunError::Stopped`] on a request to stop: the files so far are whole, the world among them unless nothing was
     /// written.
     pub(crate) fn write(&self, state: &State, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
         let mut written = Vec::new();
+        let mut unmade: Vec<String> = Vec::new();
         let former = former_outputs(self.out);
         self.replace_world(state, &mut written)?;
         for (i, export) in self.recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
@@ -49,7 +51,15 @@ impl Outputs<'_> {
                 written.extend(files);
                 continue;
             }
-            self.export(export, &mut written)?;
+            let before = written.len();
+            match self.export(export, &mut written) {
+                // The others are wanted all the same.
+                Err(RunError::Export(reason)) => {
+                    written.truncate(before);
+                    unmade.push(reason);
+                }
+                done => done?,
+            }
             exported(i + 1);
         }
         let (world, view) = (self.world, &self.recipe.view);
@@ -69,7 +79,7 @@ impl Outputs<'_> {
             self.remove(CHECKPOINT_FILE)?;
         }
         self.warn_of(former, &written);
-        Ok(written)
+        if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(unmade.join("; "))) }
     }
 
     /// Writes the world and ends what an older run left. Until the new world is whole on the disk, an older run's results

@@ -164,7 +164,7 @@ fn checkpoints_come_in_time_and_a_damaged_one_is_refused() {
     handle.join().unwrap();
     let path = folder.path().join(store::CHECKPOINT_FILE);
     std::fs::write(&path, b"EYOTCKPT garbage").unwrap();
-    assert!(matches!(Run::resume(folder.path(), &registry(), options(None)), Err(RunError::File(_))));
+    assert!(matches!(Run::resume(folder.path(), &registry(), options(None)), Err(RunError::Checkpoint { .. })));
 }
 
 #[test]

@@ -298,13 +298,14 @@ impl Validator<'_> {
         }
         let schedule: Schedule = serde_json::from_value(theirs.to_json()).unwrap_or_default();
         let parameters = without(node, &SCHEDULE_KEYS);
+        let acts = step_enabled && schedule.enabled;
         match (entry.make)(parameters.clone()) {
             Ok(process) => {
-                if let Some(Err(e)) = self.grid.filter(|_| schedule.enabled).map(|g| process.check(&g)) {
+                if let Some(Err(e)) = self.grid.filter(|_| acts).map(|g| process.check(&g)) {
                     self.out.push(refused(&e, entry.name, node));
                     return None;
                 }
-                let needs = process.needs().into_iter().filter(|_| step_enabled && schedule.enabled);
+                let needs = process.needs().into_iter().filter(|_| acts);
                 for name in needs.filter(|name| !self.layers.iter().any(|l| l == name)).collect::<Vec<_>>() {
                     let span = node.get(name).map_or_else(|| node.span.clone(), |n| n.span.clone());
                     let mut problem = self.no_layer(name, span);
