@@ -112,7 +112,7 @@ impl Action for Drainage {
     }
 
     fn bytes_per_cell(&self) -> usize {
-        60
+        34
     }
 }
 

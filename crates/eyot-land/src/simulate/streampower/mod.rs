@@ -156,7 +156,7 @@ impl Action for Streampower {
     }
 
     fn bytes_per_cell(&self) -> usize {
-        100
+        54
     }
 }
 
