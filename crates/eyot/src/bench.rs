@@ -304,8 +304,8 @@ fn rules(world: &World, processes: &[Scheduled]) -> Option<(f64, usize)> {
     let mut plan = Plan::default();
     let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: world.sea_level_m };
     processes.iter().for_each(|s| s.process.plan(&moment, &mut plan));
-    let moved: usize = plan.passes().map(|p| p.reads().len() + p.writes().len()).sum();
-    let operations = plan.passes().map(|p| p.graph().operations()).sum();
+    let moved: usize = plan.passes().iter().map(|p| p.reads().len() + p.writes().len()).sum();
+    let operations = plan.passes().iter().map(|p| p.graph().operations()).sum();
     Some(((moved * size_of::<f32>()) as f64, operations))
 }
 
