@@ -1,27 +1,11 @@
 //! Fractal sources: heights, roughness, equal directions, no seams, the same bytes on any number of threads.
-use eyot_core::process::Site;
-use eyot_core::{Control, Edge, Field, Grid, Limits, Rim, World};
+mod common;
+
+use common::{grid, make_named, spread, structure};
+use eyot_core::{Edge, Field, Grid, Rim};
 use eyot_land::analyse::spectral_beta;
 use eyot_land::generate::GENERATORS;
 use serde_json::{Value, json};
-
-fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
-    Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
-}
-
-fn make(name: &str, parameters: &Value, grid: Grid, seed: u64) -> Field {
-    let entry = GENERATORS.iter().find(|e| e.name == name).unwrap();
-    let (world, control) = (World::new(grid, seed), Control::none());
-    let base = Field::new(grid.width, grid.height, 0.0);
-    (entry.make)(parameters.clone()).unwrap().generate(&Site::whole(grid, seed, &world, &control), &base).unwrap()
-}
-
-/// Mean and standard deviation.
-fn spread(f: &Field) -> (f64, f64) {
-    let n = (f.width() * f.height()) as f64;
-    let mean = f.sum() / n;
-    (mean, (f.iter().map(|v| (f64::from(v) - mean).powi(2)).sum::<f64>() / n).sqrt())
-}
 
 /// A source, and what was measured of it on 512 x 512 cells, the mean of four seeds.
 struct Case {
@@ -83,20 +67,6 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Mean squared difference of values at a distance of (dx, dy).
-fn structure(f: &Field, dx: isize, dy: isize) -> f64 {
-    let (w, h) = (f.width() as isize, f.height() as isize);
-    let (mut sum, mut n) = (0.0, 0.0);
-    for y in 0..h - dy {
-        for x in (-dx).max(0)..(w - dx).min(w) {
-            let d = f.get(x as usize, y as usize) - f.get((x + dx) as usize, (y + dy) as usize);
-            sum += f64::from(d * d);
-            n += 1.0;
-        }
-    }
-    sum / n
-}
-
 /// How often the land falls towards each sixteenth of the compass: the largest share over the smallest.
 fn directions(fields: &[Field]) -> f64 {
     let mut bins = [0f64; 16];
@@ -120,7 +90,7 @@ fn heights_roughness_and_directions() {
     for rim in [Rim::CLOSED, Rim::WRAP] {
         let g = grid(512, 512, 10.0, rim);
         for c in cases() {
-            let fields: Vec<Field> = (0..4).map(|seed| make(c.name, &c.parameters, g, seed)).collect();
+            let fields: Vec<Field> = (0..4).map(|seed| make_named(c.name, &c.parameters, g, seed)).collect();
             let n = fields.len() as f64;
             let mean = fields.iter().map(|f| spread(f).0).sum::<f64>() / n;
             let deviation = fields.iter().map(|f| spread(f).1).sum::<f64>() / n;
@@ -157,7 +127,7 @@ fn wrapping_rims_have_no_seam() {
         for (w, h) in [(256, 192), (250, 131)] {
             let g = grid(w, h, 10.0, rim);
             for c in cases() {
-                let f = make(c.name, &c.parameters, g, 8);
+                let f = make_named(c.name, &c.parameters, g, 8);
                 for along_x in [true, false] {
                     if (if along_x { rim.x } else { rim.y }) != Edge::Wrap {
                         continue;
@@ -199,7 +169,7 @@ fn no_lattice_line_shows() {
         let (g, n) = (grid(256, 256, 10.0, Rim::CLOSED), 256);
         let (mut rows, mut columns) = (vec![0.0; n], vec![0.0; n]);
         for seed in 0..24 {
-            let f = make(name, &parameters, g, seed);
+            let f = make_named(name, &parameters, g, seed);
             for y in 1..n - 1 {
                 for x in 1..n - 1 {
                     let bend = |a: f32, b: f32, c: f32| f64::from(a - 2.0 * b + c).powi(2);
@@ -222,9 +192,9 @@ fn the_same_bytes_for_all_threads() {
         let g = Grid { width: 333, height: 167, cell_x_m: 3.0, cell_y_m: 4.0, rim };
         for c in cases() {
             let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-            let reference = pool(1).install(|| make(c.name, &c.parameters, g, 5));
+            let reference = pool(1).install(|| make_named(c.name, &c.parameters, g, 5));
             for threads in [2, 3, 8] {
-                let f = pool(threads).install(|| make(c.name, &c.parameters, g, 5));
+                let f = pool(threads).install(|| make_named(c.name, &c.parameters, g, 5));
                 let same = f.iter().zip(reference.iter()).all(|(a, b)| a.to_bits() == b.to_bits());
                 assert!(same, "{} on {threads} threads", c.name);
             }

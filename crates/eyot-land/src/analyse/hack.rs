@@ -18,7 +18,7 @@ use crate::drainage::Routing;
 pub fn hack_exponent(flow: &Routing, channel: &[bool], accumulation: &[u32]) -> Option<f64> {
     let mut donors = vec![0_u8; channel.len()];
     for i in (0..channel.len()).filter(|&i| channel[i] && !flow.is_outlet(i)) {
-        donors[flow.receiver[i] as usize] += 1;
+        donors[flow.receiver(i)] += 1;
     }
     let length_m = flow.longest_upstream_m();
     let points: Vec<(f64, f64)> = (0..channel.len())

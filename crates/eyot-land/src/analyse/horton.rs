@@ -48,7 +48,7 @@ pub fn streams_by_order(flow: &Routing, order: &[u8], accumulation: &[u32]) -> V
         let s = &mut streams[usize::from(w) - 1];
         s.length_m += flow.distance_m(i);
         // Two streams of one order never join into a cell of that order, so each has one lower end.
-        if flow.is_outlet(i) || order[flow.receiver[i] as usize] != w {
+        if flow.is_outlet(i) || order[flow.receiver(i)] != w {
             s.streams += 1;
             s.drained_cells += u64::from(accumulation[i]);
         }

@@ -29,16 +29,13 @@ const MIN_CELLS: usize = 20;
 /// If `surface`, `keep` or `accumulation` has another size than the network.
 pub fn concavity(surface: &[f32], flow: &Routing, keep: &[bool], accumulation: &[u32], min_cells: f64) -> Option<f64> {
     let z = surface;
-    assert_eq!(
-        (z.len(), keep.len(), accumulation.len()),
-        (flow.receiver.len(), flow.receiver.len(), flow.receiver.len())
-    );
+    assert_eq!((z.len(), keep.len(), accumulation.len()), (flow.cells(), flow.cells(), flow.cells()));
     let mut bins: Vec<Vec<f32>> = Vec::new();
     for i in (0..z.len()).filter(|&i| keep[i] && f64::from(accumulation[i]) >= min_cells) {
         let (mut end, mut length_m) = (i, 0.0);
         for _ in 0..REACH_CELLS {
             length_m += flow.distance_m(end);
-            end = flow.receiver[end] as usize;
+            end = flow.receiver(end);
         }
         if length_m == 0.0 {
             continue;

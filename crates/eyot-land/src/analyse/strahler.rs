@@ -14,7 +14,7 @@ use crate::drainage::Routing;
 /// # Panics
 /// If `channel` has another length than the network.
 pub fn strahler_orders(flow: &Routing, channel: &[bool]) -> Vec<u8> {
-    assert_eq!(channel.len(), flow.receiver.len(), "channel and network differ in size");
+    assert_eq!(channel.len(), flow.cells(), "channel and network differ in size");
     let mut order = vec![0_u8; channel.len()];
     // Highest order that has arrived at a cell, and from how many donors.
     let mut arrived = vec![(0_u8, 0_u8); channel.len()];
@@ -26,7 +26,7 @@ pub fn strahler_orders(flow: &Routing, channel: &[bool]) -> Vec<u8> {
         let (highest, times) = arrived[i];
         order[i] = if times == 1 { highest } else { highest + 1 };
         if !flow.is_outlet(i) {
-            let at = &mut arrived[flow.receiver[i] as usize];
+            let at = &mut arrived[flow.receiver(i)];
             if order[i] > at.0 {
                 *at = (order[i], 1);
             } else if order[i] == at.0 {

@@ -5,13 +5,16 @@
 //! 1. `dz/dt = U - K A^m S^n + D laplacian(z)`.
 //! 2. In steady state and without creep `S = (U / K)^(1/n) A^(-m/n)`: Flint's law with concavity `m / n` and steepness
 //!    `(U / K)^(1/n)`.
+//! 3. With a critical slope `S_c`, creep is `D div(grad z / (1 - (|grad z| / S_c)^2))`: gentle slopes creep as in (1), none gets
+//!    much steeper than `S_c` (`critical.rs`).
 //!
 //! A step of `T` years lifts the ground by `U T`, lets the water cut it, and lets it creep. Cutting is implicit in the
 //! downstream height (`law.rs`), from the outlets upstream (`stack.rs`), so that a step may be as long as one likes, and
 //! nothing is ever cut below what it drains to.
 //!
 //! # Source
-//! Howard 1994 (detachment-limited incision); the implicit step after Braun and Willett 2013; routing by steepest descent
+//! Howard 1994 (detachment-limited incision); the implicit step after Braun and Willett 2013; the critical slope
+//! of Roering, Kirchner and Dietrich 1999; routing by steepest descent
 //! over filled depressions (`crate::drainage`).
 //!
 //! # Differences
@@ -35,6 +38,7 @@
 //! height in `ground.crept`; the ledger closes to rounding (`tests/streampower.rs`). Nothing is deposited.
 
 mod creep;
+mod critical;
 mod heights;
 mod law;
 mod stack;
@@ -79,6 +83,10 @@ pub struct Streampower {
     /// Diffusivity D of creep: 0.001 to 0.1 in nature; larger cells need more to round their crests. 0 leaves it out.
     #[schemars(range(min = 0.0, max = 1e6), extend("unit" = "m2/yr"))]
     pub diffusivity: f32,
+    /// Critical slope of creep, as a tangent: soil slides where slopes come near it, so that crests stay sharp. 1.2 in nature;
+    /// 0 leaves it out.
+    #[schemars(range(min = 0.0, max = 100.0), extend("unit" = "1"))]
+    pub critical_slope: f32,
 }
 
 impl Default for Streampower {
@@ -91,6 +99,7 @@ impl Default for Streampower {
             slope_exponent: 1.0,
             channel_area: 0.0,
             diffusivity: 0.01,
+            critical_slope: 0.0,
         }
     }
 }
@@ -136,7 +145,12 @@ impl Action for Streampower {
         control.check()?;
         let crept = if self.diffusivity > 0.0 {
             let before = row_sums(&z, &grid);
-            creep::creep(&mut z, &grid, f64::from(self.diffusivity) * years);
+            let diffusion_m2 = f64::from(self.diffusivity) * years;
+            if self.critical_slope > 0.0 {
+                critical::creep(&mut z, &grid, diffusion_m2, f64::from(self.critical_slope));
+            } else {
+                creep::creep(&mut z, &grid, diffusion_m2);
+            }
             held.restore(&mut z);
             before - row_sums(&z, &grid)
         } else {
@@ -172,8 +186,8 @@ impl Streampower {
             if area < least { 0.0 } else { reach * pow(area, m) }
         };
         let small: Vec<f64> = (0..1024).map(power).collect();
-        let per_length = routing.step_m.map(|l| if l > 0.0 { pow(l, -n) } else { 0.0 });
-        let width = grid.width;
+        let per_length = routing.steps_m().map(|l| if l > 0.0 { pow(l, -n) } else { 0.0 });
+        let (width, directions) = (grid.width, routing.directions());
         let factor = factor.map(Field::to_vec);
         let (mut level, mut prepared) = (vec![0.0; z.len()], vec![0.0; z.len()]);
         level.par_iter_mut().zip(&mut prepared).zip(&stack.cell).for_each(|((level, c), &i)| {
@@ -182,7 +196,7 @@ impl Streampower {
             let a = small.get(cells as usize).copied().unwrap_or_else(|| power(cells));
             let k = factor.as_ref().map_or(1.0, |f| f64::from(f[i].max(0.0)));
             *level = z[i];
-            *c = law.prepared(a * k * per_length[usize::from(routing.direction[i])]);
+            *c = law.prepared(a * k * per_length[usize::from(directions[i])]);
         });
         stack.climb(&mut level, |p, z, base| match base {
             Some(base) if z > base => base + (z - base) * law.left(prepared[p], z - base),

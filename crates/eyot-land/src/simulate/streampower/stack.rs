@@ -41,7 +41,7 @@ struct Piece {
 impl Stack {
     pub(super) fn new(routing: &Routing) -> Self {
         let n = routing.cells();
-        let receiver = &routing.receiver;
+        let receiver = routing.receivers();
         let (mut upstream, mut order) = (vec![1_u32; n], vec![0_u32; n]);
         let mut last = n;
         routing.walk(|i, r| {
