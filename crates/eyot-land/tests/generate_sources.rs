@@ -1,4 +1,16 @@
-//! Fractal sources: heights, roughness, equal directions, no seams, the same bytes on any number of threads.
+//! Statistics of every generator that draws lots, and where those of the others are tested.
+//!
+//! | generator | mean, deviation | spectrum | directions alike | no seam | no creases | threads |
+//! |---|---|---|---|---|---|---|
+//! | `circles` | here | none: discs of two sizes | here | here | - | here |
+//! | `diamond_square`, `random_additions` | here | here: `2 H + 2` | here | here | here | here |
+//! | `faulting` | here | here: 3 | here | here | - | here |
+//! | `fbm` (all bases), `ridged`, `billow` | here, `generate_noise` | here | here, `generate_noise` | here | `generate_noise` | here |
+//! | `worley` | here | none: kinks at one scale | here | here | `generate_noise` | here |
+//! | `mask_noise` | here, `generate_filters` | none: cut off at 0 and 1 | here | here | - | here |
+//! | `warp` | moves what is there (`generate_shapes`) | - | `generate_noise` | `generate_noise` | - | `generate_noise` |
+//!
+//! The others compute what a formula says, cell by cell, and are held against it: [`BY_FORMULA`].
 mod common;
 
 use common::{grid, make_named, spread, structure};
@@ -19,6 +31,36 @@ struct Case {
     anisotropy: f64,
     /// Bound of the largest over the smallest share of sixteen directions of slopes, likewise.
     falls: f64,
+}
+
+/// Generators without lots, and the tests that compare each with its formula.
+const BY_FORMULA: [(&str, &str, &str); 14] = [
+    ("breach", include_str!("generate_drainage.rs"), "breach_cuts_within_its_bounds_and_fills_the_rest"),
+    ("cone", include_str!("generate_shapes.rs"), "cone_is_the_formula"),
+    ("constant", include_str!("generate_shapes.rs"), "ramp_and_constant"),
+    ("crater", include_str!("generate_shapes.rs"), "crater_folds_exactly"),
+    ("fill", include_str!("generate_drainage.rs"), "fill_raises_depressions_and_nothing_else"),
+    ("flow", include_str!("generate_drainage.rs"), "flow_gathers_all_land_and_leaves_the_height"),
+    ("mask_curvature", include_str!("generate_filters.rs"), "masks_of_curvature_tell_ridges_from_valleys"),
+    ("mask_height", include_str!("generate_filters.rs"), "masks_of_height_and_slope_meet_their_bands"),
+    ("mask_slope", include_str!("generate_filters.rs"), "masks_of_height_and_slope_meet_their_bands"),
+    ("ramp", include_str!("generate_shapes.rs"), "ramp_and_constant"),
+    ("remap", include_str!("generate_filters.rs"), "curves_pass_through_their_points_and_never_overshoot"),
+    ("smooth", include_str!("generate_shapes.rs"), "smoothing_one_cell_gives_a_round_gaussian"),
+    ("terraces", include_str!("generate_filters.rs"), "terraces_are_level_and_keep_the_order"),
+    ("warp", include_str!("generate_shapes.rs"), "warp_moves_and_does_not_make"),
+];
+
+#[test]
+fn every_generator_is_tested() {
+    let drawn: Vec<&str> = cases().iter().map(|c| c.name).collect();
+    for name in GENERATORS.iter().map(|e| e.name) {
+        let by_formula = BY_FORMULA.iter().find(|f| f.0 == name);
+        assert!(by_formula.is_some() || drawn.contains(&name), "`{name}` has neither statistics nor a formula");
+        if let Some((_, file, test)) = by_formula {
+            assert!(file.contains(&format!("fn {test}()")), "there is no test `{test}` any more");
+        }
+    }
 }
 
 fn cases() -> Vec<Case> {
@@ -60,6 +102,30 @@ fn cases() -> Vec<Case> {
         case("circles", json!({ "radius": 0.06, "height": 100.0 }), 139.0, 54.3, None, 1.02, 1.06),
         case("fbm", json!({ "scale": 0.1, "amplitude": 100.0 }), 0.0, 31.2, Some(3.23), 1.08, 1.11),
         case("fbm", json!({ "scale": 0.1, "amplitude": 100.0, "basis": "value" }), 1.5, 25.8, Some(3.92), 1.12, 1.15),
+        case("fbm", json!({ "scale": 0.1, "amplitude": 100.0, "basis": "perlin" }), 0.0, 18.0, Some(3.3), 1.1, 1.15),
+        case("fbm", json!({ "scale": 0.1, "amplitude": 100.0, "basis": "worley_f1" }), 0.0, 20.0, Some(3.3), 1.1, 1.15),
+        case("fbm", json!({ "scale": 0.1, "amplitude": 100.0, "basis": "worley_f2" }), 0.0, 20.0, Some(3.3), 1.1, 1.15),
+        case(
+            "fbm",
+            json!({ "scale": 0.1, "amplitude": 100.0, "basis": "worley_f2_f1" }),
+            0.0,
+            20.0,
+            Some(3.3),
+            1.1,
+            1.15,
+        ),
+        case("fbm", json!({ "scale": 0.1, "amplitude": 100.0, "warp": 0.4 }), 0.0, 31.2, Some(3.2), 1.1, 1.15),
+        case("ridged", json!({ "scale": 0.1, "amplitude": 100.0 }), 27.0, 21.0, Some(3.0), 1.1, 1.15),
+        case(
+            "ridged",
+            json!({ "scale": 0.1, "amplitude": 100.0, "basis": "perlin" }),
+            54.0,
+            20.0,
+            Some(3.0),
+            1.1,
+            1.15,
+        ),
+        case("mask_noise", json!({ "scale": 0.1 }), 0.5, 0.3, None, 1.1, 1.2),
         case("billow", json!({ "scale": 0.1, "amplitude": 100.0 }), -49.0, 20.5, Some(2.9), 1.04, 1.08),
         case("worley", d2("f1"), 30.6, 13.5, None, 1.03, 1.15),
         case("worley", d2("f2"), 46.7, 11.9, None, 1.05, 1.12),
@@ -94,7 +160,7 @@ fn heights_roughness_and_directions() {
             let n = fields.len() as f64;
             let mean = fields.iter().map(|f| spread(f).0).sum::<f64>() / n;
             let deviation = fields.iter().map(|f| spread(f).1).sum::<f64>() / n;
-            let beta = fields.iter().map(|f| spectral_beta(f, &g).unwrap()).sum::<f64>() / n;
+            let beta = fields.iter().map(|f| spectral_beta(f, &g).unwrap().unwrap()).sum::<f64>() / n;
             let along = [(5, 0), (0, 5), (3, 4), (4, 3), (-3, 4), (-4, 3)];
             let of = along.map(|(dx, dy)| fields.iter().map(|f| structure(f, dx, dy)).sum::<f64>());
             let anisotropy = of.iter().fold(0f64, |a, &b| a.max(b)) / of.iter().fold(f64::MAX, |a, &b| a.min(b));

@@ -106,6 +106,66 @@ fn steady_rivers_obey_flints_law_for_every_exponent() {
     }
 }
 
+/// With deposition, steady rivers carry all that rises upstream and are steeper by (1 + G)^(1 / n).
+#[test]
+fn steady_rivers_with_deposition_are_steeper() {
+    for (deposition, n) in [(0.3_f32, 1.0_f32), (1.0, 1.0), (1.0, 2.0), (2.0, 0.8)] {
+        let p = Streampower {
+            years_per_step: 20_000.0,
+            uplift: 1e-3,
+            erodibility: (1e-3 / 50_f64.powf(f64::from(n))) as f32,
+            area_exponent: 0.45 * n,
+            slope_exponent: n,
+            deposition,
+            diffusivity: 0.0,
+            ..Default::default()
+        };
+        let mut w = world((48, 48), 100.0, Rim::OPEN, rough);
+        let steps = settle(&p, &mut w, 1e-6, 20_000);
+        let (z, routing) = (heights(&w), route(&w));
+        let area = routing.upstream_area_m2(&w.grid);
+        let (uplift, erodibility) = (f64::from(p.uplift), f64::from(p.erodibility));
+        let (g, m, n) = (f64::from(deposition), f64::from(p.area_exponent), f64::from(p.slope_exponent));
+        let worst = (0..z.len())
+            .filter(|&i| !routing.is_outlet(i))
+            .map(|i| {
+                let slope = (z[i] - z[routing.receiver(i)]) / routing.distance_m(i);
+                let steady = (uplift * (1.0 + g) / erodibility).powf(1.0 / n) * area[i].powf(-m / n);
+                (slope / steady - 1.0).abs()
+            })
+            .fold(0.0, f64::max);
+        println!("G {g}, n {n}: {steps} steps, slopes off by {worst:.1e}");
+        assert!(worst < 1e-4, "G {g}, n {n}: {worst}");
+    }
+}
+
+/// What a steep catchment loses fills the plain before it, and is accounted for.
+#[test]
+fn fans_grow_where_mountains_end() {
+    let flank = |x: usize, _: usize| if x < 30 { 0.01 * x as f64 } else { 20.0 * (x - 30) as f64 };
+    let mut w = world((60, 24), 100.0, Rim { x: Edge::Open, y: Edge::Closed }, flank);
+    let p = Streampower {
+        years_per_step: 2000.0,
+        uplift: 0.0,
+        erodibility: 2e-5,
+        deposition: 1.0,
+        diffusivity: 0.0,
+        ..Default::default()
+    };
+    let before = heights(&w);
+    run(&p, &mut w, 20);
+    let z = heights(&w);
+    let grown = |columns: std::ops::Range<usize>| -> f64 {
+        columns.flat_map(|x| (0..24).map(move |y| y * 60 + x)).map(|i| z[i] - before[i]).sum()
+    };
+    println!("plain {:.0}, flank {:.0}", grown(1..30), grown(30..59));
+    assert!(grown(20..30) > 0.0 && grown(35..59) < 0.0, "{} and {}", grown(20..30), grown(35..59));
+    let (incised, deposited) = (w.ledger.amount("ground.incised"), w.ledger.amount("ground.deposited"));
+    assert!(deposited > 0.0 && deposited < incised, "{deposited} of {incised}");
+    let gain = (z.iter().sum::<f64>() - before.iter().sum::<f64>()) * w.grid.cell_area_m2();
+    assert!((gain - (deposited - incised)).abs() < 1e-9 * incised);
+}
+
 /// E2: a cosine decays as exp(-D k^2 t).
 #[test]
 fn creep_lets_waves_decay() {
@@ -319,8 +379,8 @@ fn the_ledger_closes_on_every_grid() {
     for shape in SHAPES {
         for (i, rim) in rims().into_iter().enumerate() {
             for sea_level_m in [NO_SEA_M, 0.0] {
-                for (n, critical_slope) in [(1.0, 0.0), (0.6, 0.0), (1.0, 1.0)] {
-                    let p = Streampower { slope_exponent: n, critical_slope, ..every_term() };
+                for (n, critical_slope, deposition) in [(1.0, 0.0, 0.0), (0.6, 0.0, 0.0), (1.0, 1.0, 0.7)] {
+                    let p = Streampower { slope_exponent: n, critical_slope, deposition, ..every_term() };
                     let mut w = random(shape, rim, i as u64, &p);
                     w.sea_level_m = sea_level_m;
                     let volume = |w: &World| heights(w).iter().sum::<f64>() * w.grid.cell_area_m2();
@@ -343,7 +403,7 @@ fn the_ledger_closes_on_every_grid() {
 #[test]
 fn threads_and_pieces_change_no_byte() {
     for (critical_slope, rim) in [(0.0, Rim::CLOSED), (0.0, Rim::OPEN), (0.0, Rim::WRAP), (1.0, Rim::WRAP)] {
-        let p = Streampower { slope_exponent: 1.3, critical_slope, ..every_term() };
+        let p = Streampower { slope_exponent: 1.3, critical_slope, deposition: critical_slope, ..every_term() };
         let start = random((203, 171), rim, 3, &p);
         let mut expected = start.clone();
         run(&p, &mut expected, 9);

@@ -204,6 +204,7 @@ fn no_river_prefers_a_direction() {
         ("drainage dinf", drainage(RoutingRule::Dinf), 0.0),
         ("drainage multiple", drainage(RoutingRule::Multiple), 1e-6),
         ("rivers", vec![one(rivers.clone())], 0.0),
+        ("rivers with deposition", vec![one(Streampower { deposition: 1.0, ..rivers.clone() })], 1e-6),
         ("rivers, n = 1.3", vec![one(Streampower { slope_exponent: 1.3, ..rivers })], 0.0),
         ("rivers and creep", vec![one(creeping.clone())], 1e-4),
         ("rivers and critical creep", vec![one(Streampower { critical_slope: 2.0, ..creeping })], 1e-4),

@@ -62,6 +62,6 @@ fn check_sizes(grid: &Grid, sizes: &[(&str, usize)]) -> Result<()> {
     sizes.iter().try_for_each(|(what, found)| check_length(what, grid.cells(), *found))
 }
 
-fn check_length(what: &str, expected: usize, found: usize) -> Result<()> {
+pub(crate) fn check_length(what: &str, expected: usize, found: usize) -> Result<()> {
     if expected == found { Ok(()) } else { Err(Error::Shape { what: what.to_owned(), expected, found }) }
 }

@@ -43,7 +43,7 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Streampower>(
         "streampower",
         about!("streampower/mod.rs"),
-        &["howard1994", "braun2013", "roering1999"],
+        &["howard1994", "braun2013", "roering1999", "yuan2019"],
     ),
     Entry::<dyn Process>::process::<Wetness>("wetness", about!("wetness.rs"), &[]),
 ];

@@ -111,6 +111,15 @@ impl Stack {
         });
     }
 
+    /// Adds to each position's value those of all positions upstream.
+    pub(super) fn descend(&self, values: &mut [f64]) {
+        for (p, &below) in self.below.iter().enumerate().rev() {
+            if below != OUTLET {
+                values[below as usize] += values[p];
+            }
+        }
+    }
+
     fn base(&self, p: u32, values: &[f64]) -> Option<f64> {
         let b = self.below[p as usize];
         (b != OUTLET).then(|| values[b as usize])
