@@ -69,7 +69,7 @@ impl Routing {
     }
 
     /// Calls `f(cell, receiver)` for all cells, for each after all its donors.
-    pub(crate) fn walk(&self, mut f: impl FnMut(usize, usize)) {
+    fn walk(&self, mut f: impl FnMut(usize, usize)) {
         let mut waiting = vec![0_u8; self.cells()];
         for (i, &r) in self.receivers().iter().enumerate() {
             waiting[r as usize] += u8::from(r as usize != i);

@@ -90,7 +90,7 @@ impl Streampower {
         control: &Control<'_>,
     ) -> Result<Cut> {
         let (m, n) = (f64::from(self.area_exponent), f64::from(self.slope_exponent));
-        let (law, stack) = (Law::new(n), Stack::new(routing));
+        let (law, stack) = (Law::new(n), Stack::new(routing, grid));
         let reach = f64::from(self.erodibility) * f64::from(self.years_per_step);
         let deposition = f64::from(self.deposition);
 
