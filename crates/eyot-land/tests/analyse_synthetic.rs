@@ -244,3 +244,35 @@ fn a_million_cells_in_a_second_and_a_half() {
         assert!(start.elapsed().as_secs_f64() < 1.5);
     }
 }
+
+/// What does not fit together is an error that says so, never a panic.
+#[test]
+fn sizes_that_differ_are_refused() {
+    use eyot_core::{Control, Rim};
+    use eyot_land::analyse;
+    use eyot_land::drainage::Routing;
+    let g = Grid::new(8, 6, 10.0, Rim::OPEN, &Limits::default()).unwrap();
+    let (other, fits) = (Field::new(6, 8, 0.0), Field::new(8, 6, 0.0));
+    let (few, all) = (vec![true; 9], vec![true; 48]);
+    let flow = Routing::new(&fits.to_vec(), &g, &all, &Control::none()).unwrap();
+    let errors = [
+        analyse::curvatures(&other, &g, |_| true).unwrap_err(),
+        analyse::geomorphons(&other, &g, 3, 1.0).unwrap_err(),
+        analyse::count_pits(&other, &g, |_| true).unwrap_err(),
+        analyse::slope_deg(&other, &g).unwrap_err(),
+        analyse::spectral_beta(&other, &g).unwrap_err(),
+        analyse::hurst_exponent(&other, &g, &all).unwrap_err(),
+        analyse::hurst_exponent(&fits, &g, &few).unwrap_err(),
+        analyse::strahler_orders(&flow, &few).unwrap_err(),
+        analyse::hack_exponent(&flow, &all, &[1; 9]).unwrap_err(),
+        analyse::hack_exponent(&flow, &few, &[1; 48]).unwrap_err(),
+        analyse::streams_by_order(&flow, &[1; 9], &[1; 48]).unwrap_err(),
+        analyse::streams_by_order(&flow, &[1; 48], &[1; 9]).unwrap_err(),
+        analyse::concavity(&[0.0; 9], &flow, &all, &[1; 48], 1.0).unwrap_err(),
+        analyse::concavity(&[0.0; 48], &flow, &few, &[1; 48], 1.0).unwrap_err(),
+        analyse::concavity(&[0.0; 48], &flow, &all, &[1; 9], 1.0).unwrap_err(),
+    ];
+    for e in errors {
+        assert!(matches!(e, eyot_core::Error::Shape { .. }) && e.to_string().contains("48"), "{e}");
+    }
+}
