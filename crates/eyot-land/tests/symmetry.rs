@@ -173,7 +173,8 @@ fn a_shift_is_no_symmetry_of_a_closed_world() {
 fn funnel(shape: (usize, usize), rim: Rim, processes: &[Scheduled]) -> World {
     let mut world = random_world(shape, rim, 5, processes, &|_, u| u).unwrap();
     world.grid.cell_y_m = world.grid.cell_x_m;
-    world.sea_level_m = -1e3;
+    // The pit lies under water, so that it is no depression, and nothing else does.
+    world.sea_level_m = 2.0;
     let away = |i: usize, pit: usize, n: usize, edge: Edge| {
         let d = i.abs_diff(pit);
         if edge == Edge::Wrap { d.min(n - d) as f32 } else { d as f32 }
@@ -193,7 +194,8 @@ fn funnel(shape: (usize, usize), rim: Rim, processes: &[Scheduled]) -> World {
 }
 
 /// Drainage and rivers turn with the world: to the bit where one way is the steepest, and to rounding where shares of many
-/// neighbours or both axes of creep are added in turn.
+/// neighbours are added in turn. Creep takes one axis after the other: beside rims that hold their height, which comes first
+/// shows in the second order of a step.
 #[test]
 fn no_river_prefers_a_direction() {
     let drainage = |routing| vec![one(Drainage { routing, ..Drainage::default() })];
@@ -206,8 +208,8 @@ fn no_river_prefers_a_direction() {
         ("rivers", vec![one(rivers.clone())], 0.0),
         ("rivers with deposition", vec![one(Streampower { deposition: 1.0, ..rivers.clone() })], 1e-6),
         ("rivers, n = 1.3", vec![one(Streampower { slope_exponent: 1.3, ..rivers })], 0.0),
-        ("rivers and creep", vec![one(creeping.clone())], 1e-4),
-        ("rivers and critical creep", vec![one(Streampower { critical_slope: 2.0, ..creeping })], 1e-4),
+        ("rivers and creep", vec![one(creeping.clone())], 5e-4),
+        ("rivers and critical creep", vec![one(Streampower { critical_slope: 2.0, ..creeping })], 5e-4),
     ];
     for (name, processes, tolerance) in variants {
         for rim in rims() {
