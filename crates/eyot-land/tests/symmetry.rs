@@ -195,12 +195,12 @@ fn funnel(shape: (usize, usize), rim: Rim, processes: &[Scheduled]) -> World {
 
 /// Drainage and rivers turn with the world: to the bit where one way is the steepest, and to rounding where shares of many
 /// neighbours are added in turn. Creep takes one axis after the other: beside rims that hold their height, which comes first
-/// shows in the second order of a step.
+/// shows in the second order of a step; more with a critical slope, which sees the slope across as it was before.
 #[test]
 fn no_river_prefers_a_direction() {
     let drainage = |routing| vec![one(Drainage { routing, ..Drainage::default() })];
     let rivers = Streampower { years_per_step: 500.0, uplift: 2e-4, diffusivity: 0.0, ..Default::default() };
-    let creeping = Streampower { diffusivity: 2e-4, ..rivers.clone() };
+    let creeping = Streampower { diffusivity: 5e-5, ..rivers.clone() };
     let variants = [
         ("drainage d8", drainage(RoutingRule::D8), 0.0),
         ("drainage dinf", drainage(RoutingRule::Dinf), 0.0),
@@ -208,8 +208,8 @@ fn no_river_prefers_a_direction() {
         ("rivers", vec![one(rivers.clone())], 0.0),
         ("rivers with deposition", vec![one(Streampower { deposition: 1.0, ..rivers.clone() })], 1e-6),
         ("rivers, n = 1.3", vec![one(Streampower { slope_exponent: 1.3, ..rivers })], 0.0),
-        ("rivers and creep", vec![one(creeping.clone())], 5e-4),
-        ("rivers and critical creep", vec![one(Streampower { critical_slope: 2.0, ..creeping })], 5e-4),
+        ("rivers and creep", vec![one(creeping.clone())], 1e-4),
+        ("rivers and critical creep", vec![one(Streampower { critical_slope: 2.0, ..creeping })], 1e-3),
     ];
     for (name, processes, tolerance) in variants {
         for rim in rims() {
