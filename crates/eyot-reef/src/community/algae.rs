@@ -8,7 +8,6 @@ use super::random::{Draws, Stream};
 
 /// Everybody, as they are at the beginning of the month.
 pub(super) struct Shore<'a> {
-    pub(super) community: &'a Community,
     pub(super) corals: &'a Index,
     pub(super) algae: &'a Index,
     pub(super) colonies: &'a [Colony],
@@ -16,7 +15,7 @@ pub(super) struct Shore<'a> {
     pub(super) draws: Draws,
 }
 
-impl<'a> Shore<'a> {
+impl Shore<'_> {
     pub(super) fn stream(seed: u64, month: u64) -> Draws {
         Draws::new(seed, Stream::AlgaShade, month)
     }
@@ -52,18 +51,10 @@ impl<'a> Shore<'a> {
     pub(super) fn is_shaded(&self, me: &Alga, alive: impl Fn(usize) -> bool) -> bool {
         let mut shaded = false;
         self.algae.visit(me.x, me.y, me.radius, |other| {
-            let (dx, dy, apart) = (me.x - other.x, me.y - other.y, alga_reach(me.radius, other.radius));
+            let (dx, dy, apart) = (me.x - other.x, me.y - other.y, me.radius + other.radius);
             shaded |= other.rank > me.height && dx * dx + dy * dy < apart * apart && alive(other.who as usize);
         });
         shaded
-    }
-}
-
-fn alga_reach(me: f32, other: f32) -> f32 {
-    match std::env::var("ALGA").as_deref() {
-        Ok("B") => other,
-        Ok("C") => (other - me).max(0.0),
-        _ => me + other,
     }
 }
 

@@ -302,7 +302,6 @@ impl Plot {
     /// Algae grow, and die of age, of corals and of taller algae.
     fn grow_algae(&mut self) {
         let shore = Shore {
-            community: &self.community,
             corals: &self.coral_index,
             algae: &self.alga_index,
             colonies: &self.colonies,
