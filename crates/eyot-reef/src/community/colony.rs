@@ -77,6 +77,16 @@ impl Alga {
 
     pub(super) fn entry(&self, who: usize) -> Entry {
         let (x, y, radius) = (self.x, self.y, self.radius);
-        Entry { x, y, radius, reach: radius, inner: radius, rank: self.height, who: who as u32, kind: Kind::Alga, bleached: false }
+        Entry {
+            x,
+            y,
+            radius,
+            reach: radius,
+            inner: radius,
+            rank: self.height,
+            who: who as u32,
+            kind: Kind::Alga,
+            bleached: false,
+        }
     }
 }

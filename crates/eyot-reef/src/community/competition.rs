@@ -133,8 +133,7 @@ impl Neighbours<'_> {
         for k in 0..RAYS {
             let (x, y) = (dx + DIRECTIONS[k][0] * rays[k], dy + DIRECTIONS[k][1] * rays[k]);
             let r2 = x * x + y * y;
-            let covered =
-                r2 < inner2 || shade.polygon && r2 < reach2 && contains(&self.rays[other.who as usize], x, y);
+            let covered = r2 < inner2 || shade.polygon && r2 < reach2 && contains(&self.rays[other.who as usize], x, y);
             if covered {
                 factors[k] *= shade.factor;
             }

@@ -71,7 +71,9 @@ impl Plot {
             let rules = self.disturbances(kind).clone();
             let mut date = 0;
             while self.calendars[kind].next < (self.month + 1) as f64 {
-                let draws = |what: u64| Draws::new(self.seed, Stream::Disturbance, (self.month * 64 + date) * 4 + 2 * what + kind as u64);
+                let draws = |what: u64| {
+                    Draws::new(self.seed, Stream::Disturbance, (self.month * 64 + date) * 4 + 2 * what + kind as u64)
+                };
                 let (expected, discs) = (events(&self.community, &self.site, &rules), draws(0));
                 let count = (expected + f64::from(draws(1).unit(0))) as u64;
                 for event in 0..count {

@@ -43,7 +43,8 @@ const fn directions() -> [[f32; 2]; RAYS] {
 
 /// Mean length of the rays, m.
 pub(super) fn mean(rays: &Rays) -> f32 {
-    rays.iter().sum::<f32>() / RAYS as f32
+    // Not more than the longest ray, to which rounding may add.
+    (rays.iter().sum::<f32>() / RAYS as f32).min(longest(rays))
 }
 
 /// Length of the longest ray, m.

@@ -72,7 +72,12 @@ const FINEST_M: f32 = 0.5;
 
 impl Index {
     /// Sorts individuals into cells. Places outside the extent are kept in the cells at its border.
-    pub(super) fn fill(&mut self, extent: Extent, max_reach: f32, individuals: impl ExactSizeIterator<Item = Entry> + Clone) {
+    pub(super) fn fill(
+        &mut self,
+        extent: Extent,
+        max_reach: f32,
+        individuals: impl ExactSizeIterator<Item = Entry> + Clone,
+    ) {
         let sides = [extent.to[0] - extent.from[0], extent.to[1] - extent.from[1]];
         // At most about two cells of the finest level for each individual.
         let sparse = (sides[0] * sides[1] / (2.0 * individuals.len() as f32 + 4096.0)).sqrt();

@@ -349,7 +349,9 @@ impl Community {
             return Err(bad(owner, "species", format!("{} are too many; there may be 256", self.species.len())));
         }
         self.species.iter().try_for_each(Species::check)?;
-        if let Some(s) = self.species.iter().enumerate().find(|(i, s)| self.species[..*i].iter().any(|o| o.name == s.name)) {
+        if let Some(s) =
+            self.species.iter().enumerate().find(|(i, s)| self.species[..*i].iter().any(|o| o.name == s.name))
+        {
             return Err(bad(owner, "species", format!("`{}` is there twice", s.1.name)));
         }
         part("algae", &self.algae)?;

@@ -34,7 +34,7 @@ pub struct Plot {
     /// Of the colonies, in their order.
     pub(super) rays: Vec<Rays>,
     pub(super) algae: Vec<Alga>,
-    turf: TurfGrid,
+    pub(super) turf: TurfGrid,
     pub(super) next_id: u64,
     pub(super) calendars: [Calendar; 2],
     /// Deaths of this month by species.
@@ -198,7 +198,8 @@ impl Plot {
                 c.bleaching = 1.0;
             } else {
                 // Rounding must not leave a trace of bleaching.
-                c.bleaching = if before > community.heat.recovery + 1e-4 { before - community.heat.recovery } else { 0.0 };
+                c.bleaching =
+                    if before > community.heat.recovery + 1e-4 { before - community.heat.recovery } else { 0.0 };
             }
             c.vigour = match (community.compat, is_branching(community, c)) {
                 (false, _) => 1.0 - c.bleaching,
@@ -231,10 +232,8 @@ impl Plot {
     fn index(&mut self) {
         let community = &self.community;
         let halo = self.halo_m();
-        let extent = Extent {
-            from: [-halo; 2],
-            to: [self.site.width_m as f32 + halo, self.site.length_m as f32 + halo],
-        };
+        let extent =
+            Extent { from: [-halo; 2], to: [self.site.width_m as f32 + halo, self.site.length_m as f32 + halo] };
         let entry = |(i, (c, r)): (usize, (&Colony, &Rays))| {
             c.entry(i, r, &community.species[usize::from(c.species)], community.compat)
         };
@@ -337,8 +336,10 @@ impl Plot {
         let mut parents = Vec::new();
         for (i, c) in self.colonies.iter().enumerate().filter(|(_, c)| is_branching(&self.community, c)) {
             let species = &self.community.species[usize::from(c.species)];
-            let (breaks, fragments) =
-                (self.community.breakage * species.surface_factor, self.community.fragmentation * species.surface_factor);
+            let (breaks, fragments) = (
+                self.community.breakage * species.surface_factor,
+                self.community.fragmentation * species.surface_factor,
+            );
             // Means of equal rays may round to just below them.
             if c.radius >= 0.9999 * species.max_radius && fragmentation.chance(c.id, fragments) {
                 parents.push((*c, 0));
@@ -366,37 +367,6 @@ impl Plot {
             self.scatter(parent, event)?;
         }
         Ok(())
-    }
-
-    /// True while rugosity feeds back.
-    fn feeds_back(&self) -> bool {
-        (u64::from(self.community.feedback_from)..u64::from(self.community.feedback_until)).contains(&self.month)
-    }
-
-    fn feed_back(&mut self, rugosity: f64) {
-        if self.feeds_back() && self.month % 12 == 11 {
-            for kind in 0..2 {
-                let rules = self.disturbances(kind).clone();
-                self.calendars[kind].feed_back(&rules, rugosity);
-            }
-        }
-    }
-
-    /// Grazers take algae and turf; returns the probability for each.
-    fn graze(&mut self, census: &Census) -> f32 {
-        let rules = &self.community.grazing;
-        let middle = if self.feeds_back() {
-            let share = (census.rugosity - 1.0) / (f64::from(rules.max_rugosity) - 1.0);
-            f64::from(rules.probability) * share.clamp(0.0, 1.0)
-        } else {
-            f64::from(rules.probability)
-        };
-        let probability = super::grazing_probability(rules, middle, census.algae_cover);
-        let draws = Draws::new(self.seed, Stream::Grazing, self.month);
-        self.algae.retain(|a| !draws.chance(a.id, probability));
-        let draws = Draws::new(self.seed, Stream::TurfGrazing, self.month);
-        self.turf.graze(&self.community.turf, probability, draws);
-        probability
     }
 
     /// Counts everybody. With `compat` those outside the plot count too.

@@ -48,9 +48,8 @@ impl<'a> Habitat<'a> {
         // 24 bits are too few to choose among the cells of a large raster.
         let u = f64::from(draws.bits(3 * who)) / 4_294_967_296.0 * self.sums[self.sums.len() - 1];
         let n = self.sums.partition_point(|&s| s <= u).min(self.sums.len() - 1);
-        let at = |n: usize, k: u64, side: f64| {
-            ((n as f64 + f64::from(draws.unit(3 * who + k))) * g.cell_m).min(side) as f32
-        };
+        let at =
+            |n: usize, k: u64, side: f64| ((n as f64 + f64::from(draws.unit(3 * who + k))) * g.cell_m).min(side) as f32;
         let columns = g.depth.width();
         [at(n % columns, 1, self.site.width_m), at(n / columns, 2, self.site.length_m)]
     }

@@ -126,13 +126,15 @@ impl Site {
         let (w, h) = (g.depth.width(), g.depth.height());
         let covers = |n: usize, side: f64| (n as f64 * g.cell_m) >= side * (1.0 - 1e-6);
         if w == 0 || h == 0 || !covers(w, self.width_m) || !covers(h, self.length_m) {
-            let reason = format!(
-                "{w} x {h} cells of {} m do not cover {} x {} m",
-                g.cell_m, self.width_m, self.length_m
-            );
+            let reason =
+                format!("{w} x {h} cells of {} m do not cover {} x {} m", g.cell_m, self.width_m, self.length_m);
             return Err(bad(owner, "depth", reason));
         }
-        let ranges = [("depth", &g.depth, -12000.0..=12000.0), ("light", &g.light, 0.0..=1.0), ("substrate", &g.substrate, 0.0..=1.0)];
+        let ranges = [
+            ("depth", &g.depth, -12000.0..=12000.0),
+            ("light", &g.light, 0.0..=1.0),
+            ("substrate", &g.substrate, 0.0..=1.0),
+        ];
         for (name, field, range) in ranges {
             if (field.width(), field.height()) != (w, h) {
                 let reason = format!("has {} x {} cells, depth has {w} x {h}", field.width(), field.height());
