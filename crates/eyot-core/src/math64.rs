@@ -76,6 +76,43 @@ pub fn acos(x: f64) -> f64 {
     if x > 0.0 { angle } else { PI - angle }
 }
 
+/// Sine of an angle in degrees, exact at multiples of 90; absolute error at most 3e-16 for angles up to 1e9.
+#[inline]
+pub fn sin_degrees(x: f64) -> f64 {
+    let quarter = (x / 90.0 + 0.5).floor();
+    let t = (x - quarter * 90.0) * (PI / 180.0);
+    match (quarter as i64).rem_euclid(4) {
+        0 => sine(t),
+        1 => cosine(t),
+        2 => -sine(t),
+        _ => -cosine(t),
+    }
+}
+
+/// Cosine of an angle in degrees, as [`sin_degrees`].
+#[inline]
+pub fn cos_degrees(x: f64) -> f64 {
+    sin_degrees(x + 90.0)
+}
+
+/// sin t for |t| <= pi / 4.
+#[inline]
+fn sine(t: f64) -> f64 {
+    let z = t * t;
+    let p = 2.755_731_370_707_006_8e-6 + z * (-2.505_076_025_340_686_3e-8 + z * 1.589_690_995_211_55e-10);
+    let p = 8.333_333_333_322_489e-3 + z * (-1.984_126_982_985_795e-4 + z * p);
+    t + t * z * (-1.666_666_666_666_663_2e-1 + z * p)
+}
+
+/// cos t for |t| <= pi / 4.
+#[inline]
+fn cosine(t: f64) -> f64 {
+    let z = t * t;
+    let p = -2.755_731_435_139_066_3e-7 + z * (2.087_572_321_298_175e-9 + z * -1.135_964_755_778_819_5e-11);
+    let p = -1.388_888_888_887_411e-3 + z * (2.480_158_728_947_673e-5 + z * p);
+    1.0 - (0.5 * z - z * z * (4.166_666_666_666_66e-2 + z * p))
+}
+
 #[cfg(test)]
 mod tests {
     /// Largest relative error of `got` against `want` over a million points of `low..high`.
@@ -109,5 +146,22 @@ mod tests {
         };
         assert!((0..=n).map(error).fold(0.0, f64::max) < 5e-16);
         assert_eq!((super::acos(1.5), super::acos(-1.5)), (0.0, std::f64::consts::PI));
+    }
+
+    #[test]
+    fn sines_of_degrees_are_accurate_and_exact_at_right_angles() {
+        let n = 1_000_000;
+        let error = |i: i32| {
+            let x = -360.0 + 720.0 * f64::from(i) / f64::from(n);
+            let (sin, cos) = x.to_radians().sin_cos();
+            (super::sin_degrees(x) - sin).abs().max((super::cos_degrees(x) - cos).abs())
+        };
+        // The angles in radians are themselves rounded by up to 5e-16.
+        assert!((0..=n).map(error).fold(0.0, f64::max) < 8e-16);
+        for quarter in -40..40 {
+            let want = [0.0, 1.0, 0.0, -1.0][(quarter as i64).rem_euclid(4) as usize];
+            assert_eq!(super::sin_degrees(90.0 * f64::from(quarter)), want);
+        }
+        assert!((super::sin_degrees(30.0) - 0.5).abs() < 1e-16);
     }
 }

@@ -1,7 +1,8 @@
-//! The living reef of Eyot: a community of corals.
+//! The living reef of Eyot: a community of corals, and grammars that grow their branches.
 //!
 //! [`community`] simulates single colonies, macroalgae and turf on a plot, month by month. It opens no files: temperatures come as
-//! text that somebody else has read, rasters of the ground as fields, and results are rows of numbers.
+//! text that somebody else has read, rasters of the ground as fields, and results are rows of numbers. [`lsystem`] derives words
+//! from grammars and draws them.
 //!
 //! ```
 //! use eyot_reef::community::{Community, Forcing, Plot, Site};
@@ -18,3 +19,4 @@
 //! ```
 
 pub mod community;
+pub mod lsystem;
