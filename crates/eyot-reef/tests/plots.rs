@@ -33,7 +33,7 @@ fn threads_change_nothing_and_seeds_everything() {
     }
 }
 
-fn assert_books_balance(plot: &Plot, rows: &[Census], before: &mut Vec<u64>) {
+fn assert_books_balance(plot: &Plot, rows: &[Census], before: &mut [u64]) {
     for row in rows {
         for (n, s) in row.species.iter().enumerate() {
             assert_eq!(
@@ -152,6 +152,8 @@ fn hostile_parameters_are_refused_by_name() {
         (&|c| c.algae.max_radius = 0.01, "max_radius"),
         (&|c| c.turf.cell = 0.0, "cell"),
         (&|c| c.heat.death_weeks = [9.0, 8.0], "death_weeks"),
+        (&|c| c.heat.bleaching_weeks = [f32::NAN, 8.0], "bleaching_weeks"),
+        (&|c| c.small_disturbances.events = f32::INFINITY, "events"),
         (&|c| c.heat.window = 0, "window"),
         (&|c| c.large_disturbances.min_diameter = 11.0, "large_disturbances.min_diameter"),
         (&|c| c.porosity = 1.0, "porosity"),
@@ -176,6 +178,10 @@ fn hostile_parameters_are_refused_by_name() {
     assert!(site(10.0, Some(Ground { substrate: Field::new(10, 10, 2.0), ..ground() })).contains("substrate"));
     assert!(site(10.0, Some(Ground { depth: Field::new(10, 10, f32::NAN), ..ground() })).contains("depth"));
     assert!(Forcing::chumbe_every(&Community::default(), 0, 1).is_err());
+    let mut endless = Community::default();
+    endless.large_disturbances.events = 10_000.0;
+    let made = Plot::empty(endless, Site::flat(4000.0, 4000.0), cool(), 1, Limits::default());
+    assert!(made.err().unwrap().to_string().contains("large_disturbances.events"));
     let mut plot = bare(quiet(), cool(), 10.0, 1);
     for (species, x, radius) in
         [(9, 5.0, 0.1), (0, 11.0, 0.1), (0, f32::NAN, 0.1), (0, 5.0, f32::NAN), (0, 5.0, 0.0), (3, 5.0, 0.4)]

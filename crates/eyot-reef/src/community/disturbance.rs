@@ -1,6 +1,6 @@
 //! Events that clear a disc of the plot.
 
-use super::parameters::{Community, Disturbances};
+use super::parameters::{Community, Disturbances, bad};
 use super::plot::Plot;
 use super::random::{Draws, Stream};
 use super::settling::COMPAT_BIAS_M;
@@ -106,6 +106,22 @@ impl Plot {
         }
         Ok(())
     }
+}
+
+/// Finds plots on which a date would have more events than can be worked off.
+///
+/// # Errors
+/// The kind of disturbances.
+pub(super) fn check(community: &Community, site: &Site) -> Result<()> {
+    const MOST: f64 = 100_000.0;
+    for (name, rules) in [("small", &community.small_disturbances), ("large", &community.large_disturbances)] {
+        let events = events(community, site, rules);
+        if events > MOST {
+            let owner = format!("community.{name}_disturbances");
+            return Err(bad(&owner, "events", format!("makes {events:.0} events a date here; {MOST} are allowed")));
+        }
+    }
+    Ok(())
 }
 
 /// Events of a date: as many for each square metre as on the reference plot, by the area in which centres may lie.

@@ -4,7 +4,7 @@ use super::algae::Shore;
 use super::census::{Census, Deaths, SpeciesCensus};
 use super::colony::{Alga, Colony};
 use super::competition::{Neighbours, Verdict, is_branching};
-use super::disturbance::Calendar;
+use super::disturbance::{self, Calendar};
 use super::forcing::{Forcing, Heat};
 use super::geometry::{Rays, mean};
 use super::index::{Extent, Index};
@@ -53,7 +53,15 @@ impl Plot {
     /// # Errors
     /// If a parameter or the site cannot work, or if they make more individuals than fit into the default limits.
     pub fn new(community: Community, site: Site, forcing: Forcing, seed: u64) -> Result<Self> {
-        let mut plot = Self::empty(community, site, forcing, seed, Limits::default())?;
+        Self::within(community, site, forcing, seed, Limits::default())
+    }
+
+    /// As [`Plot::new`], with other limits.
+    ///
+    /// # Errors
+    /// As [`Plot::new`].
+    pub fn within(community: Community, site: Site, forcing: Forcing, seed: u64, limits: Limits) -> Result<Self> {
+        let mut plot = Self::empty(community, site, forcing, seed, limits)?;
         plot.populate()?;
         let draws = Draws::new(seed, Stream::Placing, u64::MAX);
         plot.turf = TurfGrid::new(&plot.site, &plot.community.turf, draws);
@@ -67,6 +75,7 @@ impl Plot {
     pub fn empty(community: Community, site: Site, forcing: Forcing, seed: u64, limits: Limits) -> Result<Self> {
         community.check()?;
         site.check(&community, &limits)?;
+        disturbance::check(&community, &site)?;
         let mut turf = TurfGrid::new(&site, &community.turf, Draws::new(seed, Stream::Placing, 0));
         turf.set(0.0);
         let interval = |kind: u64| Draws::new(seed, Stream::Interval, kind);

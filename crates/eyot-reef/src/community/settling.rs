@@ -41,6 +41,14 @@ impl<'a> Habitat<'a> {
         Self { site, sums }
     }
 
+    /// Its area, m2.
+    fn area_m2(&self) -> f64 {
+        match &self.site.ground {
+            Some(g) => self.sums.last().map_or(0.0, |cells| cells * g.cell_m * g.cell_m),
+            None => self.site.area_m2(),
+        }
+    }
+
     fn place(&self, draws: Draws, who: u64) -> [f32; 2] {
         let Some(g) = self.site.ground.as_ref().filter(|_| !self.sums.is_empty()) else {
             return draws.place(who, self.site.width_m, self.site.length_m);
@@ -143,9 +151,9 @@ impl Plot {
         let draws = |kind: u64| Draws::new(self.seed, Stream::Placing, kind);
         let mut corals = Vec::new();
         for (n, s) in self.community.species.iter().enumerate() {
-            let target = self.site.habitable_m2(|p| p.suits(s)) * f64::from(s.initial_cover);
-            self.check_room("initial_cover", target / mean_area(s.max_initial_radius))?;
             let habitat = Habitat::new(&self.site, |p| p.suits(s));
+            let target = habitat.area_m2() * f64::from(s.initial_cover);
+            self.check_room("initial_cover", target / mean_area(s.max_initial_radius))?;
             let (places, sizes) = (draws(2 * n as u64), draws(2 * n as u64 + 1));
             let (mut area, mut who) = (0.0, 0);
             while area < target {
@@ -164,12 +172,12 @@ impl Plot {
 
     fn populate_algae(&mut self) -> Result<()> {
         let rules = self.community.algae.clone();
-        let target = self.site.habitable_m2(|p| suits_algae(p, &self.community)) * f64::from(rules.initial_cover);
+        let habitat = Habitat::new(&self.site, |p| suits_algae(p, &self.community));
+        let target = habitat.area_m2() * f64::from(rules.initial_cover);
         self.check_room("algae.initial_cover", target / mean_area(rules.max_radius))?;
         let draws = |kind: u64| Draws::new(self.seed, Stream::Placing, 1000 + kind);
         let (places, sizes) = (draws(0), draws(1));
         let mut algae = Vec::new();
-        let habitat = Habitat::new(&self.site, |p| suits_algae(p, &self.community));
         let (mut area, mut who) = (0.0, 0);
         while area < target {
             let radius = (sizes.unit(3 * who) * rules.max_radius).max(rules.recruit_radius);
@@ -199,7 +207,7 @@ impl Plot {
             for who in 0..count as u64 {
                 let [x, y] = places.place(who, self.site.width_m, self.site.length_m);
                 let s = &self.community.species[n];
-                if holds.chance(who, self.site.at(x, y).suits(s)) {
+                if holds.chance(who, self.hold(x, y, |p| p.suits(s))) {
                     self.push_colony(n, x, y, s.recruit_radius, 0);
                     self.births[n].0 += 1;
                 }
@@ -212,7 +220,7 @@ impl Plot {
             let (places, holds) = self.settling(Stream::AlgaSettling, 0);
             for who in 0..count as u64 {
                 let [x, y] = places.place(who, self.site.width_m, self.site.length_m);
-                if holds.chance(who, suits_algae(&self.site.at(x, y), &self.community)) {
+                if holds.chance(who, self.hold(x, y, |p| suits_algae(p, &self.community))) {
                     self.push_alga(x, y, radius, radius, 0);
                 }
             }
@@ -247,7 +255,8 @@ impl Plot {
             let (radius, range) = (s.fragment_radius, s.fragment_range);
             let who = parent.id * 128 + u64::from(i);
             let [x, y] = self.landing(parent.x, parent.y, range, draws, who);
-            if self.keeps(x, y) && draws.chance(3 * who + 2, self.site.at(x, y).suits(&self.community.species[n])) {
+            let hold = self.hold(x, y, |p| p.suits(&self.community.species[n]));
+            if self.keeps(x, y) && draws.chance(3 * who + 2, hold) {
                 self.push_colony(n, x, y, radius, FRAGMENT_AGE);
                 self.births[n].1 += 1;
             }
@@ -268,13 +277,18 @@ impl Plot {
             for i in 0..count {
                 let who = parent.id * 128 + u64::from(i);
                 let [x, y] = self.landing(parent.x, parent.y, rules.fragment_range, draws, who);
-                let hold = suits_algae(&self.site.at(x, y), &self.community);
+                let hold = self.hold(x, y, |p| suits_algae(p, &self.community));
                 if self.keeps(x, y) && draws.chance(3 * who + 2, hold) {
                     self.push_alga(x, y, rules.fragment_radius, rules.fragment_radius, 0);
                 }
             }
         }
         Ok(())
+    }
+
+    /// Chance to find hold at a place: 1 without rasters of the ground.
+    fn hold(&self, x: f32, y: f32, chance: impl Fn(&Place) -> f32) -> f32 {
+        if self.site.ground.is_some() { chance(&self.site.at(x, y)) } else { 1.0 }
     }
 
     fn landing(&self, x: f32, y: f32, range: f32, draws: Draws, who: u64) -> [f32; 2] {

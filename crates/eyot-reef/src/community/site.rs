@@ -42,8 +42,8 @@ pub struct Place {
 }
 
 impl Place {
-    /// A place that is right for everybody: 5 m deep, in full light, on rock.
-    pub const GOOD: Self = Self { depth: 5.0, light: 1.0, substrate: 1.0 };
+    /// What a site without rasters has everywhere: 5 m of water, full light, rock.
+    pub const FLAT: Self = Self { depth: 5.0, light: 1.0, substrate: 1.0 };
 
     /// Chance that a larva or a fragment of a species finds hold here.
     pub fn suits(&self, species: &Species) -> f32 {
@@ -86,24 +86,10 @@ impl Site {
 
     /// What is at a place; outside the rectangle what is at its border.
     pub fn at(&self, x: f32, y: f32) -> Place {
-        let Some(g) = &self.ground else { return Place::GOOD };
+        let Some(g) = &self.ground else { return Place::FLAT };
         let cell = |v: f32, n: usize| ((f64::from(v.max(0.0)) / g.cell_m) as usize).min(n - 1);
         let (i, j) = (cell(x, g.depth.width()), cell(y, g.depth.height()));
         Place { depth: g.depth.get(i, j), light: g.light.get(i, j), substrate: g.substrate.get(i, j) }
-    }
-
-    /// Area on which a kind finds hold, by its chance at a place, m2.
-    pub(super) fn habitable_m2(&self, chance: impl Fn(&Place) -> f32) -> f64 {
-        let Some(g) = &self.ground else { return self.area_m2() * f64::from(chance(&Place::GOOD).min(1.0)) };
-        let mut sum = 0.0;
-        for j in 0..g.depth.height() {
-            for i in 0..g.depth.width() {
-                let place =
-                    Place { depth: g.depth.get(i, j), light: g.light.get(i, j), substrate: g.substrate.get(i, j) };
-                sum += f64::from(chance(&place));
-            }
-        }
-        sum * g.cell_m * g.cell_m
     }
 
     /// # Errors
