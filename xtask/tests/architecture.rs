@@ -85,6 +85,16 @@ fn land_does_no_io_and_its_rooms_are_apart() {
 }
 
 #[test]
+fn the_reef_stands_on_the_core_and_does_no_io() {
+    let manifest = fs::read_to_string(root().join("crates/eyot-reef/Cargo.toml")).unwrap();
+    assert!(
+        !manifest.lines().any(|l| l.starts_with("eyot") && !l.starts_with("eyot-core")),
+        "eyot-reef needs the core alone"
+    );
+    assert_absent("crates/eyot-reef/src", &["std::fs", "std::net", "File::"], &[]);
+}
+
+#[test]
 fn only_io_opens_files() {
     for folder in ["crates/eyot-mesh/src", "crates/eyot-render/src"] {
         assert_absent(folder, &["std::fs", "File::"], &[]);
@@ -103,7 +113,7 @@ fn only_the_gpu_crate_names_wgpu() {
 #[test]
 fn front_ends_use_the_facade() {
     let manifest = fs::read_to_string(root().join("apps/eyot-cli/Cargo.toml")).unwrap();
-    for below in ["eyot-core", "eyot-land", "eyot-gpu", "eyot-io", "eyot-mesh", "eyot-render"] {
+    for below in ["eyot-core", "eyot-land", "eyot-gpu", "eyot-io", "eyot-mesh", "eyot-reef", "eyot-render"] {
         assert!(!manifest.lines().any(|l| l.starts_with(below)), "the command line depends on {below}");
     }
 }

@@ -371,12 +371,12 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, noise, reef, drainage or streampower; on a graphics card also island, which is
-    /// hydraulic, thermal and reef together
+    /// What to measure: hydraulic, thermal, noise, reef, drainage, streampower or community; on a graphics card also island,
+    /// which is hydraulic, thermal and reef together
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,
-    /// Cells along each side
-    #[arg(long, value_name = "N", default_value = "512", value_parser = clap::value_parser!(u32).range(1..=32768))]
+    /// Cells along each side, metres for community [default: 512, 40 for community]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub(crate) size: Option<u32>,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]

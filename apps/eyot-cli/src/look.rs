@@ -115,11 +115,10 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
         let help = "measure hydraulic, thermal or reef, or add --engine gpu";
         return Err(report::usage("the island as a whole is measured on graphics cards only", help));
     };
-    let d = bench::BenchOptions::default();
     let threads = args.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let options = bench::BenchOptions {
         what,
-        size: args.size.map_or(d.size, |n| n as usize),
+        size: args.size.map_or(what.usual_size(), |n| n as usize),
         threads,
         isa: args.isa,
         classic: args.classic,
@@ -129,6 +128,19 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
     if args.json {
         let json = serde_json::to_value(&r).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
         return print::line(&format!("{json:#}"));
+    }
+    if let Some(c) = &r.community {
+        let (side, individuals) = (r.size, c.colonies + c.algae);
+        print::line(&format!("{}, {side} x {side} m, {} threads", r.what, r.threads))?;
+        return print::line(&format!(
+            "  {:>10.3} ms a month with {} colonies and {} algae (best of {}; median {:.3} ms)\n  {:>10.2} million individuals/s",
+            1e3 * c.seconds_per_month,
+            c.colonies,
+            c.algae,
+            r.samples,
+            1e3 * r.seconds_per_step_median,
+            1e-6 * individuals as f64 / c.seconds_per_month
+        ));
     }
     print::line(&format!("{}, {} x {} cells, {} threads, {}", r.what, r.size, r.size, r.threads, r.isa))?;
     print::line(&format!(

@@ -13,6 +13,7 @@ use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
+use eyot_reef::community::{Community, Forcing, Plot, Site};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -35,12 +36,22 @@ pub enum BenchSubject {
     Drainage,
     /// Stream power with routing and creep, on open rims.
     Streampower,
+    /// A month of the default community of corals on a square plot; the size is in metres.
+    Community,
 }
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef, Self::Drainage, Self::Streampower];
+    pub const ALL: [Self; 7] =
+        [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef, Self::Drainage, Self::Streampower, Self::Community];
+
+    /// Cells along a side unless somebody says something else: metres for the community.
+    pub const fn usual_size(self) -> usize {
+        match self {
+            Self::Community => 40,
+            _ => 512,
+        }
+    }
 
     /// Name on the command line.
     pub const fn name(self) -> &'static str {
@@ -51,6 +62,7 @@ impl BenchSubject {
             Self::Reef => "reef",
             Self::Drainage => "drainage",
             Self::Streampower => "streampower",
+            Self::Community => "community",
         }
     }
 }
@@ -70,7 +82,7 @@ impl FromStr for BenchSubject {
 pub struct BenchOptions {
     /// What to measure.
     pub what: BenchSubject,
-    /// Cells along a side of the square grid.
+    /// Cells along a side of the square grid; metres along a side of the community's plot.
     pub size: usize,
     /// Threads; at least 1.
     pub threads: usize,
@@ -91,9 +103,10 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise`, `reef`, `drainage` or `streampower`.
+    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise`, `reef`, `drainage`, `streampower` or
+    /// `community`.
     pub what: &'static str,
-    /// Cells along a side.
+    /// Cells along a side, or metres.
     pub size: usize,
     /// Threads.
     pub threads: usize,
@@ -120,8 +133,22 @@ pub struct BenchReport {
     pub bytes_moved_per_cell_step: Option<f64>,
     /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; `None` as above.
     pub operations_per_cell_step: Option<usize>,
+    /// What the community adds.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub community: Option<CommunityReport>,
     /// Ledger of the whole run, warm-up included, in the accounts' units.
     pub ledger: BTreeMap<String, f64>,
+}
+
+/// Speed and size of a community of corals.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CommunityReport {
+    /// Seconds a month in the best sample.
+    pub seconds_per_month: f64,
+    /// Colonies at the end.
+    pub colonies: usize,
+    /// Macroalgae at the end.
+    pub algae: usize,
 }
 
 /// Runs a benchmark.
@@ -146,6 +173,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
     let result = pool.install(|| match options.what {
         BenchSubject::Noise => noise(options),
         BenchSubject::Drainage => drainage(options),
+        BenchSubject::Community => community(options),
         _ => simulation(options),
     });
     result.map_err(|e| match e {
@@ -159,7 +187,8 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
 /// Start fields and processes of a simulation benchmark; the same as the peers'.
 ///
 /// # Errors
-/// If the grid is not sound or the run would exceed the limits, or if asked for noise or drainage, which are no simulations.
+/// If the grid is not sound or the run would exceed the limits, or if asked for noise, drainage
+/// or the community, which are no simulations of cells.
 pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
     // Cell size, lowest and highest ground (m), process.
     let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
@@ -168,7 +197,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
         // A year a step makes one spreading a growth; the default of ten years takes nine.
         (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
-        (BenchSubject::Noise | BenchSubject::Drainage, _) => {
+        (BenchSubject::Noise | BenchSubject::Drainage | BenchSubject::Community, _) => {
             return Err(bad("what", format!("{} is no simulation", what.name())));
         }
         (BenchSubject::Streampower, _) => (30.0, 0.0, 200.0, Box::new(streampower())),
@@ -372,6 +401,30 @@ fn drainage(options: &BenchOptions) -> Result<BenchReport> {
     Ok(report)
 }
 
+fn community(options: &BenchOptions) -> Result<BenchReport> {
+    let isa = best_isa(options)?;
+    let parameters = Community::default();
+    let (side, forcing) = (options.size as f64, Forcing::chumbe(&parameters, 1)?);
+    let mut plot = Plot::new(parameters, Site::flat(side, side), forcing, 1)?;
+    // The first year sorts out what was put down at random.
+    for _ in 0..12 {
+        plot.month()?;
+    }
+    let month = |plot: &mut Plot| {
+        let start = Instant::now();
+        std::hint::black_box(plot.month()?);
+        Ok::<_, Error>(start.elapsed().as_secs_f64())
+    };
+    let once = month(&mut plot)?;
+    let plot = std::cell::RefCell::new(plot);
+    let timed = samples(options, once, |_| month(&mut plot.borrow_mut()))?;
+    let mut report = report(options.what.name(), options, isa, &timed);
+    let plot = plot.into_inner();
+    let (colonies, algae) = (plot.colonies().len(), plot.algae().len());
+    report.community = Some(CommunityReport { seconds_per_month: report.seconds_per_step, colonies, algae });
+    Ok(report)
+}
+
 /// Repeats and seconds of each sample of work that takes about `once` seconds; `work` gets its number.
 fn samples(options: &BenchOptions, once: f64, work: impl Fn(u64) -> Result<f64>) -> Result<Vec<(u64, f64)>> {
     // Repeats of a sample: a single one may be too short for the clock.
@@ -432,6 +485,7 @@ fn report(what: &'static str, options: &BenchOptions, isa: Isa, timed: &[(u64, f
         bytes_per_cell: 0.0,
         bytes_moved_per_cell_step: None,
         operations_per_cell_step: None,
+        community: None,
         ledger: BTreeMap::new(),
     }
 }
@@ -481,6 +535,15 @@ mod tests {
             let e = run(&BenchOptions { what: BenchSubject::Streampower, size: 20_000, ..Default::default() });
             assert!(matches!(e, Err(Error::Limit { .. })));
         }
+    }
+
+    #[test]
+    fn the_community_reports_its_months() {
+        let what = BenchSubject::Community;
+        let r = run(&BenchOptions { what, size: what.usual_size() / 4, seconds: 0.05, ..Default::default() }).unwrap();
+        let json = serde_json::to_value(&r).unwrap();
+        assert!(json["seconds_per_month"].as_f64().unwrap() > 0.0 && json["colonies"].as_u64().unwrap() > 0);
+        assert_eq!((r.samples, r.what, r.size), (SAMPLES as usize, "community", 10));
     }
 
     #[test]
