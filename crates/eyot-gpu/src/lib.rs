@@ -6,6 +6,7 @@
 mod arena;
 mod cache;
 pub mod device;
+pub mod draw;
 mod engine;
 mod error;
 mod group;

@@ -6,7 +6,7 @@ use crate::ground::{Ground, box_mean};
 use crate::math::{V3, add, direction, scale, smoothstep};
 use crate::picture::encode;
 use crate::sky::Sky;
-use crate::surface::b_spline;
+use crate::surface::{Refinement, b_spline};
 use crate::view::{Setting, ViewOptions, finite};
 use crate::water::Water;
 use eyot_core::{Result, World};
@@ -32,7 +32,7 @@ pub struct Stage {
     pub haze: f32,
     /// Factor on the light of the whole picture, before the film's curve.
     pub exposure: f32,
-    /// Half the width of the sun's penumbra and the sun's height over the horizon, as angles, degrees.
+    /// Height of the sun over the horizon, degrees.
     pub sun_elevation_deg: f32,
     /// Bearing of the sun, degrees clockwise from north.
     pub sun_azimuth_deg: f32,
@@ -118,6 +118,12 @@ impl Stage {
     pub fn size_m(&self) -> [f32; 2] {
         let side = |n: usize, cell: f32| (n.max(2) - 1) as f32 * cell;
         [side(self.ground.width, self.ground.cell[0]), side(self.ground.height, self.ground.cell[1])]
+    }
+
+    /// Columns and rows of the nodes that the surface is refined to, and how many of them a cell gets.
+    pub fn nodes(&self) -> ([usize; 2], usize) {
+        let r = Refinement::new(self.ground.width, self.ground.height);
+        (r.nodes, r.factor)
     }
 
     /// Heights of cells as drawn, m, row by row from the north-west.
