@@ -3,7 +3,7 @@
 use crate::block::Block;
 use crate::camera::Camera;
 use crate::math::{V3, add, scale};
-use crate::picture::{Picture, quantise, tone_map};
+use crate::picture::{Picture, encode, quantise, tone_map};
 use crate::scene::Scene;
 use crate::sea::sea;
 use crate::view::ViewOptions;
@@ -98,36 +98,38 @@ impl<'a> Shot<'a> {
     }
 
     fn encoded(&self, x: f32, y: f32) -> V3 {
-        tone_map(scale(self.colour(self.camera.ray(x, y, self.size)), self.scene.stage.exposure))
-    }
-
-    /// Linear colour that comes along a ray.
-    fn colour(&self, d: V3) -> V3 {
-        let eye = self.camera.eye;
+        let d = self.camera.ray(x, y, self.size);
         match &self.block {
-            Some(block) => self.model(block, eye, d),
-            None => self.open(eye, d),
+            Some(block) => self.model(block, self.camera.eye, d),
+            None => self.film(self.open(self.camera.eye, d)),
         }
     }
 
-    /// A ray into the relief model.
+    /// Light to encoded colours.
+    fn film(&self, light: V3) -> V3 {
+        tone_map(scale(light, self.scene.stage.exposure))
+    }
+
+    /// A ray into the relief model, as an encoded colour.
     fn model(&self, block: &Block, eye: V3, d: V3) -> V3 {
         let s = self.scene;
         let Some(entry) = block.enter(eye, d) else {
-            return block.studio(s, eye, d);
+            return self.film(block.studio(s, eye, d));
         };
         let p = add(eye, scale(d, entry.from));
         if let Some(c) = block.wall(s, p, d, &entry) {
-            return c;
+            return self.film(c);
         }
         let to_sea = if s.stage.sea && d[2] < 0.0 { -eye[2] / d[2] } else { f32::INFINITY };
         if let Some(t) = self.ground_hit(eye, d, entry.from, entry.to.min(to_sea)) {
-            return s.land(add(eye, scale(d, t)), d, self.pixel * t);
+            let c = s.land(add(eye, scale(d, t)), d, self.pixel * t);
+            // Colours of layers keep their legend's values.
+            return if s.draped { c.map(|v| encode(v.min(1.0))) } else { self.film(c) };
         }
         if to_sea < entry.to {
-            return sea(s, add(eye, scale(d, to_sea)), d, self.pixel * to_sea);
+            return self.film(sea(s, add(eye, scale(d, to_sea)), d, self.pixel * to_sea));
         }
-        block.studio(s, eye, d)
+        self.film(block.studio(s, eye, d))
     }
 
     /// A ray into the open world.

@@ -1,6 +1,7 @@
 //! A world made ready for rays: surface, colours and light at nodes, water and sky.
 
 use crate::light::{Coarse, Sun, sky_share, sunlight};
+use crate::map::LayerColours;
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep, unit};
 use crate::noise::{fbm, noise_with_slope};
 use crate::stage::Stage;
@@ -31,6 +32,8 @@ pub struct Scene {
     pub(crate) surface: Surface,
     nodes: Vec<Node>,
     open_sky: Coarse,
+    /// The ground wears the colours of a layer.
+    pub(crate) draped: bool,
     /// Samples in pixels with edges.
     pub(crate) samples: usize,
 }
@@ -42,6 +45,19 @@ impl Scene {
     /// If the world has no layer `height`, and on a request to stop.
     pub fn new(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
         let stage = Stage::new(world, o)?;
+        let colours = stage.colours(world);
+        Self::with(stage, &colours, false, o, control)
+    }
+
+    /// A relief model that wears the colours of a layer; of the options, what [`ViewOptions::draped`] keeps.
+    ///
+    /// # Errors
+    /// As [`Scene::new`].
+    pub fn wearing(world: &World, layer: &LayerColours, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
+        Self::with(Stage::new(world, &o.draped())?, &layer.colours, true, o, control)
+    }
+
+    fn with(stage: Stage, colours: &[V3], draped: bool, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
         control.check()?;
         let refine = Refinement::new(stage.ground.width, stage.ground.height);
         let surface = Surface::new(&stage.ground, &refine, refine.refine(stage.tops(), b_spline));
@@ -54,8 +70,6 @@ impl Scene {
         let light = sunlight(&surface, &sun, floor);
         let open_sky = sky_share(&surface, floor);
 
-        control.check()?;
-        let colours = stage.colours(world);
         control.check()?;
         let channels: [Vec<f32>; 3] = std::array::from_fn(|k| {
             let one: Vec<f32> = colours.iter().map(|c| c[k]).collect();
@@ -81,7 +95,7 @@ impl Scene {
                 };
             }
         });
-        Ok(Self { stage, surface, nodes, open_sky, samples: o.samples.clamp(1, 16) })
+        Ok(Self { stage, surface, nodes, open_sky, draped, samples: o.samples.clamp(1, 16) })
     }
 
     /// Node coordinates of a place in metres.
@@ -125,6 +139,9 @@ impl Scene {
         let (u, v) = self.place(p);
         let node = self.node(u, v);
         let open = self.open_sky(u, v);
+        if self.draped {
+            return self.painted(&node, open);
+        }
         let mut rise = node.rise;
         let mut colour = node.albedo;
         // Crowns of trees and broken stone, below the size of cells: bumps as large as a pixel shows.
@@ -157,6 +174,15 @@ impl Scene {
             c = mix(c, self.river(&node, p, d, footprint, open), cover);
         }
         c
+    }
+
+    /// Colours of a layer under soft light: level ground in full light keeps the legend's colour.
+    fn painted(&self, node: &Node, open: f32) -> V3 {
+        let grey = [0.3, 0.5, 0.2];
+        let normal = unit([-node.rise[0], -node.rise[1], 1.0]);
+        let light = dot(self.irradiance(normal, 0.4 + 0.6 * node.sun, open), grey);
+        let level = dot(self.irradiance([0.0, 0.0, 1.0], 1.0, 1.0), grey);
+        scale(node.albedo, 0.3 + 0.7 * light / level)
     }
 
     /// Colour of fresh water at a node.

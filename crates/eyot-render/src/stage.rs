@@ -4,6 +4,7 @@ use crate::albedo::albedo;
 use crate::camera::Camera;
 use crate::ground::{Ground, box_mean};
 use crate::math::{V3, add, direction, scale, smoothstep};
+use crate::path::Pose;
 use crate::picture::encode;
 use crate::sky::Sky;
 use crate::surface::{Refinement, b_spline};
@@ -173,21 +174,38 @@ impl Stage {
         (0..4).map(|j| ky[j as usize] * row(j)).sum()
     }
 
+    /// The pose that the options describe, with what they leave open.
+    pub fn pose(&self, o: &ViewOptions) -> Pose {
+        let automatic = if self.block { (33.0, 1.72, -0.42) } else { (15.0, 1.06, 0.40) };
+        Pose {
+            azimuth_deg: finite(o.azimuth_deg, 180.0),
+            elevation_deg: finite(o.elevation_deg.unwrap_or(automatic.0), automatic.0),
+            distance: finite(o.distance.unwrap_or(automatic.1), automatic.1),
+            target: o.target.map(|t| finite(t, 0.5)),
+            target_height: finite(o.target_height.unwrap_or(automatic.2), automatic.2),
+            field_of_view_deg: finite(o.field_of_view_deg, 36.0),
+        }
+    }
+
     /// The camera that the options describe, kept above ground and sea.
     pub fn camera(&self, o: &ViewOptions) -> Camera {
+        self.camera_at(&self.pose(o))
+    }
+
+    /// The camera of a pose, kept above ground and sea.
+    pub fn camera_at(&self, p: &Pose) -> Camera {
         let e = self.size_m();
-        let automatic = if self.block { (33.0, 1.72, -0.42) } else { (15.0, 1.06, 0.40) };
-        let elevation = finite(o.elevation_deg.unwrap_or(automatic.0), automatic.0);
-        let distance = finite(o.distance.unwrap_or(automatic.1), automatic.1).clamp(0.01, 100.0) * self.extent;
-        let share = finite(o.target_height.unwrap_or(automatic.2), automatic.2);
-        let g = &self.ground;
-        let low = if self.sea { 0.0 } else { g.land_low };
-        let height = (low + share * (g.land_high - low)) * self.exaggeration;
-        let target = [finite(o.target[0], 0.5) * e[0], finite(o.target[1], 0.5) * e[1], height];
-        let back = direction(finite(o.azimuth_deg, 180.0), elevation.clamp(1.0, 89.0));
-        let mut eye = add(target, scale(back, distance));
+        let target = [p.target[0] * e[0], p.target[1] * e[1], self.height_of_share(p.target_height)];
+        let back = direction(p.azimuth_deg, p.elevation_deg.clamp(1.0, 89.0));
+        let mut eye = add(target, scale(back, p.distance.clamp(0.01, 100.0) * self.extent));
         eye[2] = eye[2].max(self.clearance(eye));
-        Camera::looking(eye, target, finite(o.field_of_view_deg, 36.0))
+        Camera::looking(eye, target, p.field_of_view_deg)
+    }
+
+    /// Height as drawn, m, of a share of the relief over the sea or the low end of the land.
+    pub fn height_of_share(&self, share: f32) -> f32 {
+        let low = if self.sea { 0.0 } else { self.ground.land_low };
+        (low + share * (self.ground.land_high - low)) * self.exaggeration
     }
 
     /// Least height of a camera at a place.

@@ -87,3 +87,10 @@ impl Default for ViewOptions {
 pub(crate) fn finite(x: f32, instead: f32) -> f32 {
     if x.is_finite() { x } else { instead }
 }
+
+impl ViewOptions {
+    /// The same view of a relief model that wears a layer's colours: without sea and rivers, which would hide them.
+    pub fn draped(&self) -> Self {
+        Self { sea: false, fresh_water: false, setting: Setting::Block, ..self.clone() }
+    }
+}

@@ -6,7 +6,7 @@ use super::levels::PATCH;
 use super::maps::{MapMaker, Maps};
 use super::scene::Scene;
 use super::shaders;
-use super::texture::{self, Kind};
+use super::texture::Kind;
 use crate::device::Gpu;
 use crate::error::{GpuError, Result};
 use eyot_render::{Camera, Picture};

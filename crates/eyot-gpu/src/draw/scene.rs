@@ -10,7 +10,7 @@ use super::texture;
 use crate::device::Gpu;
 use crate::error::Result;
 use eyot_core::World;
-use eyot_render::{LayerColours, MapOptions, Picture, Setting, Stage, ViewOptions, colour_bytes};
+use eyot_render::{LayerColours, MapOptions, Picture, Stage, ViewOptions, colour_bytes};
 use wgpu::BufferUsages;
 
 /// A world's surface, colours and light on the device.
@@ -53,9 +53,7 @@ impl Scene {
         options: &ViewOptions,
         colours: &MapOptions,
     ) -> Result<Self> {
-        let options =
-            ViewOptions { sea: false, fresh_water: false, setting: Setting::Block, ..options.clone() };
-        Self::new(gpu, renderer, world, &options, Some((layer, colours)))
+        Self::new(gpu, renderer, world, &options.draped(), Some((layer, colours)))
     }
 
     fn new(
