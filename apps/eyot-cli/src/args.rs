@@ -19,7 +19,11 @@ Examples:
   eyot convert island/height.tif island.exr   another file format
   eyot describe cone                          what a generator or process takes
 
-Exit codes: 0 done, 1 failed, 2 wrong usage or recipe, 130 stopped and ready to resume.";
+Exit codes of all commands:
+  0    done
+  1    failed: the work itself, or something that cannot be written
+  2    refused: wrong usage, recipe or input; nothing was begun
+  130  stopped by Ctrl-C; a run is then ready to resume";
 
 /// Natural landscapes, from plates to polyps.
 #[derive(Parser)]
@@ -69,20 +73,15 @@ a process (hydraulic.rain), the name of a step (volcano.height), a generator (co
 pub(crate) struct Run {
     /// A recipe file, or the name of a built-in recipe
     pub(crate) recipe: String,
-    /// Folder for the results [default: the recipe's name]
+    /// Folder for the results [default: the name of the recipe file without .toml, here]
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) change: Change,
     #[command(flatten)]
+    pub(crate) shape: Shape,
+    #[command(flatten)]
     pub(crate) work: Work,
-    /// Write the files of a program, too: unreal, unity, godot, blender or gis; may be repeated
-    #[arg(long, value_name = "NAME", value_parser = preset)]
-    pub(crate) preset: Vec<Preset>,
-    /// Make the world while its files are written, so that it need not fit in memory: auto, always or never [default: auto,
-    /// which does so with grids of more than 8192 x 8192 cells and those beyond --max-memory, if the recipe allows it]
-    #[arg(long, value_name = "WHEN", default_value = "auto", hide_default_value = true, value_parser = stream)]
-    pub(crate) stream: Stream,
     /// Start over where a stopped run lies in the folder
     #[arg(long)]
     pub(crate) restart: bool,
@@ -94,7 +93,7 @@ pub(crate) struct Run {
 #[derive(Args)]
 pub(crate) struct Change {
     /// Seed of all random numbers
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub(crate) seed: Option<u64>,
     /// Cells along the longer side, or columns x rows; the extent stays
     #[arg(long, value_name = "N|WxH", allow_negative_numbers = true, value_parser = size)]
@@ -108,11 +107,22 @@ pub(crate) struct Change {
 }
 
 #[derive(Args)]
+pub(crate) struct Shape {
+    /// Write the files of a program, too: unreal, unity, godot, blender or gis; may be repeated
+    #[arg(long, value_name = "NAME", value_parser = preset)]
+    pub(crate) preset: Vec<Preset>,
+    /// Make the world while its files are written, so that it need not fit in memory: auto, always or never [default: auto,
+    /// which does so with grids of more than 8192 x 8192 cells and those beyond --max-memory, if the recipe allows it]
+    #[arg(long, value_name = "WHEN", default_value = "auto", hide_default_value = true, value_parser = stream)]
+    pub(crate) stream: Stream,
+}
+
+#[derive(Args)]
 pub(crate) struct Work {
     /// Threads [default: all cores]; they do not change a byte of the result
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) threads: Option<u16>,
-    /// Say nothing but errors
+    /// Say nothing but errors, and after a stop how to go on; no warnings either
     #[arg(long, short)]
     pub(crate) quiet: bool,
     /// One event per line as JSON on the standard output
@@ -151,11 +161,16 @@ pub(crate) struct New {
 }
 
 #[derive(Args)]
+#[command(after_help = "\
+It refuses what `eyot run` would refuse before its first step, and reads imported files for it. It does not look at the folder
+for the results, nor at --replay.")]
 pub(crate) struct Check {
     /// A recipe file, or the name of a built-in recipe
     pub(crate) recipe: String,
     #[command(flatten)]
     pub(crate) change: Change,
+    #[command(flatten)]
+    pub(crate) shape: Shape,
 }
 
 #[derive(Args)]
@@ -200,7 +215,7 @@ Examples:
 pub(crate) struct Render {
     /// Folder of a run, or a height map
     pub(crate) from: PathBuf,
-    /// The picture [default: FOLDER/render.png, or beside the height map]
+    /// The picture, a .png [default: FOLDER/render.png, or beside the height map]
     #[arg(long, short, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     /// Draw a map of this layer instead of a view
@@ -325,6 +340,10 @@ pub(crate) struct Bench {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.trim().parse().map_err(|_| format!("write a whole number from 0 to {}", u64::MAX))
 }
 
 fn stream(text: &str) -> Result<Stream, String> {

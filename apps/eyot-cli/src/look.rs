@@ -135,24 +135,15 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
         1e-6 * r.cell_steps_per_second,
         1e-6 * r.cell_steps_per_second_median
     ))?;
+    let moved = r.bytes_moved_per_cell_step.map_or_else(|| "not known how many".to_owned(), |n| n.to_string());
     print::line(&format!(
-        "  {:>10.1} bytes held per cell, {} bytes read and written per cell and step",
-        r.bytes_per_cell, r.bytes_moved_per_cell_step
+        "  {:>10.1} bytes held per cell, {moved} bytes read and written per cell and step",
+        r.bytes_per_cell
     ))
 }
 
 fn open(path: &std::path::Path) -> Result<store::Opened, Failure> {
-    let opened = store::open(path, &Limits::default()).map_err(|e| match &e {
-        eyot::RunError::Folder { path, source } => report::usage(
-            &format!("cannot open `{}`: {source}", path.display()),
-            "give the --out folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)",
-        ),
-        eyot::RunError::File(text) => report::usage(
-            text,
-            "give the --out folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)",
-        ),
-        _ => report::run(&e),
-    })?;
+    let opened = store::open(path, &Limits::default()).map_err(|e| report::run(&e))?;
     opened.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
     Ok(opened)
 }

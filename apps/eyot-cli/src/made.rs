@@ -2,7 +2,7 @@
 
 use crate::args::{Change, Check, Cite, CiteFormat, New};
 use crate::{Failure, print, report};
-use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, Work};
+use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, RunOptions, Work};
 use std::io::Write;
 
 /// Writes a recipe file to start from.
@@ -15,26 +15,35 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
         };
         return Err(report::usage(&format!("there is no built-in recipe `{}`", args.from), &help));
     };
+    if args.name.file_name().is_none() {
+        return Err(report::usage(
+            &format!("`{}` is no name of a file", args.name.display()),
+            "for example: eyot new mine",
+        ));
+    }
     let mut path = args.name.clone();
     if path.extension().is_none_or(|e| e != "toml") {
         path.as_mut_os_string().push(".toml");
     }
     let refuse = |e: std::io::Error| {
-        let help = if e.kind() == std::io::ErrorKind::AlreadyExists {
-            "choose another name, or remove the file first: nothing is overwritten"
-        } else {
-            "choose a place that exists and that you may write to"
-        };
-        report::usage(&format!("cannot write `{}`: {e}", path.display()), help)
+        let message = format!("cannot write `{}`: {e}", path.display());
+        if e.kind() == std::io::ErrorKind::AlreadyExists {
+            return report::usage(&message, "choose another name, or remove the file first: nothing is overwritten");
+        }
+        let help = "choose a place that exists and that you may write to";
+        Failure::Failed(report::plain(&message, Some(help.to_owned())))
     };
     let mut file = std::fs::OpenOptions::new().write(true).create_new(true).open(&path).map_err(refuse)?;
     file.write_all(from.text.as_bytes()).and_then(|()| file.sync_all()).map_err(refuse)?;
-    print::line(&format!("wrote {0}; run it with: eyot run {0}", path.display()))
+    print::line(&format!("wrote {}; run it with: eyot run {}", path.display(), eyot::shell_word(&path)))
 }
 
 /// Checks a recipe and says what it would do.
 pub(crate) fn check(args: &Check) -> Result<(), Failure> {
-    let recipe = read(&args.recipe, &args.change, &[])?;
+    let recipe = read(&args.recipe, &args.change, &args.shape.preset)?;
+    let options =
+        RunOptions { limits: limits(args.change.max_memory), stream: args.shape.stream, ..RunOptions::default() };
+    eyot::Run::check(&recipe, &options).map_err(|e| report::run(&e))?;
     let g = recipe.grid;
     let (w_m, h_m) = g.extent_m();
     let mut text = format!(

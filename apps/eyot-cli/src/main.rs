@@ -1,7 +1,7 @@
 //! `eyot`: makes, ages and looks at landscapes from the command line.
 //!
-//! A client of the facade's runs and of nothing else. Exit codes: 0 done, 1 failed, 2 wrong usage or recipe, 130 stopped by
-//! Ctrl-C and ready to resume.
+//! A client of the facade's runs and of nothing else. Exit codes: 0 done, 1 failed, 2 refused before anything was begun (wrong
+//! usage, recipe or input), 130 stopped by Ctrl-C and ready to resume.
 
 mod args;
 mod convert;
@@ -34,6 +34,7 @@ enum Failure {
 
 fn main() -> ExitCode {
     report::install();
+    survive_small_files();
     let cli = match parse() {
         Ok(cli) => cli,
         Err(code) => return code,
@@ -50,6 +51,18 @@ fn main() -> ExitCode {
             ExitCode::from(1)
         }
         Err(Failure::Stopped) => ExitCode::from(130),
+    }
+}
+
+/// A file that grows beyond a limit of the shell (`ulimit -f`) would end the program without a word. With somebody who listens
+/// to the signal, the write fails instead, and says why.
+fn survive_small_files() {
+    #[cfg(unix)]
+    {
+        /// The same number on every system that has the signal.
+        const SIGXFSZ: i32 = 25;
+        // Without it the program is as fragile as most others.
+        let _ = signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default());
     }
 }
 

@@ -65,14 +65,13 @@ pub(crate) fn recipe(problems: &Problems) -> Failure {
     Failure::Usage(Report::new(Many { message, all }))
 }
 
-/// A run's error with its exit code.
+/// An error of the facade with its exit code.
 pub(crate) fn run(e: &RunError) -> Failure {
+    let report = plain(&e.to_string(), e.help());
     match e {
         RunError::Recipe(p) => recipe(p),
-        RunError::Unfinished { .. } | RunError::NothingToResume { .. } | RunError::Busy { .. } => {
-            Failure::Usage(plain(&e.to_string(), e.help()))
-        }
-        _ => Failure::Failed(plain(&e.to_string(), e.help())),
+        _ if e.is_refusal() => Failure::Usage(report),
+        _ => Failure::Failed(report),
     }
 }
 

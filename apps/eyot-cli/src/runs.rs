@@ -3,7 +3,7 @@
 use crate::args::{Resume, Run, Work};
 use crate::progress::Bars;
 use crate::{Failure, made, print, report};
-use eyot::{Command, Event, Handle, JournalEntry, Registry, Remote, RunOptions};
+use eyot::{Command, Handle, JournalEntry, Registry, Remote, RunOptions};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
@@ -14,13 +14,13 @@ const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
 /// Runs a recipe.
 pub(crate) fn run(args: &Run) -> Result<(), Failure> {
-    let recipe = made::read(&args.recipe, &args.change, &args.preset)?;
+    let recipe = made::read(&args.recipe, &args.change, &args.shape.preset)?;
     let out = args.out.clone().unwrap_or_else(|| folder_name(&args.recipe));
     let replay = args.replay.as_deref().map(journal).transpose()?.unwrap_or_default();
     let options = RunOptions {
         out: Some(out.clone()),
         limits: made::limits(args.change.max_memory),
-        stream: args.stream,
+        stream: args.shape.stream,
         restart: args.restart,
         replay,
         ..options(&args.work)
@@ -127,11 +127,6 @@ fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> R
         } else if let Some(bars) = &mut bars {
             bars.show(&event);
         }
-        if let Event::Warning { message } = &event
-            && bars.is_none()
-        {
-            print::note(&format!("warning: {message}"));
-        }
     }
     drop(bars);
     let outcome = handle.join().map_err(|e| report::run(&e))?;
@@ -139,6 +134,6 @@ fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> R
         // Without all the events, a script must not take the run for a success.
         return unheard.filter(|f| !matches!(f, Failure::Closed)).map_or(Ok(()), Err);
     }
-    print::note(&format!("stopped; continue with: eyot resume {}", out.display()));
+    print::note(&format!("stopped; continue with: eyot resume {}", eyot::shell_word(out)));
     Err(Failure::Stopped)
 }

@@ -2,11 +2,11 @@
 
 mod common;
 
-use common::{assert_same, contents, eyot};
+use common::{assert_said, assert_same, contents, eyot, said};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Output, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 /// Every process, both forms of water, layers that come late, an open rim (whose fluxes leave through the last faces),
@@ -66,15 +66,8 @@ const SHORT: &[&str] = &["--set", "rain.steps=40", "--set", "pipes.steps=20"];
 /// Checkpoints come as often as the engine looks whether one is due.
 const OFTEN: &[&str] = &["--checkpoint-seconds", "0.02"];
 
-fn finish(folder: &Path, args: &[&str]) -> Output {
-    let o = eyot(folder, args).output().expect("the command starts");
-    assert!(!String::from_utf8_lossy(&o.stderr).contains("panicked"), "{args:?}: {o:?}");
-    o
-}
-
 fn finish_well(folder: &Path, args: &[&str]) {
-    let o = finish(folder, args);
-    assert!(o.status.success(), "{args:?}: {}", String::from_utf8_lossy(&o.stderr));
+    said(folder, args, 0, &[]);
 }
 
 /// Nothing but results: no checkpoint, no lock, no half-written file.
@@ -91,12 +84,12 @@ fn assert_tidy(out: &Path, what: &str) {
 /// Goes on where a killed run left off, or runs again if it left nothing, which the command has to say.
 /// True if there was something to go on from.
 fn go_on(folder: &Path, start: &[&str], threads: &str) -> bool {
-    let o = finish(folder, &["resume", "out", "--quiet", "--threads", threads]);
+    let o = eyot(folder, &["resume", "out", "--quiet", "--threads", threads]).output().expect("the command starts");
     if o.status.success() {
         return true;
     }
-    let text = String::from_utf8_lossy(&o.stderr).into_owned();
-    assert_eq!(o.status.code(), Some(2), "{text}");
+    assert_said(&o, 2, &[]);
+    let text = common::text(&o);
     if text.contains("finished") {
         assert!(folder.join("out/run.json").is_file(), "called finished without a report: {text}");
         return true;
@@ -276,7 +269,7 @@ fn half_written_files_and_locks_of_the_dead_are_in_nobodys_way() {
     std::fs::create_dir(&out).unwrap();
     std::fs::write(out.join(".eyot-abcdef.tmp"), b"EYOTCKPT half a check").unwrap();
     std::fs::write(out.join("eyot.lock"), "4194304\n").unwrap();
-    assert_eq!(finish(folder, &["resume", "out"]).status.code(), Some(2));
+    said(folder, &["resume", "out"], 2, &[]);
     finish_well(folder, &[&start[..], &["--quiet"]].concat());
     assert_whole(folder, &whole, "files of a dead run");
 }

@@ -5,8 +5,6 @@
 
 mod common;
 
-use std::time::Duration;
-
 /// Files, pictures and mesh included. Measured: 2.14 GiB, while the view is drawn; the world itself has ten layers of 64 MiB.
 #[test]
 fn an_island_of_4096_by_4096_cells_fits_in_4_gib() {
@@ -15,18 +13,8 @@ fn an_island_of_4096_by_4096_cells_fits_in_4_gib() {
     let few = ["erosion.steps=1", "growth.steps=1", "fbm.octaves=1", "view.size=[320, 200]"];
     let mut args = vec!["run", "island", "--size", "4096", "--out", "out", "--quiet"];
     few.iter().for_each(|s| args.extend(["--set", s]));
-    let mut child = common::eyot(folder.path(), &args).spawn().unwrap();
-    let status = format!("/proc/{}/status", child.id());
-    let mut most_kib = 0;
-    let ended = loop {
-        let text = std::fs::read_to_string(&status).unwrap_or_default();
-        let peak = text.lines().find_map(|l| l.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB")?.parse::<u64>().ok());
-        most_kib = most_kib.max(peak.unwrap_or(0));
-        if let Some(status) = child.try_wait().unwrap() {
-            break status;
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    };
+    let child = common::eyot(folder.path(), &args).spawn().unwrap();
+    let (ended, most_kib) = common::wait_with_peak(child);
     assert!(ended.success());
     let most = most_kib as f64 / (1 << 20) as f64;
     assert!((1.0..4.0).contains(&most), "the run held {most:.2} GiB");

@@ -1,19 +1,10 @@
 //! Streamed runs as processes: what they take of the machine's memory, and what a kill leaves.
 
+mod common;
+
+use common::{eyot, said};
 use std::io::{BufRead, BufReader};
-use std::path::Path;
-use std::process::{Command, Stdio};
-
-fn eyot(folder: &Path, args: &[&str]) -> Command {
-    let mut c = Command::new(env!("CARGO_BIN_EXE_eyot"));
-    c.args(args).current_dir(folder).stdin(Stdio::null());
-    c
-}
-
-fn finish_well(folder: &Path, args: &[&str]) {
-    let o = eyot(folder, args).output().unwrap();
-    assert!(o.status.success(), "{args:?}: {}", String::from_utf8_lossy(&o.stderr));
-}
+use std::process::Stdio;
 
 /// A world of 16384 x 16384 cells, one layer of which is 1 GiB, is made, exported twice and drawn.
 #[cfg(target_os = "linux")]
@@ -34,25 +25,12 @@ fn a_large_world_takes_less_memory_than_one_of_its_layers() {
         format = "zarr"
     "#;
     std::fs::write(folder.path().join("large.toml"), text).unwrap();
-    let mut child = eyot(folder.path(), &["run", "large.toml", "--quiet"]).spawn().unwrap();
-    let status = format!("/proc/{}/status", child.id());
-    let mut peak_kib = 0;
-    let done = loop {
-        // The system keeps the highest value, so that looking now and then misses nothing but the last moment.
-        let text = std::fs::read_to_string(&status).unwrap_or_default();
-        let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:"));
-        let kib = line.and_then(|l| l.trim().trim_end_matches(" kB").parse::<u64>().ok());
-        peak_kib = peak_kib.max(kib.unwrap_or(0));
-        match child.try_wait().unwrap() {
-            Some(done) => break done,
-            None => std::thread::sleep(std::time::Duration::from_millis(5)),
-        }
-    };
+    let child = eyot(folder.path(), &["run", "large.toml", "--quiet"]).spawn().unwrap();
+    let (done, peak_kib) = common::wait_with_peak(child);
     assert!(done.success());
     for file in ["height.tif", "world.zarr/zarr.json", "preview.png", "relief.png", "run.json"] {
         assert!(folder.path().join("large").join(file).exists(), "{file}");
     }
-    assert!(peak_kib > 0, "the system does not tell");
     // Measured: 438 MiB.
     assert!(peak_kib < 1 << 20, "{} MiB", peak_kib >> 10);
 }
@@ -79,7 +57,7 @@ fn a_killed_run_goes_on() {
         enabled = false
     "#;
     std::fs::write(folder.path().join("wide.toml"), text).unwrap();
-    finish_well(folder.path(), &["run", "wide.toml", "--quiet", "--stream", "never", "--out", "whole"]);
+    said(folder.path(), &["run", "wide.toml", "--quiet", "--stream", "never", "--out", "whole"], 0, &[]);
     for killed_in in ["height.r32", "height.tif", "world.zarr"] {
         let args = ["run", "wide.toml", "--stream", "always", "--json", "--out", killed_in];
         let mut child = eyot(folder.path(), &args).stdout(Stdio::piped()).spawn().unwrap();
@@ -93,7 +71,7 @@ fn a_killed_run_goes_on() {
         child.wait().unwrap();
         let out = folder.path().join(killed_in);
         assert!(out.join("checkpoint.eyot").exists() && !out.join("run.json").exists(), "{killed_in}");
-        finish_well(folder.path(), &["resume", killed_in, "--quiet"]);
+        said(folder.path(), &["resume", killed_in, "--quiet"], 0, &[]);
         let mut names: Vec<String> =
             std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();

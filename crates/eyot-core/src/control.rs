@@ -48,6 +48,12 @@ impl<'a> Control<'a> {
         self.check()
     }
 
+    /// Does a part of longer work: the `i`-th of `n` that take about as long as each other.
+    pub fn stage<T>(&self, i: u64, n: u64, work: impl FnOnce(&Control<'_>) -> T) -> T {
+        let report = |done: u64, total: u64| (self.progress)(i * total + done, n * total);
+        work(&Control { cancel: self.cancel.clone(), progress: &report, start: self.start })
+    }
+
     /// Fails if a stop was asked for.
     ///
     /// # Errors

@@ -52,6 +52,35 @@ impl Default for CpuEngine {
     }
 }
 
+/// Memory of a simulation at its peak.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Need {
+    /// Fields of the grid's size: layers, scratch layers, second copies, and copies to go back to where something acts.
+    pub fields: usize,
+    /// What the greediest action holds beside them, bytes per cell.
+    pub action_bytes_per_cell: usize,
+}
+
+impl Need {
+    /// What simulating these processes needs on a world that has `layers` layers, those of the processes included.
+    pub fn of(grid: &Grid, layers: usize, processes: &[Scheduled]) -> Self {
+        let mut plan = Plan::default();
+        let mut moment = Moment { grid: *grid, step: 0, turn: 0, sea_level_m: 0.0 };
+        plan_step(processes, 0, &mut moment, &mut plan);
+        let actions = processes.iter().filter_map(|s| s.process.action());
+        let action = actions.map(|a| a.bytes_per_cell()).max();
+        let copies = if action.is_some() { layers } else { 0 };
+        let fields = layers + plan.scratch_layers().len() + plan.doubled_layers().len() + copies;
+        Self { fields, action_bytes_per_cell: action.unwrap_or(0) }
+    }
+
+    /// All of it on a grid, bytes.
+    pub fn bytes(&self, grid: &Grid) -> u128 {
+        let action = self.action_bytes_per_cell as u128 * grid.cells() as u128;
+        Field::bytes_of(grid.width, grid.height) * self.fields as u128 + action
+    }
+}
+
 impl CpuEngine {
     /// Runs a span of steps of the given processes on the world.
     ///
@@ -67,7 +96,9 @@ impl CpuEngine {
         control: &Control<'_>,
     ) -> Result<()> {
         process::prepare(world, processes, &self.limits)?;
-        let mut arena = Arena::new(self.limits, world);
+        let need = Need::of(&world.grid, world.layers().len(), processes);
+        self.limits.check_bytes("this simulation", need.bytes(&world.grid))?;
+        let mut arena = Arena::new(world);
         let mut first = Plan::default();
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
         plan_step(processes, 0, &mut moment, &mut first);
@@ -119,7 +150,7 @@ impl CpuEngine {
             s.plan(local_step, &mut moment, &mut plan);
             if let Some(action) = s.process.action() {
                 if before.is_none() {
-                    before = Some(arena.save(world)?);
+                    before = Some(arena.save(world));
                 }
                 arena.run(self, &std::mem::take(&mut plan), &world.ledger)?;
                 arena.lend(world, |world| action.act(&moment, world, control))?;
@@ -163,7 +194,6 @@ struct Saved {
 struct Arena {
     grid: Grid,
     seed: u64,
-    limits: Limits,
     specs: Vec<LayerSpec>,
     /// Layers of the world come first, scratch layers after them.
     world_layers: usize,
@@ -179,13 +209,12 @@ struct Arena {
 
 impl Arena {
     /// Takes the world's fields, which [`Arena::give_back`] puts back.
-    fn new(limits: Limits, world: &mut World) -> Self {
+    fn new(world: &mut World) -> Self {
         let g = world.grid;
         let specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
         let mut arena = Self {
             grid: g,
             seed: world.seed,
-            limits,
             current: vec![0; specs.len()],
             world_layers: specs.len(),
             fields: vec![[const { None }; 2]; specs.len()],
@@ -249,7 +278,7 @@ impl Arena {
             passes = later;
         }
         // All of it before the first pass: a world must not be left in the middle of a step.
-        self.provide(&chains)?;
+        self.provide(&chains);
         for (passes, schedule) in chains {
             self.sweep(engine, passes, &schedule);
             self.post(passes, ledger);
@@ -259,7 +288,7 @@ impl Arena {
     }
 
     /// Makes what the schedules need and is not there yet: scratch layers, second copies, sums.
-    fn provide(&mut self, chains: &[(&[Pass], Schedule)]) -> Result<()> {
+    fn provide(&mut self, chains: &[(&[Pass], Schedule)]) {
         let mut missing: Vec<Buffer> = Vec::new();
         for p in chains.iter().flat_map(|(_, s)| &s.passes) {
             for b in p.writes.iter().chain(p.reads.iter().map(|r| &r.0)) {
@@ -268,11 +297,7 @@ impl Arena {
                 }
             }
         }
-        let held = self.fields.iter().flatten().flatten().count();
-        let cells = (self.grid.width as u128 + 64) * (self.grid.height as u128 + 2);
         let sums = chains.iter().map(|(passes, _)| count_sums(passes)).max().unwrap_or(0) * self.grid.height;
-        let bytes = cells * 4 * (held + missing.len()) as u128 + 8 * sums as u128;
-        self.limits.check_bytes("the layers of this simulation", bytes)?;
         let mut taken = Staggers::default();
         self.fields.iter().flatten().flatten().for_each(|f| taken.0[f.stagger()] += 1);
         for b in missing {
@@ -280,7 +305,6 @@ impl Arena {
             self.fields[b.layer][b.copy] = Some(field);
         }
         self.sums.resize(self.sums.len().max(sums), 0.0);
-        Ok(())
     }
 
     fn sweep(&mut self, engine: &CpuEngine, passes: &[Pass], schedule: &Schedule) {
@@ -344,12 +368,9 @@ impl Arena {
     }
 
     /// What [`Arena::restore`] needs.
-    fn save(&mut self, world: &mut World) -> Result<Saved> {
+    fn save(&mut self, world: &mut World) -> Saved {
         self.settle(world);
-        let held = self.fields.iter().flatten().flatten().chain(self.world_fields()).map(Field::bytes);
-        self.limits.check_bytes("a copy of the world to go back to", held.map(|b| b as u128).sum())?;
-        let fields = self.world_fields().cloned().collect();
-        Ok(Saved { fields, ledger: world.ledger.clone() })
+        Saved { fields: self.world_fields().cloned().collect(), ledger: world.ledger.clone() }
     }
 
     /// Takes back everything since `saved`.

@@ -28,6 +28,13 @@ pub struct Field {
     stagger: usize,
 }
 
+/// Floats from one row to the next.
+const fn stride(width: usize) -> usize {
+    let stride = PAD_LEFT + width.next_multiple_of(WIDTH) + WIDTH;
+    // Rows whose distance is a multiple of 4096 bytes would alias each other in the same way.
+    if (stride * 4).is_multiple_of(1024) { stride + WIDTH } else { stride }
+}
+
 impl Field {
     /// A field of `value`s.
     pub fn new(width: usize, height: usize, value: f32) -> Self {
@@ -39,11 +46,7 @@ impl Field {
     /// Arrays whose bases agree modulo 4096 bytes slow each other down (a load after a store to the same low
     /// address bits waits for it); the engine gives each array of a world another stagger.
     pub fn staggered(width: usize, height: usize, value: f32, stagger: usize) -> Self {
-        let mut stride = PAD_LEFT + width.next_multiple_of(WIDTH) + WIDTH;
-        // Rows whose distance is a multiple of 4096 bytes would alias each other in the same way.
-        if (stride * 4).is_multiple_of(1024) {
-            stride += WIDTH;
-        }
+        let stride = stride(width);
         let stagger = stagger % STAGGERS;
         let lead = stagger * 2 * WIDTH;
         let len = lead + stride * (height + PAD_TOP) + WIDTH;
@@ -111,6 +114,12 @@ impl Field {
     /// Rows.
     pub fn height(&self) -> usize {
         self.height
+    }
+
+    /// Bytes that a field of this size holds, padding included, before there is one: never less than [`Field::bytes`].
+    pub fn bytes_of(width: usize, height: usize) -> u128 {
+        let lead = (STAGGERS - 1) * 2 * WIDTH + 2 * WIDTH;
+        4 * (lead as u128 + stride(width) as u128 * (height as u128 + PAD_TOP as u128))
     }
 
     /// Bytes held, padding included.

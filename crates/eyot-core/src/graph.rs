@@ -251,7 +251,8 @@ impl Graph {
 
     /// Removes nodes that nothing needs.
     fn drop_unused(&mut self) {
-        let roots: Vec<Id> = self.outputs.iter().chain(&self.sums).chain(self.leaving.iter().flatten()).copied().collect();
+        let roots: Vec<Id> =
+            self.outputs.iter().chain(&self.sums).chain(self.leaving.iter().flatten()).copied().collect();
         let used = self.needed(&roots);
         let mut renamed = vec![0; self.nodes.len()];
         let mut kept = Vec::new();

@@ -53,13 +53,47 @@ impl Limits {
     /// If `bytes` exceeds [`Limits::max_bytes`].
     pub fn check_bytes(&self, what: &str, bytes: u128) -> Result<()> {
         if bytes > u128::from(self.max_bytes) {
+            let mut amounts = [bytes, u128::from(self.max_bytes)].map(amount);
+            if amounts[0] == amounts[1] {
+                amounts = [bytes, u128::from(self.max_bytes)].map(|n| format!("{n} bytes"));
+            }
+            let [needed, limit] = amounts;
             return Err(Error::Limit {
                 what: what.to_owned(),
-                needed: format!("{} MiB", bytes >> 20),
-                limit: format!("{} MiB", self.max_bytes >> 20),
+                needed,
+                limit,
                 remedy: "choose a smaller grid, fewer layers, or raise the limit with --max-memory",
             });
         }
         Ok(())
+    }
+}
+
+/// Bytes in the largest unit that is not too large for them, to a tenth.
+fn amount(bytes: u128) -> String {
+    let units = ["bytes", "KiB", "MiB", "GiB", "TiB"];
+    let unit = (0..units.len()).rfind(|i| bytes >> (10 * i) > 0).unwrap_or(0);
+    if unit == 0 {
+        return if bytes == 1 { "1 byte".to_owned() } else { format!("{bytes} bytes") };
+    }
+    format!("{:.1} {}", bytes as f64 / 1024_f64.powi(unit as i32), units[unit])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_are_never_nothing() {
+        assert_eq!((amount(1).as_str(), amount(1023).as_str()), ("1 byte", "1023 bytes"));
+        assert_eq!(amount(1024), "1.0 KiB");
+        assert_eq!(amount(3 << 19), "1.5 MiB");
+        assert_eq!(amount(40 << 30), "40.0 GiB");
+        let limits = Limits { max_bytes: 1000, ..Limits::default() };
+        let e = limits.check_bytes("a thing", 1536).unwrap_err().to_string();
+        assert!(e.contains("needs 1.5 KiB, the limit is 1000 bytes"), "{e}");
+        let limits = Limits { max_bytes: 4096, ..Limits::default() };
+        let e = limits.check_bytes("a thing", 4097).unwrap_err().to_string();
+        assert!(e.contains("needs 4097 bytes, the limit is 4096 bytes"), "{e}");
     }
 }

@@ -64,6 +64,16 @@ impl Plan {
     pub fn scratch_layers(&self) -> &[LayerSpec] {
         &self.scratch
     }
+
+    /// Layers of which the engine holds two copies: those that some pass writes while it reads their neighbouring cells.
+    pub fn doubled_layers(&self) -> Vec<&'static str> {
+        let around = |p: &Pass, layer: &str| p.reads().iter().any(|r| r.layer == layer && r.reach > 0);
+        let mut names: Vec<&str> =
+            self.passes().flat_map(|p| p.writes().iter().copied().filter(move |w| around(p, w))).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
 }
 
 impl Pass {

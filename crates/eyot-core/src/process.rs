@@ -32,6 +32,11 @@ pub trait Process: Send + Sync {
     /// Layers that the process reads or writes, with the value that a missing one starts from.
     fn layers(&self) -> Vec<(LayerSpec, f32)>;
 
+    /// Layers that it reads and cannot make itself: something before it has to.
+    fn needs(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
     /// Finds parameters that cannot work together or on this grid, before anything runs.
     ///
     /// # Errors
@@ -70,6 +75,10 @@ pub trait Action: Send + Sync {
     /// If a parameter cannot work on this world, or on a request to stop, which long work must look for. The engine then
     /// takes the whole step back.
     fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()>;
+
+    /// The most that it holds for each cell while it acts, beside the world's layers, bytes. Runs are refused by this number
+    /// before they begin, so it is measured and not guessed (`eyot-land/tests/memory.rs`).
+    fn bytes_per_cell(&self) -> usize;
 }
 
 /// What a generator may look at, and which rows it is to make.
@@ -186,6 +195,12 @@ pub trait Generator: Send + Sync {
     /// How a grid can be cut for this generator. If not at all, it is only ever asked for all rows.
     fn reach(&self, _grid: &Grid) -> Reach {
         Reach::Whole
+    }
+
+    /// The most that it holds for each cell while it generates, the result included, bytes. Measured as
+    /// [`Action::bytes_per_cell`]. Most make their result row by row and hold nothing else.
+    fn bytes_per_cell(&self, _grid: &Grid) -> usize {
+        size_of::<f32>()
     }
 
     /// Layers that it looks at beside its base.
@@ -386,6 +401,7 @@ pub fn prepare(world: &mut World, processes: &[Scheduled], limits: &Limits) -> R
     }
     processes.iter().try_for_each(|s| s.process.check(&world.grid))?;
     for s in processes {
+        s.process.needs().into_iter().try_for_each(|name| world.layer(name).map(|_| ()))?;
         for (spec, value) in s.process.layers() {
             world.ensure(&spec, value);
         }

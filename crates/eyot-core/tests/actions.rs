@@ -1,6 +1,6 @@
 //! Actions: work on the whole world between the passes of rules.
 
-use eyot_core::engine::CpuEngine;
+use eyot_core::engine::{CpuEngine, Need};
 use eyot_core::plan::Plan;
 use eyot_core::process::{Action, Moment, Process, Scheduled, Span};
 use eyot_core::real::Real;
@@ -76,6 +76,10 @@ impl Action for AddOne {
         world.layer_mut("level")?.field.map_in_place(|v| if std::mem::take(&mut first) { v } else { v + 1.0 });
         Ok(())
     }
+
+    fn bytes_per_cell(&self) -> usize {
+        100
+    }
 }
 
 fn scheduled(stop: Option<(u64, Cancel)>) -> Vec<Scheduled> {
@@ -123,4 +127,21 @@ fn a_stop_within_an_action_leaves_whole_steps() {
     let mut straight = world(Rim::WRAP);
     engine.simulate(&mut straight, &scheduled(None), Span { from: 0, steps: 9 }, &Control::none()).unwrap();
     assert_eq!(stopped, straight);
+}
+
+#[test]
+fn what_an_action_takes_is_refused_before_the_first_step() {
+    let mut w = world(Rim::CLOSED);
+    let need = Need::of(&w.grid, 1, &scheduled(None));
+    // The layer, its second copy for a rule that looks around, and the copy to go back to.
+    assert_eq!((need.fields, need.action_bytes_per_cell), (3, 100));
+    let bytes = need.bytes(&w.grid);
+    assert!(bytes > 37 * 9 * 100, "{bytes}");
+    let within =
+        |most: u64| CpuEngine { limits: Limits { max_bytes: most, ..Limits::default() }, ..Default::default() };
+    let span = Span { from: 0, steps: 1 };
+    let refused = within(bytes as u64 - 1).simulate(&mut w, &scheduled(None), span, &Control::none()).unwrap_err();
+    assert!(matches!(refused, eyot_core::Error::Limit { .. }), "{refused}");
+    assert_eq!((w.step, w.ledger.amount("level.added")), (0, 0.0));
+    within(bytes as u64).simulate(&mut w, &scheduled(None), span, &Control::none()).unwrap();
 }

@@ -153,10 +153,14 @@ impl Arena {
             }
             let (upper, lower) = (&self.slabs[i], &self.slabs[(i + 1) % count]);
             // From column -1 on, which lies one number before the row.
-            let (own, ghost) = (self.offset(lower, 0, lower.first as isize), self.offset(upper, 0, (upper.first + upper.rows) as isize));
+            let (own, ghost) = (
+                self.offset(lower, 0, lower.first as isize),
+                self.offset(upper, 0, (upper.first + upper.rows) as isize),
+            );
             encoder.copy_buffer_to_buffer(&lower.state, own, &upper.state, ghost, bytes);
             let last = (upper.first + upper.rows - GHOST) as isize;
-            let (own, ghost) = (self.offset(upper, 0, last), self.offset(lower, 0, lower.first as isize - GHOST as isize));
+            let (own, ghost) =
+                (self.offset(upper, 0, last), self.offset(lower, 0, lower.first as isize - GHOST as isize));
             encoder.copy_buffer_to_buffer(&upper.state, own, &lower.state, ghost, bytes);
         }
     }
@@ -203,7 +207,13 @@ impl Arena {
                 let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 for (i, &y) in piece.iter().enumerate() {
                     let from = self.offset(slab, slot, y);
-                    encoder.copy_buffer_to_buffer(&slab.state, from, &staging, (i * row_bytes) as u64, row_bytes as u64);
+                    encoder.copy_buffer_to_buffer(
+                        &slab.state,
+                        from,
+                        &staging,
+                        (i * row_bytes) as u64,
+                        row_bytes as u64,
+                    );
                 }
                 gpu.queue.submit([encoder.finish()]);
                 let (tell, told) = std::sync::mpsc::channel();

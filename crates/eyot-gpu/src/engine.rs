@@ -499,7 +499,8 @@ impl GpuEngine {
         while next < dispatches.len() {
             // Between slabs rows must be shared, which cannot be done inside a pass.
             let end = if r.arena.split() {
-                next + 1 + dispatches[next..].iter().position(|d| d.last_of_group).unwrap_or(dispatches.len() - next - 1)
+                next + 1
+                    + dispatches[next..].iter().position(|d| d.last_of_group).unwrap_or(dispatches.len() - next - 1)
             } else {
                 dispatches.len()
             };
@@ -538,8 +539,10 @@ impl GpuEngine {
         if let Some(kernel) = r.kernels.get(group) {
             return Ok(Arc::clone(kernel));
         }
-        let graphs: Vec<Arc<Graph>> =
-            passes.iter().map(|p| Arc::clone(r.graphs.entry(p.kind()).or_insert_with(|| Arc::new(p.graph())))).collect();
+        let graphs: Vec<Arc<Graph>> = passes
+            .iter()
+            .map(|p| Arc::clone(r.graphs.entry(p.kind()).or_insert_with(|| Arc::new(p.graph()))))
+            .collect();
         let graphs: Vec<&Graph> = graphs.iter().map(|g| &**g).collect();
         let setting = Setting { specs: &r.specs, rim: r.arena.grid.rim, split: r.arena.split() };
         let source = shader::wgsl(group, &graphs, setting);
@@ -640,13 +643,16 @@ impl Resident {
             accounts.len(),
             engine.options.most_bytes,
         )?;
+        let mut stale = vec![false; specs.len()];
         for (l, layer) in world.layers().iter().enumerate() {
-            arena.upload(&engine.gpu, slots[&(l, 0)], &shut(&layer.spec, &world.grid, &layer.field))?;
+            let field = shut(&layer.spec, &world.grid, &layer.field);
+            arena.upload(&engine.gpu, slots[&(l, 0)], &field)?;
+            stale[l] = matches!(field, Cow::Owned(_));
         }
         let r = Self {
             arena,
             current: vec![0; specs.len()],
-            stale: vec![false; specs.len()],
+            stale,
             specs,
             world_layers,
             slots,
@@ -736,15 +742,20 @@ impl Resident {
                 self.slots[&(l, copy)] as u32
             }));
             for pass in passes {
-                let key = pass.key(self.seed);
-                jobs.extend([key.low, key.high]);
+                if self.graphs.get(&pass.kind()).is_some_and(|g| shader::is_random(g)) {
+                    let key = pass.key(self.seed);
+                    jobs.extend([key.low, key.high]);
+                }
                 jobs.extend(pass.params().iter().map(|p| p.to_bits()));
-                jobs.extend(pass.tallies().iter().map(|t| {
-                    self.accounts.iter().position(|a| a.account == t.account).unwrap_or_default() as u32
-                }));
+                jobs.extend(
+                    pass.tallies()
+                        .iter()
+                        .map(|t| self.accounts.iter().position(|a| a.account == t.account).unwrap_or_default() as u32),
+                );
             }
             jobs.resize(start + JOB_WORDS, 0);
-            let tiles = [(g.width + outer[0]).div_ceil(TILE[0]) as u32, (slab.rows + outer[1]).div_ceil(TILE[1]) as u32];
+            let tiles =
+                [(g.width + outer[0]).div_ceil(TILE[0]) as u32, (slab.rows + outer[1]).div_ceil(TILE[1]) as u32];
             dispatches.push(Dispatch {
                 kernel: Arc::clone(kernel),
                 slab: n,

@@ -27,7 +27,9 @@ pub enum GpuError {
     #[error("the graphics device was lost: {0}")]
     Lost(String),
     /// The adapter's limits are too small for what was asked.
-    #[error("`{adapter}` cannot do this: {what} needs {needed}, it allows {limit}; choose a smaller grid or --engine cpu")]
+    #[error(
+        "`{adapter}` cannot do this: {what} needs {needed}, it allows {limit}; choose a smaller grid or --engine cpu"
+    )]
     Limits {
         /// Name of the adapter.
         adapter: String,

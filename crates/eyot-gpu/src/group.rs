@@ -93,7 +93,10 @@ pub(crate) fn groups(passes: &[Pass], layers: &Layers<'_>, bounds: Bounds) -> Op
         let mut end = start + 1;
         while end < passes.len() && end - start < bounds.passes {
             let longer = analyse(passes, start, end + 1, layers)?;
-            if longer.shared() > bounds.shared || longer.reach(passes, start) > GHOST || longer.words(passes, start) > JOB_WORDS {
+            if longer.shared() > bounds.shared
+                || longer.reach(passes, start) > GHOST
+                || longer.words(passes, start) > JOB_WORDS
+            {
                 break;
             }
             (group, end) = (longer, end + 1);
@@ -193,9 +196,8 @@ impl Group {
 
     /// 1 along the axes on which the group also computes faces beyond the first column or row.
     pub(crate) fn outer_faces(&self, specs: &[LayerSpec], rim: Rim) -> [usize; 2] {
-        let writes = |stagger: Stagger| {
-            self.stages.iter().flat_map(|s| &s.writes).any(|w| specs[w.layer].stagger == stagger)
-        };
+        let writes =
+            |stagger: Stagger| self.stages.iter().flat_map(|s| &s.writes).any(|w| specs[w.layer].stagger == stagger);
         [
             usize::from(rim.x == Edge::Open && writes(Stagger::FaceX)),
             usize::from(rim.y == Edge::Open && writes(Stagger::FaceY)),

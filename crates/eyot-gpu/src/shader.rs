@@ -59,11 +59,18 @@ fn job_fields(group: &Group, graphs: &[&Graph], specs: &[LayerSpec]) -> Vec<(Str
     fields.extend(group.inputs.iter().map(|&l| (format!("from_{}", specs[l].name), "i32")));
     fields.extend(group.outputs.iter().map(|&(l, _)| (format!("to_{}", specs[l].name), "i32")));
     for (i, g) in graphs.iter().enumerate() {
-        fields.extend([(format!("key_low_{i}"), "u32"), (format!("key_high_{i}"), "u32")]);
+        if is_random(g) {
+            fields.extend([(format!("key_low_{i}"), "u32"), (format!("key_high_{i}"), "u32")]);
+        }
         fields.extend(g.params.iter().map(|p| (format!("{p}_{i}"), "f32")));
         fields.extend((0..g.sums.len()).map(|k| (format!("account_{i}_{k}"), "i32")));
     }
     fields
+}
+
+/// True if the rule asks for random numbers.
+pub(crate) fn is_random(graph: &Graph) -> bool {
+    graph.nodes.iter().any(|op| matches!(op, Op::Uniform(_)))
 }
 
 fn print(o: &mut Out, group: &Group, graphs: &[&Graph], setting: Setting<'_>) {
@@ -124,7 +131,7 @@ fn helpers(o: &mut Out, graphs: &[&Graph]) {
     o.line("fn wrapped(i: i32, n: i32) -> i32 {");
     o.line("return (i % n + n) % n;");
     o.line("}");
-    if graphs.iter().flat_map(|g| &g.nodes).any(|op| matches!(op, Op::Uniform(_))) {
+    if graphs.iter().any(|g| is_random(g)) {
         o.line("fn mix_round(a: u32) -> u32 {");
         o.line("let b = (a ^ (a >> 16u)) * 0x21f0aaadu;");
         o.line("let c = (b ^ (b >> 15u)) * 0x735a2d97u;");
@@ -207,18 +214,19 @@ impl StagePrinter<'_> {
         let around = if halo > 0 { format!(", and on {halo} cells around the tile") } else { String::new() };
         o.line(&format!("// Rule `{}`{around}.", self.graph.name));
         o.line(&format!("for (var c = thread; c < {}u; c += {THREADS}u) {{", side[0] * side[1]));
-        o.line(&format!("let cx = left + i32(c % {}u) - {halo};", side[0]));
-        o.line(&format!("let cy = top + i32(c / {}u) - {halo};", side[0]));
+        let back = if halo > 0 { format!(" - {halo}") } else { String::new() };
+        o.line(&format!("let cx = left + i32(c % {}u){back};", side[0]));
+        o.line(&format!("let cy = top + i32(c / {}u){back};", side[0]));
         let mut outside = Vec::new();
         for (axis, at, n) in [(Axis::X, "cx", "job.width"), (Axis::Y, "cy", "job.height")] {
             if self.edge(axis) != Edge::Wrap {
-                outside.push(format!("{at} < {} || {at} >= {n}", self.first(axis)));
+                outside.push(format!("{at} < {}", self.first(axis)));
             }
-        }
-        if halo == 0 {
-            // Nobody reads what lies beyond the tile's share of the grid.
-            let mut beyond = vec!["cx >= job.width".to_owned(), "cy >= job.end_row".to_owned()];
-            outside.append(&mut beyond);
+            // Without a halo nobody reads what lies beyond the grid or the slab.
+            let n = if halo == 0 && axis == Axis::Y { "job.end_row" } else { n };
+            if halo == 0 || self.edge(axis) != Edge::Wrap {
+                outside.push(format!("{at} >= {n}"));
+            }
         }
         if !outside.is_empty() {
             o.line(&format!("if {} {{", outside.join(" || ")));
@@ -502,7 +510,9 @@ impl Names {
                 let comment = if equation.is_empty() { String::new() } else { format!(" // {equation}") };
                 (name.to_owned(), comment)
             }
-            (None, Op::Read(slot, dx, dy)) => (format!("{}{}", graph.reads[slot as usize], compass(dx, dy)), String::new()),
+            (None, Op::Read(slot, dx, dy)) => {
+                (format!("{}{}", graph.reads[slot as usize], compass(dx, dy)), String::new())
+            }
             _ => (format!("n{id}"), String::new()),
         };
         let name = if self.taken.insert(name.clone()) { name } else { format!("{name}_{id}") };

@@ -61,7 +61,7 @@ fn open(path: &Path) -> Result<(&Path, tempfile::NamedTempFile)> {
         let kind = if there.is_dir() { "a folder" } else { "no ordinary file" };
         return Err(Error::format(path, format!("this is {kind} already"), "choose another file name"));
     }
-    let temporary = builder().tempfile_in(folder).map_err(Error::io(folder, "write to the folder"))?;
+    let temporary = builder().tempfile_in(folder).map_err(|e| Error::io(folder, "write to the folder")(bare(e)))?;
     Ok((folder, temporary))
 }
 
@@ -81,8 +81,9 @@ pub(crate) fn write_folder_atomically(path: &Path, mark: &str, write: impl FnOnc
         let problem = format!("something else is there already, which holds no {mark}");
         return Err(Error::format(path, problem, "choose another name, or remove it first"));
     }
-    let temporary =
-        folder_builder(PREFIX, SUFFIX).tempdir_in(parent).map_err(Error::io(parent, "write to the folder"))?;
+    let temporary = folder_builder(PREFIX, SUFFIX)
+        .tempdir_in(parent)
+        .map_err(|e| Error::io(parent, "write to the folder")(bare(e)))?;
     // Tells `remove_leftovers` that somebody is at work in it.
     let lock = File::open(temporary.path()).ok();
     let _ = lock.as_ref().map(File::try_lock);
@@ -92,7 +93,7 @@ pub(crate) fn write_folder_atomically(path: &Path, mark: &str, write: impl FnOnc
         true => {
             // Not named like a leftover: were this process killed here, the former folder would still be there.
             let aside = folder_builder(".eyot-former-", "").tempdir_in(parent);
-            let aside = aside.map_err(Error::io(parent, "write to the folder"))?;
+            let aside = aside.map_err(|e| Error::io(parent, "write to the folder")(bare(e)))?;
             fs::rename(path, aside.path().join("former")).map_err(Error::io(path, "replace"))?;
             Some(aside)
         }
@@ -108,6 +109,12 @@ pub(crate) fn write_folder_atomically(path: &Path, mark: &str, write: impl FnOnc
     // It has another name now, so there is nothing left to remove.
     let _ = temporary.keep();
     sync_folder(parent).map_err(Error::io(parent, "flush the folder"))
+}
+
+/// What the system says, without the temporary name that `tempfile` adds: nobody asked for a file of that name.
+fn bare(e: io::Error) -> io::Error {
+    let text = e.to_string();
+    io::Error::new(e.kind(), text.split(" at path ").next().unwrap_or_default())
 }
 
 fn folder_builder(prefix: &'static str, suffix: &'static str) -> tempfile::Builder<'static, 'static> {

@@ -146,6 +146,57 @@ fn smoothing_keeps_constants_and_mass() {
     assert!(worst < 1e-6, "{worst:e}");
 }
 
+/// A Gaussian that is wider than the grid meets each cell again and again; every rim says where.
+#[test]
+fn a_wide_gaussian_is_what_its_sum_says() {
+    let (n, sigma) = (24_i64, 30.0);
+    let base = rough(n as usize, 1);
+    for edge in [Edge::Closed, Edge::Open, Edge::Wrap] {
+        let g = grid(n as usize, 1, 1.0, 1.0, Rim::both(edge));
+        let f = make(&Smooth { sigma_cells: sigma as f32, ..Smooth::default() }, &base, g);
+        for x in 0..n {
+            let cell = |i: i64| match edge {
+                Edge::Wrap => i.rem_euclid(n),
+                Edge::Open => i.clamp(0, n - 1),
+                Edge::Closed => i.rem_euclid(2 * n).min(2 * n - 1 - i.rem_euclid(2 * n)),
+            };
+            let (mut sum, mut total) = (0.0, 0.0);
+            for k in -120..=120 {
+                let w = (-0.5 * (k as f64 / sigma).powi(2)).exp();
+                sum += w * f64::from(base.get(cell(x + k) as usize, 0));
+                total += w;
+            }
+            let found = f64::from(f.get(x as usize, 0));
+            assert!((found - sum / total).abs() < 1e-3, "{edge:?}, column {x}: {found} for {}", sum / total);
+        }
+    }
+}
+
+/// A thousand passes, each wider than the grid: the land is level after the first few, and the others are not worth the wait.
+#[test]
+fn smoothing_beyond_all_measure_is_level_and_quick() {
+    let (w, h) = (300, 200);
+    let base = rough(w, h);
+    let mean = base.sum() / (w * h) as f64;
+    for rim in [Rim::CLOSED, Rim::WRAP, Rim::OPEN] {
+        for (sigma_m, sigma_cells) in [(1e7, 0.0), (0.0, 1024.0), (0.0, 150.0)] {
+            let begun = std::time::Instant::now();
+            let f = make(
+                &Smooth { passes: 1000, sigma_m, sigma_cells, ..Smooth::default() },
+                &base,
+                grid(w, h, 10.0, 10.0, rim),
+            );
+            let (low, high) = f.min_max();
+            assert!(high - low < 0.01, "{rim:?}: from {low} to {high}");
+            if rim != Rim::OPEN {
+                assert!((f64::from(low) - mean).abs() < 0.01, "{low} for {mean}");
+            }
+            // A thousand such passes take minutes.
+            assert!(begun.elapsed().as_secs() < 20, "{:?}", begun.elapsed());
+        }
+    }
+}
+
 #[test]
 fn smoothing_one_cell_gives_a_round_gaussian() {
     let g = grid(65, 65, 10.0, 10.0, Rim::CLOSED);

@@ -4,12 +4,12 @@
 //! stretch warms up, and the following ones are samples. Start fields and parameters are those of
 //! `benches/peers/common.py`; `benches/peers/check.py` shows that start fields are equal to the bit and results agree.
 
-use eyot_core::engine::CpuEngine;
+use eyot_core::engine::{CpuEngine, Need};
 use eyot_core::isa::Isa;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Generator, Moment, Process, Scheduled, Site, Span};
 use eyot_core::{Cancel, Control, Error, Field, Grid, Limits, Result, Rim, World};
-use eyot_land::drainage::{Base, Routing, fill, outlets};
+use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
@@ -111,14 +111,15 @@ pub struct BenchReport {
     pub cell_steps_per_second: f64,
     /// Cells times steps a second in the median sample.
     pub cell_steps_per_second_median: f64,
-    /// Memory held for a cell while it runs: layers, scratch layers and second copies, padding included.
+    /// The most memory that is held for a cell while it runs: layers, scratch layers and second copies, padding included,
+    /// and what actions, drainage and generators hold beside them.
     pub bytes_per_cell: f64,
     /// What the passes of a step must read and write for a cell if each is on its own: one read or write per layer and
-    /// pass. What reaches memory is less, because a row stays in cache through several passes and steps. 0 for drainage.
-    pub bytes_moved_per_cell_step: f64,
-    /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; 0 for noise and
-    /// actions, whose work is no rules.
-    pub operations_per_cell_step: usize,
+    /// pass. What reaches memory is less, because a row stays in cache through several passes and steps. `None` where the work
+    /// is no rules, which alone say what they read.
+    pub bytes_moved_per_cell_step: Option<f64>,
+    /// Arithmetic operations of the rules' graphs for a cell and step, equal subexpressions counted once; `None` as above.
+    pub operations_per_cell_step: Option<usize>,
     /// Ledger of the whole run, warm-up included, in the accounts' units.
     pub ledger: BTreeMap<String, f64>,
 }
@@ -142,20 +143,23 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
         .num_threads(options.threads)
         .build()
         .map_err(|e| bad("threads", e.to_string()))?;
-    pool.install(|| match options.what {
+    let result = pool.install(|| match options.what {
         BenchSubject::Noise => noise(options),
         BenchSubject::Drainage => drainage(options),
         _ => simulation(options),
+    });
+    result.map_err(|e| match e {
+        Error::Limit { what, needed, limit, .. } => {
+            Error::Limit { what, needed, limit, remedy: "choose fewer cells with --size" }
+        }
+        other => other,
     })
 }
 
 /// Start fields and processes of a simulation benchmark; the same as the peers'.
 ///
 /// # Errors
-/// If the grid is not sound.
-///
-/// # Panics
-/// If asked for noise or drainage, which are no simulations.
+/// If the grid is not sound, or if asked for noise or drainage, which are no simulations.
 pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
     // Cell size, lowest and highest ground (m), process.
     let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
@@ -164,7 +168,9 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
         // A year a step makes one spreading a growth; the default of ten years takes nine.
         (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
-        (BenchSubject::Noise | BenchSubject::Drainage, _) => panic!("{} is no simulation", what.name()),
+        (BenchSubject::Noise | BenchSubject::Drainage, _) => {
+            return Err(bad("what", format!("{} is no simulation", what.name())));
+        }
         (BenchSubject::Streampower, _) => (30.0, 0.0, 200.0, Box::new(streampower())),
     };
     let rim = if what == BenchSubject::Streampower { Rim::OPEN } else { Rim::CLOSED };
@@ -248,7 +254,8 @@ const SAMPLES: u32 = 8;
 
 fn simulation(options: &BenchOptions) -> Result<BenchReport> {
     let (mut world, processes) = case(options.what, options.classic, options.size)?;
-    let (bytes_per_cell, bytes_moved_per_cell_step, operations) = work(&world, &processes);
+    let held = Need::of(&world.grid, world.layers().len(), &processes);
+    let rules = rules(&world, &processes);
     let engine = CpuEngine { isa: options.isa.unwrap_or_else(Isa::best), ..CpuEngine::default() };
 
     // Stamps at the ends of chains, thinned to one a sample, until there are enough; then the engine is asked to stop.
@@ -281,52 +288,47 @@ fn simulation(options: &BenchOptions) -> Result<BenchReport> {
         options.what.name()
     };
     let mut report = report(what, options, engine.isa, &timed);
-    report.bytes_per_cell = bytes_per_cell;
-    report.bytes_moved_per_cell_step = bytes_moved_per_cell_step;
-    report.operations_per_cell_step = operations;
+    report.bytes_per_cell = held.bytes(&world.grid) as f64 / world.grid.cells() as f64;
+    report.bytes_moved_per_cell_step = rules.map(|r| r.0);
+    report.operations_per_cell_step = rules.map(|r| r.1);
     report.ledger = world.ledger.iter().map(|(name, a)| (name.to_owned(), a.amount)).collect();
     Ok(report)
 }
 
-/// Bytes held for a cell, bytes that the passes of a step read and write for it, and arithmetic operations.
-///
-/// Held are the world's layers, the plan's scratch layers, and a second copy of each layer that some pass writes while
-/// it reads the layer's neighbouring cells: the engine's rule for what must be flipped.
-fn work(world: &World, processes: &[Scheduled]) -> (f64, f64, usize) {
+/// Bytes that the passes of a step read and write for a cell, and arithmetic operations; `None` if actions do some of the work,
+/// of which the plan knows nothing.
+fn rules(world: &World, processes: &[Scheduled]) -> Option<(f64, usize)> {
+    if processes.iter().any(|s| s.process.action().is_some()) {
+        return None;
+    }
     let mut plan = Plan::default();
     let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: world.sea_level_m };
     processes.iter().for_each(|s| s.process.plan(&moment, &mut plan));
-    let mut flips: Vec<&str> = plan
-        .passes()
-        .flat_map(|p| p.writes().iter().filter(|w| p.reads().iter().any(|r| r.layer == **w && r.reach > 0)))
-        .copied()
-        .collect();
-    flips.sort_unstable();
-    flips.dedup();
-    let arrays = world.layers().len() + plan.scratch_layers().len() + flips.len();
-    let array = Field::new(world.grid.width, world.grid.height, 0.0).bytes() as f64 / world.grid.cells() as f64;
     let moved: usize = plan.passes().map(|p| p.reads().len() + p.writes().len()).sum();
     let operations = plan.passes().map(|p| p.graph().operations()).sum();
-    (array * arrays as f64, (moved * size_of::<f32>()) as f64, operations)
+    Some(((moved * size_of::<f32>()) as f64, operations))
 }
 
 fn noise(options: &BenchOptions) -> Result<BenchReport> {
     let isa = best_isa(options)?;
     let generator = fbm(8)?;
     let grid = Grid::new(options.size, options.size, 10.0, Rim::CLOSED, &Limits::default())?;
+    // The base and the result.
+    let bytes = 2 * Field::bytes_of(options.size, options.size);
+    Limits::default().check_bytes("this benchmark", bytes)?;
     let (world, base) = (World::new(grid, 1), Field::new(options.size, options.size, 0.0));
     let control = Control::none();
     let field = |seed: u64| {
         let start = Instant::now();
         let made = generator.generate(&Site::whole(grid, seed, &world, &control), &base)?;
         std::hint::black_box(made.get(0, 0));
-        Ok::<_, Error>((start.elapsed().as_secs_f64(), made.bytes()))
+        Ok::<_, Error>(start.elapsed().as_secs_f64())
     };
-    let (once, bytes) = field(0)?;
-    let timed = samples(options, once, |i| Ok(field(1 + i)?.0))?;
+    let once = field(0)?;
+    let timed = samples(options, once, |i| field(1 + i))?;
     let mut report = report(options.what.name(), options, isa, &timed);
     report.bytes_per_cell = bytes as f64 / grid.cells() as f64;
-    report.bytes_moved_per_cell_step = size_of::<f32>() as f64;
+    report.bytes_moved_per_cell_step = Some(size_of::<f32>() as f64);
     Ok(report)
 }
 
@@ -344,6 +346,9 @@ pub fn drainage_case(size: usize) -> Result<(Grid, Vec<f32>)> {
 
 fn drainage(options: &BenchOptions) -> Result<BenchReport> {
     let isa = best_isa(options)?;
+    // The land, the copy that is filled, and what the work itself holds.
+    let each = 2 * size_of::<f32>() + BYTES_PER_CELL;
+    Limits::default().check_bytes("this benchmark", (options.size as u128).pow(2) * each as u128)?;
     let (grid, height) = drainage_case(options.size)?;
     let control = Control::none();
     let run = || {
@@ -358,8 +363,7 @@ fn drainage(options: &BenchOptions) -> Result<BenchReport> {
     let once = run()?;
     let timed = samples(options, once, |_| run())?;
     let mut report = report(options.what.name(), options, isa, &timed);
-    // While flats are resolved: heights, outlets, directions, links, and steps from both sides.
-    report.bytes_per_cell = (2 * size_of::<f32>() + 3 + 2 * size_of::<u32>()) as f64;
+    report.bytes_per_cell = each as f64;
     Ok(report)
 }
 
@@ -421,8 +425,8 @@ fn report(what: &'static str, options: &BenchOptions, isa: Isa, timed: &[(u64, f
         cell_steps_per_second: cells / best,
         cell_steps_per_second_median: cells / median,
         bytes_per_cell: 0.0,
-        bytes_moved_per_cell_step: 0.0,
-        operations_per_cell_step: 0,
+        bytes_moved_per_cell_step: None,
+        operations_per_cell_step: None,
         ledger: BTreeMap::new(),
     }
 }
@@ -434,24 +438,27 @@ fn bad(field: &str, reason: String) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eyot_core::process::Action;
 
     #[test]
     fn every_simulation_reports_sound_numbers() {
         for (what, classic, held, moved) in [
-            (BenchSubject::Hydraulic, false, 10, 21),
-            (BenchSubject::Hydraulic, true, 11, 26),
-            (BenchSubject::Thermal, false, 2, 2),
-            (BenchSubject::Reef, false, 6, 13),
-            // An action, of which the plan knows nothing.
-            (BenchSubject::Streampower, false, 2, 0),
+            (BenchSubject::Hydraulic, false, 10, Some(21)),
+            (BenchSubject::Hydraulic, true, 11, Some(26)),
+            (BenchSubject::Thermal, false, 2, Some(2)),
+            (BenchSubject::Reef, false, 6, Some(13)),
+            // Two layers and the copies to go back to; its action, of which the plan knows nothing, comes on top.
+            (BenchSubject::Streampower, false, 4, None),
         ] {
             let options = BenchOptions { what, classic, size: 64, seconds: 0.05, ..Default::default() };
             let r = run(&options).unwrap();
             assert_eq!(r.samples, SAMPLES as usize, "{what:?}");
             assert!(r.seconds_per_step > 0.0 && r.seconds_per_step <= r.seconds_per_step_median);
-            let padding = Field::new(64, 64, 0.0).bytes() as f64 / (64.0 * 64.0);
-            assert!((r.bytes_per_cell - padding * f64::from(held)).abs() < 1e-9, "{what:?}: {}", r.bytes_per_cell);
-            assert_eq!(r.bytes_moved_per_cell_step, 4.0 * f64::from(moved), "{what:?}");
+            let action = if what == BenchSubject::Streampower { streampower().bytes_per_cell() as f64 } else { 0.0 };
+            let layers = f64::from(held) * Field::bytes_of(64, 64) as f64 / (64.0 * 64.0);
+            assert!((r.bytes_per_cell - layers - action).abs() < 1e-9, "{what:?}: {}", r.bytes_per_cell);
+            assert_eq!(r.bytes_moved_per_cell_step, moved.map(|n: u32| 4.0 * f64::from(n)), "{what:?}");
+            assert_eq!(r.operations_per_cell_step.is_some(), moved.is_some(), "{what:?}");
             let json = serde_json::to_value(&r).unwrap();
             assert!(json["cell_steps_per_second"].as_f64().unwrap() > 0.0);
         }
@@ -463,7 +470,9 @@ mod tests {
             let r = run(&BenchOptions { what, size: 64, seconds: 0.05, ..Default::default() }).unwrap();
             assert_eq!((r.samples, r.what), (SAMPLES as usize, what.name()));
             assert!(r.seconds_per_step > 0.0 && r.seconds_per_step <= r.seconds_per_step_median);
-            assert!(r.bytes_per_cell > 4.0);
+            assert!(r.bytes_per_cell > 8.0);
+            assert_eq!(r.bytes_moved_per_cell_step.is_some(), what == BenchSubject::Noise);
+            assert!(case(what, false, 64).is_err());
         }
     }
 

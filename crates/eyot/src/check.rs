@@ -121,6 +121,7 @@ fn range(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<D
         _ => return,
     };
     let mut complain = |what: String| {
+        let value = if let Kind::Int(i) = node.kind { i.to_string() } else { value.to_string() };
         let message = format!("`{path}` is {value}: {what}");
         out.push(Diagnostic::at(node.span.clone(), message, "out of range").help(meaning_line(whole)));
     };
@@ -152,7 +153,13 @@ fn range(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<D
     };
     let inexact = matches!(node.kind, Kind::Int(i) if u64::try_from(i).is_err() && i64::try_from(i).is_err());
     if value.abs() > most || inexact {
-        complain(format!("it must be at most {}", number(most)));
+        // The largest whole numbers are none of those that the floating point ones have.
+        let most = match schema["format"].as_str() {
+            Some("uint64" | "uint") => u64::MAX.to_string(),
+            Some("int64" | "int") => i64::MAX.to_string(),
+            _ => number(most),
+        };
+        complain(format!("it must be at most {most}"));
     }
 }
 

@@ -49,7 +49,7 @@ pub fn convert(input: &Path, output: &Path, options: &ConvertOptions, limits: &L
         && from == to
     {
         let message = format!("`{}` would be written over itself; choose another name for the result", input.display());
-        return Err(RunError::File(message));
+        return Err(RunError::input(message));
     }
     let kind = if options.preset.is_some() { Kind::Preset } else { Kind::of(output)? };
     match kind {
@@ -72,7 +72,7 @@ impl Kind {
             ("glb", _) => Ok(Self::Mesh(ExportFormat::Glb)),
             ("obj", _) => Ok(Self::Mesh(ExportFormat::Obj)),
             (_, Some(format)) => Ok(Self::Raster(format)),
-            _ => Err(RunError::File(format!(
+            _ => Err(RunError::input(format!(
                 "`{}` does not say its format; end it in .tif, .png, .r16, .raw, .r32, .exr, .npy, .zarr, .glb or .obj, or \
                  choose a --preset",
                 output.display()
@@ -90,7 +90,7 @@ fn raster(
     limits: &Limits,
 ) -> Result<Converted, RunError> {
     let mut done = Converted::default();
-    let mut raster = import::read(&input.display().to_string(), &options.read, limits).map_err(RunError::File)?;
+    let mut raster = import::read(&input.display().to_string(), &options.read, limits).map_err(RunError::input)?;
     raster.cell_m = options.cell_m.or(raster.cell_m);
     if raster.cell_m.is_none() {
         done.notes.push("the input does not say how large its cells are; 1 m is assumed (--cell)".to_owned());
@@ -155,12 +155,12 @@ fn world(
             if let (Some(preset), Some(size)) = (options.preset, options.size)
                 && let Some((problem, help)) = exports::size_problem(preset, size)
             {
-                return Err(RunError::File(format!("{problem}; {help}")));
+                return Err(RunError::input(format!("{problem}; {help}")));
             }
             let layers = vec![wanted.unwrap_or("height").to_owned()];
             let export = Export { preset: options.preset, size: options.size, layers, ..Export::default() };
             if export.needs_two_cells() && (world.grid.width < 2 || world.grid.height < 2) {
-                return Err(RunError::File(format!("`{}` has less than 2 x 2 cells", input.display())));
+                return Err(RunError::input(format!("`{}` has less than 2 x 2 cells", input.display())));
             }
             exports::write(&mut job, &export)?;
         }
@@ -172,7 +172,7 @@ fn world(
             files.push(output.to_owned());
         }
         Kind::Raster(format) => {
-            let layer = world.layer(wanted.unwrap_or("height")).map_err(file)?;
+            let layer = world.layer(wanted.unwrap_or("height")).map_err(RunError::input)?;
             let about = About::of(&world, layer);
             io::write_rows(output, &mut &layer.field, &about, format, &options.write).map_err(file)?;
             files.push(output.to_owned());

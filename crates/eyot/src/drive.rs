@@ -1,24 +1,28 @@
 //! The thread of a run: goes through the recipe's steps, listens to commands, writes checkpoints.
 
 use crate::backend::io::checkpoint;
+use crate::diagnostic::Problems;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry, Progress};
 use crate::layers;
 use crate::outputs::Outputs;
 use crate::process_set;
-use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work};
+use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work, schedule};
 use crate::run::{Outcome, RunOptions};
 use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, WORLD_FILE};
 use eyot_core::engine::CpuEngine;
-use eyot_core::process::{Scheduled, Site, Span};
+use eyot_core::process::{Site, Span};
 use eyot_core::{Cancel, Control, Error, World};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
+use std::sync::mpsc::{Receiver, Sender};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+mod commands;
 mod streamed;
+
+use commands::{Asked, Commands};
 
 /// Chunks of steps aim at this long: short enough for commands, long enough to cost nothing.
 const CHUNK_TIME: Duration = Duration::from_millis(300);
@@ -43,14 +47,13 @@ pub(crate) struct Driver {
     options: RunOptions,
     world: World,
     state: State,
-    inbox: Receiver<Command>,
+    commands: Commands,
     outbox: Sender<Event>,
     cancel: Cancel,
-    /// Steps that may still be done before waiting; `None` while nobody paused.
-    allowance: Option<u64>,
     begun: Instant,
     seconds_before: f64,
     last_checkpoint: Instant,
+    warned_of_checkpoint: bool,
     resumed: bool,
 }
 
@@ -65,7 +68,7 @@ impl Driver {
         cancel: Cancel,
     ) -> Self {
         let now = Instant::now();
-        let allowance = options.paused.then_some(0);
+        let commands = Commands::new(inbox, outbox.clone(), options.paused);
         let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0 || state.finished);
         let state = State { finished: false, ..state };
         Self {
@@ -73,13 +76,13 @@ impl Driver {
             options,
             world,
             state,
-            inbox,
+            commands,
             outbox,
             cancel,
-            allowance,
             begun: now,
             seconds_before,
             last_checkpoint: now,
+            warned_of_checkpoint: false,
             resumed,
         }
     }
@@ -111,7 +114,7 @@ impl Driver {
             }
             self.state.done_steps += 1;
             self.state.done = 0;
-            self.checkpoint_if_due()?;
+            self.checkpoint_if_due();
         }
         self.recipe.steps = steps;
         self.end(flow)
@@ -141,12 +144,7 @@ impl Driver {
 
     fn generate(&mut self, step: &Step, work: &GenerateStep, all: &[Step]) -> Result<Flow, RunError> {
         let fail = |source| RunError::Step { step: label(step), source };
-        let bad = |e: serde_json::Error| Error::BadParameter {
-            owner: work.entry.name.into(),
-            field: "parameters".into(),
-            reason: e.to_string(),
-        };
-        let generator = (work.entry.make)(work.parameters.clone()).map_err(|e| fail(bad(e)))?;
+        let generator = work.make().map_err(fail)?;
         self.world.ensure(&layers::spec(&work.layer, &step.name, all), 0.0);
         let (before, share) = overall(all, step.number);
         let last = Mutex::new(Instant::now());
@@ -185,7 +183,7 @@ impl Driver {
         let layer = self.world.layer_mut(&work.layer).map_err(fail)?;
         work.merge.apply(&mut layer.field, &new, work.amount, mask.as_ref());
         self.world.check_finite(&label(step)).map_err(fail)?;
-        self.allowance = self.allowance.map(|n| n.saturating_sub(1));
+        self.commands.did(1);
         Ok(Flow::Continue)
     }
 
@@ -194,9 +192,9 @@ impl Driver {
         let mut uses = work.processes.clone();
         // Changes by hand before the checkpoint that this run continues.
         for entry in self.state.journal.iter().filter(|e| e.recipe_step == step.number) {
-            process_set::apply(&mut uses, &entry.set).map_err(RunError::Recipe)?;
+            self.apply(&mut uses, &entry.set).map_err(RunError::Recipe)?;
         }
-        let mut scheduled = self.schedule(step, &uses)?;
+        let mut scheduled = schedule(&uses).map_err(fail)?;
         let mut chunk = self.options.chunk.unwrap_or(1).max(1);
         let mut rate = 0.0;
         while self.state.done < work.steps {
@@ -206,12 +204,10 @@ impl Driver {
             }
             self.replay_due(step, &mut uses)?;
             if self.state.journal.len() > changes {
-                scheduled = self.schedule(step, &uses)?;
+                scheduled = schedule(&uses).map_err(fail)?;
             }
             let mut steps = chunk.min(work.steps - self.state.done);
-            if let Some(n) = self.allowance {
-                steps = steps.min(n.max(1));
-            }
+            steps = steps.min(self.commands.allowed());
             if let Some(next) = self
                 .state
                 .replay
@@ -228,7 +224,7 @@ impl Driver {
             let result = engine.simulate(&mut self.world, &scheduled, Span { from: self.state.done, steps }, &control);
             let did = self.world.step - first;
             self.state.done += did;
-            self.allowance = self.allowance.map(|n| n.saturating_sub(did));
+            self.commands.did(did);
             match result {
                 Ok(()) => {}
                 Err(Error::Cancelled(_)) => return Ok(Flow::Stop),
@@ -251,25 +247,9 @@ impl Driver {
                 eta_s: Some(eta),
                 overall: before + share * self.state.done as f64 / work.steps as f64,
             }));
-            self.checkpoint_if_due()?;
+            self.checkpoint_if_due();
         }
         Ok(Flow::Continue)
-    }
-
-    /// Makes the processes of a step; the engine sees to the layers that they need.
-    fn schedule(&self, step: &Step, uses: &[ProcessUse]) -> Result<Vec<Scheduled>, RunError> {
-        let fail = |source| RunError::Step { step: label(step), source };
-        let mut scheduled = Vec::new();
-        for u in uses.iter().filter(|u| u.enabled) {
-            let bad = |e: serde_json::Error| Error::BadParameter {
-                owner: u.entry.name.into(),
-                field: "parameters".into(),
-                reason: e.to_string(),
-            };
-            let process = (u.entry.make)(u.parameters.clone()).map_err(|e| fail(bad(e)))?;
-            scheduled.push(Scheduled { name: u.entry.name, process, every: u.every.max(1) });
-        }
-        Ok(scheduled)
     }
 
     fn replay_due(&mut self, step: &Step, uses: &mut [ProcessUse]) -> Result<(), RunError> {
@@ -277,7 +257,7 @@ impl Driver {
             self.state.replay.iter().position(|e| e.recipe_step == step.number && e.step <= self.state.done)
         {
             let entry = self.state.replay.remove(i);
-            process_set::apply(uses, &entry.set).map_err(RunError::Recipe)?;
+            self.apply(uses, &entry.set).map_err(RunError::Recipe)?;
             self.state.journal.push(JournalEntry { step: self.state.done, ..entry });
         }
         Ok(())
@@ -285,53 +265,28 @@ impl Driver {
 
     /// Does what the client asked for; waits while the run is paused.
     fn commands(&mut self, step: &Step, mut uses: Option<&mut Vec<ProcessUse>>) -> Result<Flow, RunError> {
-        let mut waiting = false;
         loop {
-            let paused = self.allowance == Some(0);
-            if paused && !waiting {
-                waiting = true;
-                self.tell(Event::Paused { recipe_step: step.number, step: self.state.done });
-            }
-            let command = if paused {
-                match self.inbox.recv_timeout(Duration::from_secs(1)) {
-                    Ok(c) => c,
-                    Err(RecvTimeoutError::Timeout) => {
-                        self.checkpoint_if_due()?;
-                        continue;
-                    }
-                    // Nobody is left who could let it go on.
-                    Err(RecvTimeoutError::Disconnected) => return Ok(Flow::Stop),
-                }
-            } else {
-                match self.inbox.try_recv() {
-                    Ok(c) => c,
-                    Err(TryRecvError::Empty | TryRecvError::Disconnected) => return Ok(Flow::Continue),
-                }
-            };
-            match command {
-                Command::Pause => self.allowance = Some(0),
-                Command::Resume => {
-                    self.allowance = None;
-                    self.tell(Event::Resumed);
-                }
-                Command::Step(n) => {
-                    self.allowance = Some(n);
-                    waiting = false;
-                }
-                Command::Set(set) => self.set(step, uses.as_deref_mut(), set),
-                Command::Snapshot => {
+            match self.commands.next(step.number, self.state.done) {
+                Asked::GoOn => return Ok(Flow::Continue),
+                Asked::Stop => return Ok(Flow::Stop),
+                Asked::Wait => self.checkpoint_if_due(),
+                Asked::Set(set) => self.set(step, uses.as_deref_mut(), set),
+                Asked::Snapshot => {
                     let world = Arc::new(self.world.clone());
                     self.tell(Event::Snapshot { recipe_step: step.number, step: self.state.done, world });
                 }
-                Command::Stop => return Ok(Flow::Stop),
             }
         }
+    }
+
+    fn apply(&self, uses: &mut [ProcessUse], set: &str) -> Result<(), Problems> {
+        process_set::apply(uses, set, &self.world.grid, &|name| self.world.get(name).is_some())
     }
 
     fn set(&mut self, step: &Step, uses: Option<&mut Vec<ProcessUse>>, set: String) {
         let refused = match uses {
             None => "no simulation is under way".to_owned(),
-            Some(uses) => match process_set::apply(uses, &set) {
+            Some(uses) => match self.apply(uses, &set) {
                 Ok(()) => {
                     let entry = JournalEntry { recipe_step: step.number, step: self.state.done, set };
                     self.state.journal.push(entry.clone());
@@ -347,15 +302,24 @@ impl Driver {
         self.seconds_before + self.begun.elapsed().as_secs_f64()
     }
 
-    fn checkpoint_if_due(&mut self) -> Result<(), RunError> {
-        if self.last_checkpoint.elapsed() >= self.options.checkpoint_every {
-            let begun = Instant::now();
-            self.checkpoint()?;
-            // A slow disk must not take more than a tenth of the time.
-            let rest = begun.elapsed() * 10;
-            self.last_checkpoint = Instant::now() + rest.saturating_sub(self.options.checkpoint_every);
+    /// Writes a checkpoint if it is time. One that cannot be written is no reason to end: the next may succeed.
+    fn checkpoint_if_due(&mut self) {
+        if self.last_checkpoint.elapsed() < self.options.checkpoint_every {
+            return;
         }
-        Ok(())
+        let begun = Instant::now();
+        match self.checkpoint() {
+            Ok(_) => self.warned_of_checkpoint = false,
+            // Once is enough until one succeeds again.
+            Err(e) if !std::mem::replace(&mut self.warned_of_checkpoint, true) => {
+                let message = format!("no checkpoint: {e}; the run goes on and tries again");
+                self.tell(Event::Warning { message });
+            }
+            Err(_) => {}
+        }
+        // A slow disk must not take more than a tenth of the time.
+        let rest = begun.elapsed() * 10;
+        self.last_checkpoint = Instant::now() + rest.saturating_sub(self.options.checkpoint_every);
     }
 
     fn checkpoint(&mut self) -> Result<Option<PathBuf>, RunError> {
@@ -404,7 +368,7 @@ impl Driver {
             tell: &|event| drop(self.outbox.send(event)),
         };
         let state = State { seconds: self.seconds(), finished: true, ..self.state.clone() };
-        outputs.write(&state, &mut |_| Ok(()))
+        outputs.write(&state, &mut |_| {})
     }
 
     fn tell(&self, event: Event) {

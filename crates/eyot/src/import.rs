@@ -59,6 +59,24 @@ pub(crate) const IMPORT: Entry<dyn Generator> =
 
 impl Generator for Import {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
+        let raster = self.read(&site.grid)?;
+        site.control.check()?;
+        Ok(resample(&raster.field, &site.grid))
+    }
+
+    /// Reads the file: nothing less tells whether a run could, and a run may come to it after hours.
+    fn check(&self, grid: &Grid) -> Result<()> {
+        self.read(grid).map(drop)
+    }
+
+    fn bytes_per_cell(&self, _grid: &Grid) -> usize {
+        // A file of the grid's size, the result, and what is decoded at a time. Larger files meet the limit when they are read.
+        12
+    }
+}
+
+impl Import {
+    fn read(&self, grid: &Grid) -> Result<io::Raster> {
         let fault = |reason: String| Error::BadParameter { owner: "import".into(), field: "file".into(), reason };
         let numbers = match self.numbers.as_deref() {
             None => None,
@@ -81,8 +99,15 @@ impl Generator for Import {
         let mut limits = Limits::default();
         limits.max_bytes = self.max_bytes.unwrap_or(limits.max_bytes);
         let raster = read(&self.file, &options, &limits).map_err(fault)?;
-        site.control.check()?;
-        Ok(resample(&raster.field, &site.grid))
+        // The file, the file in the grid's columns, and the result.
+        let [file, narrow, result] = [
+            (raster.field.width(), raster.field.height()),
+            (grid.width, raster.field.height()),
+            (grid.width, grid.height),
+        ]
+        .map(|(w, h)| Field::bytes_of(w, h));
+        limits.check_bytes(&format!("fitting `{}` to the grid", self.file), file + narrow + result)?;
+        Ok(raster)
     }
 }
 

@@ -81,7 +81,7 @@ pub(crate) struct Generate {
     pub(crate) layer: String,
     /// How the new values join the layer. A source adds and a filter replaces if nothing else is said.
     pub(crate) merge: Option<Merge>,
-    /// A layer from 0 to 1 that says where how much of the change is kept.
+    /// A layer from 0 to 1 that says where how much of the change is kept. Less than 0 counts as 0, more than 1 as 1.
     pub(crate) mask: Option<String>,
     /// Strength of the merge: a factor on the new values, or the weight of a `lerp`.
     #[schemars(range(min = -1e6, max = 1e6), extend("unit" = "1"))]

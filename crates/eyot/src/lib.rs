@@ -66,7 +66,7 @@ pub use builtin::{BuiltIn, RECIPES};
 pub use cite::{Citation, Citations, all_citations, cite};
 pub use describe::{Choice, Description, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, nearest};
-pub use error::RunError;
+pub use error::{RunError, shell_word};
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
 pub use import::Import;

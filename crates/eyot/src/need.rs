@@ -1,10 +1,11 @@
-//! How much memory pictures and meshes need beside the world, so that they are refused before the work and not in it.
+//! How much memory a run needs, step by step and file by file, so that it is refused before the work and not in it.
 
 use crate::backend::{mesh, render};
 use crate::keys::{Export, ExportFormat, Preset, View};
 use crate::outputs;
+use crate::recipe::{Step, Work};
 use crate::store::Subject;
-use eyot_core::{Error, Grid, Limits, Result, World};
+use eyot_core::{Error, Field, Grid, Limits, Result, World, engine};
 
 /// What helps where a picture does not fit.
 pub(crate) const PICTURE_REMEDY: &str =
@@ -12,6 +13,49 @@ pub(crate) const PICTURE_REMEDY: &str =
 /// What helps where an export does not fit.
 pub(crate) const EXPORT_REMEDY: &str =
     "leave out this export with its enabled=false, choose a smaller grid, or raise the limit with --max-memory";
+
+/// The step of a run in one piece that needs most memory, and how much that is.
+pub(crate) struct Peak<'a> {
+    pub(crate) step: Option<&'a Step>,
+    pub(crate) bytes: u128,
+    /// Of all layers once the last step is done.
+    pub(crate) world_bytes: u128,
+}
+
+/// What the enabled steps need in one piece: the layers so far, and what generators and processes hold beside them.
+///
+/// # Errors
+/// If the parameters of a step make no generator or process; recipes that were checked have none such.
+pub(crate) fn working<'a>(steps: &'a [Step], grid: &Grid) -> Result<Peak<'a>> {
+    let field = Field::bytes_of(grid.width, grid.height);
+    let mut layers: Vec<String> = Vec::new();
+    let mut peak = Peak { step: None, bytes: field, world_bytes: 0 };
+    for step in steps.iter().filter(|s| s.enabled) {
+        let bytes = match &step.work {
+            Work::Generate(work) => {
+                add(&mut layers, &work.layer);
+                let each = work.make()?.bytes_per_cell(grid).div_ceil(size_of::<f32>());
+                field * (layers.len() + each + usize::from(work.mask.is_some())) as u128
+            }
+            Work::Simulate(work) => {
+                let scheduled = work.schedule()?;
+                scheduled.iter().flat_map(|s| s.process.layers()).for_each(|(spec, _)| add(&mut layers, &spec.name));
+                engine::Need::of(grid, layers.len(), &scheduled).bytes(grid)
+            }
+        };
+        if bytes > peak.bytes {
+            (peak.bytes, peak.step) = (bytes, Some(step));
+        }
+    }
+    peak.world_bytes = field * layers.len() as u128;
+    Ok(peak)
+}
+
+fn add(layers: &mut Vec<String>, name: &str) {
+    if !layers.iter().any(|l| l == name) {
+        layers.push(name.to_owned());
+    }
+}
 
 /// Bytes that a picture takes while it is drawn, beside the world.
 pub(crate) fn picture(grid: &Grid, options: &View, subject: Subject<'_>) -> u128 {
@@ -39,6 +83,8 @@ pub(crate) fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
             render::terrain_colours_bytes(cells)
                 + mesh::terrain_bytes(grid.width, grid.height, &mesh::MeshOptions::default(), limits)
         }
+        // Shares of four materials, and one of them alone.
+        ExportFormat::Splat | ExportFormat::Mask => 5 * grid.cells() as u128,
         ExportFormat::Map => render::layer_map_bytes(cells, &render::MapOptions::default()),
         _ => 0,
     }

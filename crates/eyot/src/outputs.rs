@@ -37,14 +37,13 @@ impl Outputs<'_> {
     /// other one.
     ///
     /// # Errors
+    /// [`RunError::Export`] if values do not fit the file that they were to be exported to; everything else is written then.
     /// [`RunError::Stopped`] on a request to stop: the files so far are whole, the world among them unless nothing was
     /// written.
-    pub(crate) fn write(
-        &self,
-        state: &State,
-        exported: &mut dyn FnMut(usize) -> Result<(), RunError>,
-    ) -> Result<Vec<PathBuf>, RunError> {
+    pub(crate) fn write(&self, state: &State, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
         let mut written = Vec::new();
+        let mut unmade: Vec<String> = Vec::new();
+        let former = former_outputs(self.out);
         self.replace_world(state, &mut written)?;
         for (i, export) in self.recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
             let files: Vec<PathBuf> = export.files().iter().map(|f| self.out.join(f)).collect();
@@ -52,8 +51,16 @@ impl Outputs<'_> {
                 written.extend(files);
                 continue;
             }
-            self.export(export, &mut written)?;
-            exported(i + 1)?;
+            let before = written.len();
+            match self.export(export, &mut written) {
+                // The others are wanted all the same.
+                Err(RunError::Export(reason)) => {
+                    written.truncate(before);
+                    unmade.push(reason);
+                }
+                done => done?,
+            }
+            exported(i + 1);
         }
         let (world, view) = (self.world, &self.recipe.view);
         if view.enabled && world.get("height").is_some() {
@@ -71,7 +78,8 @@ impl Outputs<'_> {
         if state.streamed {
             self.remove(CHECKPOINT_FILE)?;
         }
-        Ok(written)
+        self.warn_of(former, &written);
+        if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(unmade.join("; "))) }
     }
 
     /// Writes the world and ends what an older run left. Until the new world is whole on the disk, an older run's results
@@ -88,6 +96,25 @@ impl Outputs<'_> {
         checkpoint::save(&checkpoint, self.world, &self.recipe.source.text, &value).map_err(file)?;
         self.remove(REPORT_FILE)?;
         std::fs::rename(&checkpoint, &path).map_err(|source| RunError::Folder { path: self.out.to_owned(), source })
+    }
+
+    /// Files of an earlier run that this one did not write are still there: they belong to the user, but no longer to the
+    /// land in this folder.
+    fn warn_of(&self, former: Vec<String>, written: &[PathBuf]) {
+        let stale: Vec<String> = former
+            .into_iter()
+            .filter(|name| !written.iter().any(|p| p.ends_with(name)) && self.out.join(name).exists())
+            .map(|name| format!("`{name}`"))
+            .collect();
+        if !stale.is_empty() {
+            let (files, they) = if stale.len() == 1 { ("file", "it shows") } else { ("files", "they show") };
+            let message = format!(
+                "`{}` still holds the {files} {} of an earlier run: {they} another land; remove what you do not need",
+                self.out.display(),
+                stale.join(", ")
+            );
+            (self.tell)(Event::Warning { message });
+        }
     }
 
     fn remove(&self, name: &str) -> Result<(), RunError> {
@@ -161,6 +188,14 @@ impl Outputs<'_> {
             },
         })
     }
+}
+
+/// The files that the report of an earlier run in this folder lists.
+fn former_outputs(out: &Path) -> Vec<String> {
+    let report = std::fs::read(out.join(REPORT_FILE)).ok().and_then(|t| serde_json::from_slice::<Value>(&t).ok());
+    let names = report.as_ref().and_then(|r| r["outputs"].as_array());
+    let plain = |name: &&str| Path::new(name).file_name().is_some_and(|n| n == *name);
+    names.into_iter().flatten().filter_map(Value::as_str).filter(plain).map(str::to_owned).collect()
 }
 
 /// Draws a picture as the options say.

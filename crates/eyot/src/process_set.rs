@@ -6,11 +6,17 @@ use crate::keys::Schedule;
 use crate::recipe::ProcessUse;
 use crate::registry::SCHEDULE_KEYS;
 use crate::set;
+use eyot_core::Grid;
 use eyot_core::process::schema_of;
 use serde_json::Value;
 
-/// Applies a change to the processes of a step, or says why not; then nothing has changed.
-pub(crate) fn apply(uses: &mut [ProcessUse], flag: &str) -> Result<(), Problems> {
+/// Applies a change to the processes of a step, or says why not; then nothing has changed. `has` says which layers are there.
+pub(crate) fn apply(
+    uses: &mut [ProcessUse],
+    flag: &str,
+    grid: &Grid,
+    has: &dyn Fn(&str) -> bool,
+) -> Result<(), Problems> {
     let (text, parsed) = set::parse(flag, 0);
     let fail = |diagnostics| Problems::new(vec![Source { name: "set".to_owned(), text: text.clone() }], diagnostics);
     let node = parsed.map_err(fail)?;
@@ -56,8 +62,16 @@ pub(crate) fn apply(uses: &mut [ProcessUse], flag: &str) -> Result<(), Problems>
                 u.parameters[key] = value;
             }
         }
-        if let Err(e) = (u.entry.make)(u.parameters.clone()) {
-            return Err(fail(vec![Diagnostic::whole(format!("{}: {e}", u.entry.name))]));
+    }
+    for u in &changed {
+        let refuse = |e: String| fail(vec![Diagnostic::whole(format!("{}: {e}", u.entry.name))]);
+        let process = (u.entry.make)(u.parameters.clone()).map_err(|e| refuse(e.to_string()))?;
+        if u.enabled {
+            // Whatever would end the run at its next step.
+            process.check(grid).map_err(|e| refuse(e.to_string()))?;
+            if let Some(name) = process.needs().into_iter().find(|name| !has(name)) {
+                return Err(refuse(format!("this needs the layer `{name}`, which no step has made")));
+            }
         }
     }
     uses.clone_from_slice(&changed);

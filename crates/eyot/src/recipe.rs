@@ -6,7 +6,7 @@ use crate::keys::{Export, Preset, View};
 use crate::merge::Merge;
 use crate::registry::Registry;
 use crate::validate;
-use eyot_core::process::{Entry, Generator, Process};
+use eyot_core::process::{Entry, Generator, Process, Scheduled};
 use eyot_core::{Georeference, Grid, Limits};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -123,6 +123,39 @@ pub struct ProcessUse {
     pub every: u64,
     /// Whether it acts.
     pub enabled: bool,
+}
+
+impl GenerateStep {
+    /// The generator with its parameters.
+    ///
+    /// # Errors
+    /// If they are no parameters of it; [`Recipe::parse`] lets none such through.
+    pub fn make(&self) -> Result<Box<dyn Generator>, eyot_core::Error> {
+        (self.entry.make)(self.parameters.clone()).map_err(|e| unfit(self.entry.name, &e))
+    }
+}
+
+impl SimulateStep {
+    /// The processes that are switched on, with their parameters.
+    ///
+    /// # Errors
+    /// As [`GenerateStep::make`].
+    pub fn schedule(&self) -> Result<Vec<Scheduled>, eyot_core::Error> {
+        schedule(&self.processes)
+    }
+}
+
+/// The processes that are switched on, ready for the engine.
+pub(crate) fn schedule(uses: &[ProcessUse]) -> Result<Vec<Scheduled>, eyot_core::Error> {
+    let scheduled = |u: &ProcessUse| {
+        let process = (u.entry.make)(u.parameters.clone()).map_err(|e| unfit(u.entry.name, &e))?;
+        Ok(Scheduled { name: u.entry.name, process, every: u.every.max(1) })
+    };
+    uses.iter().filter(|u| u.enabled).map(scheduled).collect()
+}
+
+fn unfit(owner: &str, e: &serde_json::Error) -> eyot_core::Error {
+    eyot_core::Error::BadParameter { owner: owner.into(), field: "parameters".into(), reason: e.to_string() }
 }
 
 impl Recipe {

@@ -5,7 +5,8 @@ use crate::drive::Driver;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
 use crate::lock::FolderLock;
-use crate::recipe::Recipe;
+use crate::process_set;
+use crate::recipe::{ProcessUse, Recipe, Work};
 use crate::registry::Registry;
 use crate::state::State;
 use crate::store::{self, REPORT_FILE};
@@ -135,13 +136,35 @@ impl Handle {
 }
 
 impl Run {
+    /// Finds what [`Run::start`] would refuse beside the folder for the results, and says whether the run would be streamed.
+    ///
+    /// # Errors
+    /// If the options ask for a streamed run, or one in one piece, and it cannot be, or if the commands to be given again do
+    /// not fit the recipe.
+    pub fn check(recipe: &Recipe, options: &RunOptions) -> Result<bool, RunError> {
+        let mut steps: Vec<(usize, Vec<ProcessUse>)> = Vec::new();
+        for step in recipe.enabled_steps() {
+            if let Work::Simulate(work) = &step.work {
+                steps.push((step.number, work.processes.clone()));
+            }
+        }
+        for entry in &options.replay {
+            let misfit = |reason: String| RunError::Replay { set: entry.set.clone(), step: entry.recipe_step, reason };
+            let Some((_, uses)) = steps.iter_mut().find(|(number, _)| *number == entry.recipe_step) else {
+                return Err(misfit("this recipe simulates nothing there".to_owned()));
+            };
+            process_set::apply(uses, &entry.set, &recipe.grid, &|_| true).map_err(|p| misfit(p.to_string()))?;
+        }
+        stream::chosen(recipe, options)
+    }
+
     /// Starts a recipe on a thread of its own.
     ///
     /// # Errors
     /// If the folder cannot be used: another run works there, a stopped run is there and `restart` is not set, or the
     /// system refuses. If the options ask for a streamed run, or one in one piece, and it cannot be.
     pub fn start(recipe: Recipe, options: RunOptions) -> Result<Handle, RunError> {
-        let streamed = stream::chosen(&recipe, &options)?;
+        let streamed = Self::check(&recipe, &options)?;
         let lock = options.out.as_deref().map(prepare_folder).transpose()?;
         if let Some(out) = &options.out {
             while let Some(left) = store::unfinished(out) {
@@ -171,16 +194,14 @@ impl Run {
         // Before looking: what a run at work leaves is not for others to continue.
         let lock = prepare_folder(folder)?;
         let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
-        let saved = checkpoint::load(&path, &options.limits).map_err(|e| RunError::File(e.to_string()))?;
+        let damaged = |reason: String| RunError::Checkpoint { folder: folder.to_owned(), reason };
+        let saved = checkpoint::load(&path, &options.limits).map_err(|e| damaged(e.to_string()))?;
         let state: State = serde_json::from_value(saved.state)
-            .map_err(|e| RunError::File(format!("`{}` holds no state of a run: {e}", path.display())))?;
+            .map_err(|e| damaged(format!("`{}` holds no state of a run: {e}", path.display())))?;
         let recipe =
             Recipe::parse(state.source(saved.recipe_toml), state.overrides.clone(), registry, &options.limits)?;
         if state.done_steps > recipe.steps.len() || saved.world.grid != recipe.grid {
-            return Err(RunError::File(format!(
-                "`{}` does not fit its recipe; start over with --restart",
-                path.display()
-            )));
+            return Err(damaged(format!("`{}` does not fit its recipe", path.display())));
         }
         let mut warnings = Vec::new();
         if saved.engine_version != crate::VERSION {

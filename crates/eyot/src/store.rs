@@ -58,24 +58,22 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
 /// # Errors
 /// As [`open`].
 pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Opened, RunError> {
-    let meta = std::fs::metadata(path).map_err(|source| RunError::Folder { path: path.to_owned(), source })?;
+    let nothing = |e: std::io::Error| unusable(format!("cannot open `{}`: {e}", path.display()));
+    let meta = std::fs::metadata(path).map_err(nothing)?;
     if meta.is_dir() && !io::is_zarr(path) {
         let found = [WORLD_FILE, CHECKPOINT_FILE].iter().map(|f| path.join(f)).find(|f| f.is_file());
         let Some(file) = found else {
             if let Some(opened) = streamed(path, limits) {
                 return opened;
             }
-            return Err(RunError::File(format!(
-                "`{}` holds no run: there is no {WORLD_FILE} in it; give the --out folder of a run, or a height map",
-                path.display()
-            )));
+            return Err(unusable(format!("`{}` holds no run: there is no {WORLD_FILE} in it", path.display())));
         };
         return saved(&file, limits);
     }
     if path.extension().is_some_and(|e| e == "eyot") {
         return saved(path, limits);
     }
-    let raster = import::read(&path.display().to_string(), options, limits).map_err(RunError::File)?;
+    let raster = import::read(&path.display().to_string(), options, limits).map_err(unusable)?;
     of_raster(raster, path, limits)
 }
 
@@ -89,7 +87,7 @@ pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Res
         cell_y_m: dy,
         rim: Rim::CLOSED,
     };
-    let grid = grid.checked(limits).map_err(|e| RunError::File(e.to_string()))?;
+    let grid = grid.checked(limits).map_err(RunError::input)?;
     let mut notes = Vec::new();
     if raster.cell_m.is_none() {
         notes.push("the file does not say how large its cells are; 1 m is assumed".to_owned());
@@ -99,7 +97,7 @@ pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Res
     }
     let mut world = World::new(grid, 0);
     world.georeference = raster.georeference;
-    world.put(&known::HEIGHT, raster.field).map_err(|e| RunError::File(e.to_string()))?;
+    world.put(&known::HEIGHT, raster.field).map_err(RunError::input)?;
     // A bare height map has no sea: far below everything.
     world.sea_level_m = f64::from(known::HEIGHT.range.0);
     Ok(Opened { world, file: path.to_owned(), has_sea: false, notes })
@@ -116,7 +114,7 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, RunError>> 
     }
     let names: Vec<&str> = report["outputs"].as_array()?.iter().filter_map(Value::as_str).collect();
     let Some(name) = ENDINGS.iter().find_map(|e| names.iter().find(|n| n.ends_with(e))) else {
-        return Some(Err(RunError::File(format!(
+        return Some(Err(RunError::input(format!(
             "`{}` holds a streamed run, which keeps no {WORLD_FILE}, and none of its exports is a raster of the height; \
              add one to the recipe and run it again",
             folder.display()
@@ -132,7 +130,7 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, RunError>> 
 }
 
 fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
-    let saved = checkpoint::load(file, limits).map_err(|e| RunError::File(e.to_string()))?;
+    let saved = checkpoint::load(file, limits).map_err(|e| unusable(e.to_string()))?;
     let mut notes = Vec::new();
     if saved.state["finished"] != Value::Bool(true) {
         notes.push("this run is not finished; this is its last checkpoint".to_owned());
@@ -156,12 +154,26 @@ pub enum Subject<'a> {
 /// Draws a world into a PNG file.
 ///
 /// # Errors
-/// If the layer is not there, the picture exceeds the limits, or the file cannot be written, which is found out first.
+/// If `path` has another extension than `.png`, the layer is not there, the picture exceeds the limits, or the file cannot be
+/// written, which is found out first.
 pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, limits: &Limits) -> Result<(), RunError> {
+    if let Some(other) = path.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
+        let reason = format!("`{}` would be a PNG picture that is called .{}", path.display(), other.display());
+        return Err(RunError::Input { reason, help: Some("give it a name that ends in .png") });
+    }
+    if let Subject::Layer(name) = subject {
+        world.layer(name).map_err(RunError::input)?;
+    }
     io::check_place(path).map_err(|e| RunError::File(e.to_string()))?;
     let picture =
         outputs::draw(world, options, subject, limits, &Control::none()).map_err(|e| RunError::File(e.to_string()))?;
     io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
+}
+
+/// Something that cannot be opened.
+fn unusable(reason: String) -> RunError {
+    let help = "give the --out folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)";
+    RunError::Input { reason, help: Some(help) }
 }
 
 /// Statistics of a world's terrain.
@@ -170,7 +182,7 @@ pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, li
 /// If the world has no height, or one that cannot be measured within the limits.
 pub fn stats(opened: &Opened, limits: &Limits) -> Result<Value, RunError> {
     let world = &opened.world;
-    let height = &world.layer("height").map_err(|e| RunError::File(e.to_string()))?.field;
+    let height = &world.layer("height").map_err(RunError::input)?.field;
     let sea = opened.has_sea.then_some(world.sea_level_m);
     let stats = analyse::terrain_stats(height, &world.grid, sea, &analyse::TerrainOptions::default(), limits);
     serde_json::to_value(stats.map_err(|e| RunError::File(e.to_string()))?).map_err(|e| RunError::Fault(e.to_string()))

@@ -2,7 +2,10 @@
 
 mod stubs;
 
-use eyot::{Command, Event, Handle, JournalEntry, Limits, Outcome, Recipe, Registry, Run, RunError, RunOptions, store};
+use eyot::{
+    Command, Event, Handle, JournalEntry, Limits, Outcome, Overrides, Problems, Recipe, RecipeSource, Registry, Run,
+    RunError, RunOptions, store,
+};
 use std::path::Path;
 use std::time::Duration;
 use stubs::{GOOD, parse, registry};
@@ -161,7 +164,7 @@ fn checkpoints_come_in_time_and_a_damaged_one_is_refused() {
     handle.join().unwrap();
     let path = folder.path().join(store::CHECKPOINT_FILE);
     std::fs::write(&path, b"EYOTCKPT garbage").unwrap();
-    assert!(matches!(Run::resume(folder.path(), &registry(), options(None)), Err(RunError::File(_))));
+    assert!(matches!(Run::resume(folder.path(), &registry(), options(None)), Err(RunError::Checkpoint { .. })));
 }
 
 #[test]
@@ -229,4 +232,70 @@ fn every_process_resumes_exactly() {
         let resumed = Run::resume(folder.path(), &registry, options(None)).unwrap().join().unwrap().world;
         assert_eq!(resumed.fingerprint(), whole.fingerprint(), "{name}");
     }
+}
+
+fn standard(text: &str, limits: &Limits) -> Result<Recipe, Problems> {
+    let source = RecipeSource { name: "r.toml".into(), text: text.into(), folder: ".".into() };
+    Recipe::parse(source, Overrides::default(), &Registry::standard(), limits)
+}
+
+const RAIN: &str = "[grid]\nsize = 16\n[[step]]\ngenerate = \"cone\"\n[[step]]\nsimulate = \"hydraulic\"\nsteps = 20\n";
+
+#[test]
+fn a_change_that_would_end_the_run_is_not_made() {
+    let recipe = standard(RAIN, &Limits::default()).unwrap();
+    let handle = Run::start(recipe, RunOptions { paused: true, ..options(None) }).unwrap();
+    handle.send(Command::Step(3));
+    wait_for(&handle, |e| matches!(e, Event::Paused { step: 2, .. }));
+    handle.send(Command::Set("hydraulic.springs=0.5".into()));
+    let warning = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
+    assert!(
+        matches!(&warning, Event::Warning { message } if message.contains("needs the layer `springs`")),
+        "{warning:?}"
+    );
+    handle.send(Command::Resume);
+    let outcome = handle.join().unwrap();
+    assert!(outcome.finished && outcome.journal.is_empty());
+}
+
+#[test]
+fn commands_that_do_not_fit_the_recipe_are_refused_before_the_run() {
+    let entry = |recipe_step, set: &str| JournalEntry { recipe_step, step: 5, set: set.into() };
+    for (entry, answer) in [
+        (entry(1, "hydraulic.rain=0.1"), "simulates nothing there"),
+        (entry(7, "hydraulic.rain=0.1"), "simulates nothing there"),
+        (entry(2, "thermal.enabled=false"), "does not simulate `thermal`"),
+        (entry(2, "hydraulic.rain=wet"), "must be a number"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let recipe = standard(RAIN, &Limits::default()).unwrap();
+        let Err(e) = Run::start(recipe, RunOptions { replay: vec![entry], ..options(Some(&out)) }) else {
+            panic!("it ran: {answer}")
+        };
+        assert!(matches!(e, RunError::Replay { .. }) && e.to_string().contains(answer), "{e}");
+        assert!(e.help().is_some() && !out.exists());
+    }
+}
+
+/// What streams and drainage take beside the layers is known before the run, and names the step.
+#[test]
+fn actions_count_as_memory() {
+    let text = |process: &str| {
+        format!(
+            "[grid]\nsize = 1000\nrim = \"open\"\n[[step]]\ngenerate = \"fbm\"\n[[step]]\nname = \"rivers\"\n\
+             simulate = \"{process}\"\nsteps = 1\n[view]\nenabled = false\n"
+        )
+    };
+    let within = |process: &str, mib: u64| {
+        let limits = Limits { max_bytes: mib << 20, ..Limits::default() };
+        standard(&text(process), &limits).map(|_| ()).map_err(|p| p.to_string())
+    };
+    // The layers of a million cells take 17 and 25 MiB with the copies to go back to.
+    for process in ["streampower", "drainage"] {
+        let refused = within(process, 40).unwrap_err();
+        assert!(refused.contains("step 2 (rivers)") && refused.contains("MiB"), "{refused}");
+        within(process, 200).unwrap();
+    }
+    within("thermal", 40).unwrap();
 }

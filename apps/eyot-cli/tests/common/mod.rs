@@ -15,7 +15,14 @@ pub(crate) fn eyot(folder: &Path, args: &[&str]) -> Command {
     c
 }
 
-/// Everything that a command said.
+/// Runs the command in a folder to its end; checks its exit code and that its words hold all of `answers`, and returns them.
+pub(crate) fn said(folder: &Path, args: &[&str], code: i32, answers: &[&str]) -> String {
+    let o = eyot(folder, args).output().expect("the command starts");
+    assert_said(&o, code, answers);
+    text(&o)
+}
+
+/// Everything that a command said, in one line.
 pub(crate) fn text(o: &Output) -> String {
     // The report wraps long lines and begins each with a bar.
     let all = format!("{}{}", String::from_utf8_lossy(&o.stdout), String::from_utf8_lossy(&o.stderr));
@@ -74,6 +81,24 @@ pub(crate) fn start_until(folder: &Path, args: &[&str], event: &str, n: usize) -
     // Somebody must go on reading, or the run would wait for room in the pipe.
     std::thread::spawn(move || std::io::copy(&mut out, &mut std::io::sink()));
     child
+}
+
+/// Waits for a child, and returns how it ended and the most memory that it held, KiB.
+#[cfg(target_os = "linux")]
+pub(crate) fn wait_with_peak(mut child: Child) -> (std::process::ExitStatus, u64) {
+    let status = format!("/proc/{}/status", child.id());
+    let mut most = 0;
+    loop {
+        // The system keeps the highest value, so that looking now and then misses nothing but the last moment.
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+        most = most.max(line.unwrap_or(0));
+        if let Some(ended) = child.try_wait().expect("a child") {
+            assert!(most > 0, "the system does not tell");
+            return (ended, most);
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
 }
 
 /// Sends a signal to a child.

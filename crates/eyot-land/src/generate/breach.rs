@@ -58,6 +58,10 @@ impl Generator for Breach {
         Field::from_slice(grid.width, grid.height, &height)
     }
 
+    fn bytes_per_cell(&self, _grid: &Grid) -> usize {
+        24
+    }
+
     fn check(&self, _grid: &Grid) -> Result<()> {
         check("breach", self)
     }

@@ -83,6 +83,10 @@ impl Generator for DiamondSquare {
         Ok(field)
     }
 
+    fn bytes_per_cell(&self, _grid: &Grid) -> usize {
+        8
+    }
+
     fn check(&self, _grid: &Grid) -> Result<()> {
         check("diamond_square", self)
     }

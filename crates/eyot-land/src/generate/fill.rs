@@ -45,6 +45,10 @@ impl Generator for Fill {
         Field::from_slice(grid.width, grid.height, &height)
     }
 
+    fn bytes_per_cell(&self, _grid: &Grid) -> usize {
+        34
+    }
+
     fn check(&self, _grid: &Grid) -> Result<()> {
         check("fill", self)
     }

@@ -48,6 +48,10 @@ impl Generator for Flow {
         Field::from_slice(grid.width, grid.height, &area)
     }
 
+    fn bytes_per_cell(&self, _grid: &Grid) -> usize {
+        34
+    }
+
     fn check(&self, _grid: &Grid) -> Result<()> {
         check("flow", self)
     }

@@ -90,6 +90,10 @@ impl Generator for RandomAdditions {
         Ok(field)
     }
 
+    fn bytes_per_cell(&self, _grid: &Grid) -> usize {
+        10
+    }
+
     fn check(&self, _grid: &Grid) -> Result<()> {
         check("random_additions", self)
     }

@@ -47,7 +47,8 @@ pub enum Kernel {
 pub struct Smooth {
     /// What smooths: a Gaussian, which can give the same land on a finer grid, or one of two kernels of 3x3 cells.
     pub kernel: Kernel,
-    /// How often it smooths; n passes are as wide as one that is sqrt(n) times wider.
+    /// How often it smooths; n passes are as wide as one that is sqrt(n) times wider. Once they are together twice as wide
+    /// as the grid, everything is level, and the rest is left out.
     #[schemars(range(min = 1, max = 1000), extend("unit" = "1"))]
     pub passes: u32,
     /// Standard deviation of the Gaussian in cells. Below a half it does next to nothing.
@@ -65,9 +66,14 @@ impl Default for Smooth {
     }
 }
 
-/// Weights of the neighbours at distance 1, 2, ...; they and the middle sum to 1.
-fn weights(sigma_cells: f64, cells: usize) -> Vec<f32> {
-    let sigma = sigma_cells.min(2.0 * cells as f64);
+/// The widest Gaussian in lengths of the grid. It leaves `exp(-2 pi^2)`, 3 in a thousand million, of the longest wave that
+/// fits between two walls, which is less than the digits of a height.
+const WIDEST: f64 = 2.0;
+
+/// Weights of the neighbours at distance 1, 2, ...; they and the middle sum to 1. Never more weights than cells: what lies
+/// further than the grid is wide is one of its cells again, by what the rim says.
+fn weights(sigma_cells: f64, cells: usize, edge: Edge) -> Vec<f32> {
+    let sigma = sigma_cells.min(WIDEST * cells as f64);
     let reach = if cells == 1 { 0 } else { (4.0 * sigma).ceil() as usize };
     let raw: Vec<f64> = (1..=reach)
         .map(|k| {
@@ -76,7 +82,30 @@ fn weights(sigma_cells: f64, cells: usize) -> Vec<f32> {
         })
         .collect();
     let total = 1.0 + 2.0 * raw.iter().rev().sum::<f64>();
-    raw.iter().map(|w| (w / total) as f32).collect()
+    let distance = |k: usize| match edge {
+        Edge::Wrap => (k % cells).min(cells - k % cells),
+        Edge::Closed => (k % (2 * cells)).min(2 * cells - k % (2 * cells)),
+        Edge::Open => k.min(cells),
+    };
+    let mut folded = vec![0.0; (1..=reach).map(distance).max().unwrap_or(0)];
+    for (k, w) in raw.iter().enumerate().rev() {
+        // At distance 0 lies the cell itself, which exchanges nothing.
+        if let Some(i) = distance(k + 1).checked_sub(1) {
+            folded[i] += w;
+        }
+    }
+    folded.iter().map(|w| (w / total) as f32).collect()
+}
+
+/// Passes after which nothing changes any more, because the land is level along this axis.
+fn passes_until_level(sigma_cells: f64, cells: usize, edge: Edge) -> f64 {
+    let widest = WIDEST * cells as f64;
+    let more = match edge {
+        // Every pass brings the two border cells nearer to each other, by five times or so at the widest.
+        Edge::Open => 40.0,
+        Edge::Closed | Edge::Wrap => 0.0,
+    };
+    if cells == 1 || sigma_cells <= 0.0 { 0.0 } else { (widest / sigma_cells.min(widest)).powi(2).ceil() + more }
 }
 
 /// The cell that stands for `i` outside `0..n`.
@@ -206,17 +235,36 @@ impl Pass<'_> {
 }
 
 impl Smooth {
+    /// Standard deviation of the Gaussian in cells, west-east and north-south.
+    fn sigma_cells(&self, g: &Grid) -> [f64; 2] {
+        match f64::from(self.sigma_m) {
+            metres if metres > 0.0 => [metres / g.cell_x_m, metres / g.cell_y_m],
+            _ => [f64::from(self.sigma_cells); 2],
+        }
+    }
+
     /// Weights of the neighbours along both axes.
     fn weights(&self, g: &Grid) -> [Vec<f32>; 2] {
         let binomial = |cells: usize| if cells == 1 { Vec::new() } else { vec![0.25] };
         match self.kernel {
-            Kernel::Gaussian if self.sigma_m > 0.0 => {
-                let sigma_m = f64::from(self.sigma_m);
-                [weights(sigma_m / g.cell_x_m, g.width), weights(sigma_m / g.cell_y_m, g.height)]
+            Kernel::Gaussian => {
+                let [x, y] = self.sigma_cells(g);
+                [weights(x, g.width, g.rim.x), weights(y, g.height, g.rim.y)]
             }
-            Kernel::Gaussian => [g.width, g.height].map(|cells| weights(f64::from(self.sigma_cells), cells)),
             Kernel::Binomial | Kernel::Gentle => [g.width, g.height].map(binomial),
         }
+    }
+
+    /// Passes that change anything, at least one.
+    fn passes_that_count(&self, g: &Grid) -> u32 {
+        let until_level = match self.kernel {
+            Kernel::Gaussian => {
+                let [x, y] = self.sigma_cells(g);
+                passes_until_level(x, g.width, g.rim.x).max(passes_until_level(y, g.height, g.rim.y))
+            }
+            Kernel::Binomial | Kernel::Gentle => f64::INFINITY,
+        };
+        self.passes.min(until_level as u32).max(1)
     }
 
     /// The smoothed layer.
@@ -229,11 +277,14 @@ impl Smooth {
         let held = reach.around(&site.grid, &site.rows);
         let share = if self.kernel == Kernel::Gentle { 2.0 / 3.0 } else { 1.0 };
         let pass = Pass { grid: &site.grid, held: held.clone(), weights: &self.weights(&site.grid), share, isa };
+        let last = u64::from(self.passes_that_count(&site.grid)) - 1;
         let mut before: Option<Field> = None;
-        for _ in 1..self.passes {
-            before = Some(pass.over(before.as_ref().unwrap_or(base), held.clone(), site.control)?);
+        for i in 0..=last {
+            let made = if i == last { site.rows.start as isize..site.rows.end as isize } else { held.clone() };
+            let smooth = |control: &Control<'_>| pass.over(before.as_ref().unwrap_or(base), made, control);
+            before = Some(site.control.stage(i, last + 1, smooth)?);
         }
-        pass.over(before.as_ref().unwrap_or(base), site.rows.start as isize..site.rows.end as isize, site.control)
+        Ok(before.unwrap_or_else(|| base.clone()))
     }
 }
 
@@ -248,7 +299,12 @@ impl Generator for Smooth {
     }
 
     fn reach(&self, grid: &Grid) -> Reach {
-        Reach::Rows(self.weights(grid)[1].len() * self.passes as usize)
+        Reach::Rows(self.weights(grid)[1].len() * self.passes_that_count(grid) as usize)
+    }
+
+    fn bytes_per_cell(&self, grid: &Grid) -> usize {
+        // What is smoothed along one axis and along both, and from the second pass on the pass before.
+        if self.passes_that_count(grid) > 1 { 12 } else { 8 }
     }
 
     fn is_filter(&self) -> bool {

@@ -110,6 +110,10 @@ impl Action for Drainage {
         replace(&mut world.layer_mut("drained_area")?.field, &area);
         Ok(())
     }
+
+    fn bytes_per_cell(&self) -> usize {
+        34
+    }
 }
 
 impl Drainage {

@@ -1,16 +1,17 @@
 //! A run whose world is made while its files are written.
 
+use super::commands::{Asked, Commands};
 use super::{Driver, End, PROGRESS_TIME};
 use crate::error::RunError;
-use crate::event::{Command, Event, Progress};
+use crate::event::{Event, Progress};
 use crate::outputs::Outputs;
 use crate::run::Outcome;
 use crate::state::State;
 use crate::stream::{StreamedWorld, Survey};
 use eyot_core::{Cancel, Control};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Name of the survey among the steps.
 const SURVEY: &str = "all steps, streamed";
@@ -22,10 +23,10 @@ impl Driver {
         self.checkpoint()?;
         let number = self.recipe.enabled_steps().last().map_or(1, |s| s.number);
         let watch = Mutex::new(Watch {
-            inbox: std::mem::replace(&mut self.inbox, channel().1),
+            // From here on, this run listens between bands only.
+            commands: std::mem::replace(&mut self.commands, Commands::new(channel().1, self.outbox.clone(), false)),
             outbox: self.outbox.clone(),
             cancel: self.cancel.clone(),
-            allowance: self.allowance,
             number,
             begun: Instant::now(),
             told: Instant::now(),
@@ -71,7 +72,10 @@ impl Driver {
             let state = State { seconds: self.seconds(), ..self.state.clone() };
             outputs = job.write(&state, &mut |done_exports| {
                 self.state.done_exports = done_exports;
-                self.checkpoint().map(|_| ())
+                // Without it, going on would make this export again.
+                if let Err(e) = self.checkpoint() {
+                    self.tell(Event::Warning { message: format!("no checkpoint: {e}; the run goes on") });
+                }
             })?;
         }
         let journal = std::mem::take(&mut self.state.journal);
@@ -81,11 +85,10 @@ impl Driver {
 
 /// Listens to commands between two bands of rows, and tells how far the run is.
 struct Watch {
-    inbox: Receiver<Command>,
+    /// Its steps are bands.
+    commands: Commands,
     outbox: Sender<Event>,
     cancel: Cancel,
-    /// Bands that may still be made before waiting; `None` while nobody paused.
-    allowance: Option<u64>,
     number: usize,
     begun: Instant,
     /// When the client last heard of progress.
@@ -106,50 +109,24 @@ impl Watch {
                 overall: done as f64 / total.max(1) as f64,
             }));
         }
-        self.allowance = self.allowance.map(|n| n.saturating_sub(1));
-        self.commands(done);
+        self.commands.did(1);
+        self.attend(done);
     }
 
-    fn commands(&mut self, done: u64) {
-        let mut waiting = false;
+    fn attend(&mut self, done: u64) {
         while !self.cancel.is_raised() {
-            let paused = self.allowance == Some(0);
-            if paused && !waiting {
-                waiting = true;
-                self.tell(Event::Paused { recipe_step: self.number, step: done });
-            }
-            let command = if paused {
-                match self.inbox.recv_timeout(Duration::from_secs(1)) {
-                    Ok(command) => command,
-                    Err(RecvTimeoutError::Timeout) => continue,
-                    // Nobody is left who could let it go on.
-                    Err(RecvTimeoutError::Disconnected) => return self.cancel.raise(),
-                }
-            } else {
-                match self.inbox.try_recv() {
-                    Ok(command) => command,
-                    Err(TryRecvError::Empty | TryRecvError::Disconnected) => return,
-                }
-            };
-            match command {
-                Command::Pause => self.allowance = Some(0),
-                Command::Resume => {
-                    self.allowance = None;
-                    self.tell(Event::Resumed);
-                }
-                Command::Step(n) => {
-                    self.allowance = Some(n);
-                    waiting = false;
-                }
-                Command::Set(set) => {
+            match self.commands.next(self.number, done) {
+                Asked::GoOn => return,
+                Asked::Stop => self.cancel.raise(),
+                Asked::Wait => {}
+                Asked::Set(set) => {
                     let message = format!("`{set}` was not set: no simulation is under way");
                     self.tell(Event::Warning { message });
                 }
-                Command::Snapshot => {
+                Asked::Snapshot => {
                     let message = "a streamed run has no world to show before its end".to_owned();
                     self.tell(Event::Warning { message });
                 }
-                Command::Stop => self.cancel.raise(),
             }
         }
     }

@@ -42,18 +42,25 @@ pub(super) fn weights(world: &World, export: &Export, limits: &Limits) -> Result
     Ok((out, (w, h)))
 }
 
-/// A mask of one material, or of a layer with values from 0 to 1.
-pub(super) fn mask(world: &World, name: &str, export: &Export, limits: &Limits) -> Result<Sized<u8>, RunError> {
+/// A mask of one material, or of a layer with values from 0 to 1. As in steps with a `mask`, what is less counts as 0 and
+/// what is more as 1; `note` hears of it.
+pub(super) fn mask(
+    world: &World,
+    name: &str,
+    export: &Export,
+    limits: &Limits,
+    note: &dyn Fn(String),
+) -> Result<Sized<u8>, RunError> {
     if let Some(layer) = world.get(name) {
         let size = (layer.width(), layer.height());
         limits.check_bytes("the mask", (size.0 * size.1) as u128).map_err(super::file)?;
         let (low, high) = layer.min_max();
         if low < 0.0 || high > 1.0 {
-            return Err(RunError::File(format!(
-                "layer `{name}` holds values from {low} to {high}, a mask those from 0 to 1; export it as geotiff or map"
-            )));
+            note(format!(
+                "layer `{name}` holds values from {low} to {high}; in a mask those below 0 are 0 and those above 1 are 1"
+            ));
         }
-        return Ok((layer.iter().map(|v| (v * 255.0).round() as u8).collect(), size));
+        return Ok((layer.iter().map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8).collect(), size));
     }
     let (weights, size) = weights(world, export, limits)?;
     let i = MATERIALS.iter().position(|m| *m == name).unwrap_or(0);
@@ -104,8 +111,13 @@ mod tests {
         for (x, material) in [(5, 2), (15, 2), (25, 0), (40, 1), (60, 3)] {
             assert_eq!(w[64 + x][material], 255, "{x}: {:?}", w[64 + x]);
         }
-        let (rock, _) = mask(&world, "rock", &export, &limits).unwrap();
-        assert!(rock.iter().zip(&w).all(|(r, w)| *r == w[1]));
-        assert!(mask(&world, "height", &export, &limits).is_err());
+        let notes = std::cell::RefCell::new(Vec::new());
+        let mask = |name| mask(&world, name, &export, &limits, &|n| notes.borrow_mut().push(n)).unwrap().0;
+        assert!(mask("rock").iter().zip(&w).all(|(r, w)| *r == w[1]));
+        assert!(notes.borrow().is_empty());
+        // Below the sea, and far above 1 m.
+        let height = mask("height");
+        assert_eq!((height[0], height[40]), (0, 255));
+        assert!(notes.borrow()[0].contains("from -20 to 250"), "{notes:?}");
     }
 }

@@ -197,7 +197,7 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
             for (name, layer) in files.iter().zip(&export.layers) {
                 if present(layer) || is_material(layer) {
                     let path = job.file(name)?;
-                    let (mask, size) = materials::mask(world, layer, export, job.limits)?;
+                    let (mask, size) = materials::mask(world, layer, export, job.limits, job.note)?;
                     io::write_mask(&path, size, &mask).map_err(file)?;
                 }
             }
@@ -238,9 +238,14 @@ fn write_layer(
     options: &WriteOptions,
 ) -> Result<(), RunError> {
     match source.layer(layer) {
-        Some((about, mut rows)) => io::write_rows(path, &mut *rows, &about, format, options).map_err(file),
+        Some((about, mut rows)) => io::write_rows(path, &mut *rows, &about, format, options).map_err(unmade),
         None => Ok(()),
     }
+}
+
+/// A refusal of the system may pass; values that do not fit a format will not, however often one tries.
+fn unmade(e: io::Error) -> RunError {
+    if matches!(e, io::Error::Io { .. }) { file(e) } else { RunError::Export(e.to_string()) }
 }
 
 /// The terrain as a mesh, in the job's folder under the name at the end of `name`.

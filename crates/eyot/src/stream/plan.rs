@@ -36,7 +36,7 @@ pub(crate) fn obstacle(steps: &[Step], exports: &[Export], grid: &Grid) -> Optio
     let of_step = |step: &Step| {
         let what = match &step.work {
             Work::Simulate(_) => "a simulation".to_owned(),
-            Work::Generate(work) => match (work.entry.make)(work.parameters.clone()) {
+            Work::Generate(work) => match work.make() {
                 Ok(generator) if generator.reach(grid) != Reach::Whole => return None,
                 _ => format!("`{}` as it is used here", work.entry.name),
             },
@@ -56,13 +56,6 @@ pub(crate) fn obstacle(steps: &[Step], exports: &[Export], grid: &Grid) -> Optio
         .or_else(|| exports.iter().enumerate().filter(|(_, e)| e.enabled).find_map(of_export))
 }
 
-/// Memory of a run in one piece while it works: two buffers a layer for the engine, and two more fields for a generator.
-pub(crate) fn bytes_working(steps: &[Step], layers: usize, grid: &Grid) -> u128 {
-    let generates = steps.iter().any(|s| matches!(s.work, Work::Generate(_)));
-    let fields = layers.max(1) * 2 + if generates { 2 } else { 0 };
-    grid.cells() as u128 * 4 * fields as u128
-}
-
 /// What a run without obstacles has to do.
 pub(crate) struct Load<'a> {
     pub(crate) steps: &'a [Step],
@@ -74,10 +67,12 @@ pub(crate) struct Load<'a> {
 
 impl Load<'_> {
     /// Memory of the run in one piece.
-    pub(crate) fn whole(&self) -> u128 {
-        let layers = Stages::layer_names(self.steps).len();
-        let world = layers as u128 * self.grid.cells() as u128 * 4;
-        bytes_working(self.steps, layers, self.grid).max(world + self.outputs(self.grid))
+    ///
+    /// # Errors
+    /// If a step is not what it seemed to be.
+    pub(crate) fn whole(&self) -> Result<u128> {
+        let peak = need::working(self.steps, self.grid)?;
+        Ok(peak.bytes.max(peak.world_bytes + self.outputs(self.grid)))
     }
 
     /// The grid of the streamed run's overview, and memory that is held while exports are written and pictures drawn:
@@ -113,19 +108,19 @@ impl Load<'_> {
 pub(crate) fn chosen(recipe: &Recipe, options: &RunOptions) -> Result<bool, RunError> {
     let Recipe { steps, exports, view, grid, .. } = recipe;
     let limits = &options.limits;
+    let fail = |source| RunError::Step { step: "the grid".to_owned(), source };
     match (options.stream, obstacle(steps, exports, grid)) {
         (Stream::Always, Some(o)) => Err(RunError::NotStreamed(o.reason)),
         (Stream::Always, None) => Ok(true),
         (Stream::Auto, None) => {
-            let too_large = Load { steps, exports, view, grid, limits }.whole() > u128::from(limits.max_bytes);
-            Ok(too_large || (options.out.is_some() && grid.cells() > LARGE))
+            let whole = Load { steps, exports, view, grid, limits }.whole().map_err(fail)?;
+            Ok(whole > u128::from(limits.max_bytes) || (options.out.is_some() && grid.cells() > LARGE))
         }
         // What does not fit was refused when the recipe was checked.
         (Stream::Auto | Stream::Never, Some(_)) => Ok(false),
         (Stream::Never, None) => {
-            let bytes = bytes_working(steps, Stages::layer_names(steps).len(), grid);
-            let check = limits.check_bytes("this recipe in one piece", bytes);
-            check.map(|()| false).map_err(|source| RunError::Step { step: "the grid".to_owned(), source })
+            let peak = need::working(steps, grid).map_err(fail)?;
+            limits.check_bytes("this recipe in one piece", peak.bytes).map(|()| false).map_err(fail)
         }
     }
 }

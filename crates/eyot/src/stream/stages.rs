@@ -66,18 +66,6 @@ pub(super) struct Stages {
 }
 
 impl Stages {
-    /// The layers that the enabled steps make, in the order in which they come to be.
-    pub(super) fn layer_names(steps: &[Step]) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
-        for step in steps.iter().filter(|s| s.enabled) {
-            match &step.work {
-                Work::Generate(w) if !names.contains(&&*w.layer) => names.push(&w.layer),
-                _ => {}
-            }
-        }
-        names
-    }
-
     /// The stages of the enabled steps, all of which must generate.
     pub(super) fn new(steps: &[Step], grid: Grid, sea_level_m: f64) -> Result<Self> {
         let mut this = Self {
@@ -97,11 +85,7 @@ impl Stages {
     }
 
     fn add(&mut self, step: &Step, work: &GenerateStep, steps: &[Step]) -> Result<()> {
-        let generator = (work.entry.make)(work.parameters.clone()).map_err(|e| Error::BadParameter {
-            owner: work.entry.name.into(),
-            field: "parameters".into(),
-            reason: e.to_string(),
-        })?;
+        let generator = work.make()?;
         let find = |name: &str| {
             let found = self.layers.iter().find(|(spec, _)| spec.name == name);
             found.cloned().ok_or_else(|| Error::NoLayer { name: name.to_owned(), present: self.names() })

@@ -247,9 +247,13 @@ impl Validator<'_> {
             }
             let narrow = self.grid.is_some_and(|g| g.width < 2 || g.height < 2);
             if narrow && export.enabled && export.needs_two_cells() {
-                let key = if export.preset.is_some() { "preset" } else { "format" };
+                let (key, what) = match export.preset {
+                    Some(preset) => ("preset", format!("the preset `{}`", preset.name())),
+                    None => ("format", "a mesh".to_owned()),
+                };
+                let message = format!("{what} needs at least 2 x 2 cells");
                 self.out.push(
-                    Diagnostic::at(place(key), "a mesh needs at least 2 x 2 cells", "this export")
+                    Diagnostic::at(place(key), message, "this export")
                         .help("choose a larger [grid], or leave out this export"),
                 );
             }
@@ -338,19 +342,28 @@ impl Validator<'_> {
             self.out.push(Diagnostic::whole(message));
         }
         let size = node.get("size").map_or_else(|| node.span.clone(), |n| n.span.clone());
-        let what = format!("this recipe with {} layers of {} x {} cells", self.layers.len(), grid.width, grid.height);
+        let layers = match self.layers.len() {
+            1 => "1 layer".to_owned(),
+            n => format!("{n} layers"),
+        };
+        let what = format!("this recipe with {layers} of {} x {} cells", grid.width, grid.height);
         match stream::obstacle(steps, exports, &grid) {
-            Some(obstacle) => {
-                let working = stream::bytes_working(steps, self.layers.len(), &grid);
-                if let Err(e) = self.limits.check_bytes(&what, working) {
+            // A step that is wrong has no memory that could be known.
+            Some(obstacle) if self.out.is_empty() => {
+                let peak = match need::working(steps, &grid) {
+                    Ok(peak) => peak,
+                    Err(e) => return self.out.push(Diagnostic::at(size, e.to_string(), "this grid")),
+                };
+                let what =
+                    peak.step.map_or_else(|| what.clone(), |s| format!("step {} ({}) of {what}", s.number, s.name));
+                if let Err(e) = self.limits.check_bytes(&what, peak.bytes) {
                     self.too_large(doc, size, &obstacle, &e);
                 }
-                let world = self.layers.len() as u128 * grid.cells() as u128 * 4;
-                self.output_memory(doc, &grid, world, exports, view);
+                self.output_memory(doc, &grid, peak.world_bytes, exports, view);
             }
             None if self.out.is_empty() => {
                 let load = stream::Load { steps, exports, view, grid: &grid, limits: self.limits };
-                if load.whole() <= u128::from(self.limits.max_bytes) {
+                if load.whole().is_ok_and(|bytes| bytes <= u128::from(self.limits.max_bytes)) {
                     return;
                 }
                 let what = format!("{what}, even streamed,");
@@ -364,7 +377,7 @@ impl Validator<'_> {
                     }
                 }
             }
-            None => {}
+            _ => {}
         }
     }
 

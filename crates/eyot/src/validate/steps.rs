@@ -252,8 +252,10 @@ impl Validator<'_> {
             self.out.push(Diagnostic::at(key.span.clone(), message, "unknown key").help(help));
         }
         let keys: keys::Simulate = self.keys_of(node, "step", &tables);
-        let processes =
-            uses.iter().filter_map(|(place, entry)| self.process(node.get(entry.name), place, entry)).collect();
+        let processes = uses
+            .iter()
+            .filter_map(|(place, entry)| self.process(node.get(entry.name), place, entry, keys.enabled))
+            .collect();
         if matches!(&keys.simulate, Names::Many(names) if names.is_empty()) && self.out.len() == before {
             self.out.push(Diagnostic::at(list.span.clone(), "no process is listed", "empty").help("see `eyot list`"));
         }
@@ -276,6 +278,7 @@ impl Validator<'_> {
         table: Option<&Node>,
         place: &Node,
         entry: &'static Entry<dyn Process>,
+        step_enabled: bool,
     ) -> Option<ProcessUse> {
         let empty = Node { span: place.span.clone(), kind: Kind::Table(Vec::new()) };
         let node = table.unwrap_or(&empty);
@@ -295,11 +298,20 @@ impl Validator<'_> {
         }
         let schedule: Schedule = serde_json::from_value(theirs.to_json()).unwrap_or_default();
         let parameters = without(node, &SCHEDULE_KEYS);
+        let acts = step_enabled && schedule.enabled;
         match (entry.make)(parameters.clone()) {
             Ok(process) => {
-                if let Some(Err(e)) = self.grid.filter(|_| schedule.enabled).map(|g| process.check(&g)) {
+                if let Some(Err(e)) = self.grid.filter(|_| acts).map(|g| process.check(&g)) {
                     self.out.push(refused(&e, entry.name, node));
                     return None;
+                }
+                let needs = process.needs().into_iter().filter(|_| acts);
+                for name in needs.filter(|name| !self.layers.iter().any(|l| l == name)).collect::<Vec<_>>() {
+                    let span = node.get(name).map_or_else(|| node.span.clone(), |n| n.span.clone());
+                    let mut problem = self.no_layer(name, span);
+                    problem.message = format!("`{}` needs another layer: {}", entry.name, problem.message);
+                    let help = format!("make it before with a generate step that has layer = \"{name}\"");
+                    self.out.push(problem.help(help));
                 }
                 for (spec, _) in process.layers() {
                     if !schedule.enabled {

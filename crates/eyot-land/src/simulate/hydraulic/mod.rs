@@ -46,7 +46,7 @@ use eyot_core::layer::known::{HEIGHT, SEDIMENT, WATER};
 use eyot_core::math;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process};
-use eyot_core::{Error, Grid, LayerSpec, Result, Stagger, World};
+use eyot_core::{Error, Grid, LayerSpec, Result, Stagger};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -228,16 +228,8 @@ impl Process for Hydraulic {
         Ok(())
     }
 
-    fn prepare(&self, world: &mut World) -> Result<()> {
-        if self.springs > 0.0 && world.get("springs").is_none() {
-            return Err(Error::BadParameter {
-                owner: "hydraulic".into(),
-                field: "springs".into(),
-                reason: "needs the layer `springs`; make it before with a generate step that has layer = \"springs\""
-                    .into(),
-            });
-        }
-        Ok(())
+    fn needs(&self) -> Vec<&'static str> {
+        if self.springs > 0.0 { vec!["springs"] } else { Vec::new() }
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

@@ -154,6 +154,10 @@ impl Action for Streampower {
         }
         Ok(())
     }
+
+    fn bytes_per_cell(&self) -> usize {
+        54
+    }
 }
 
 impl Streampower {

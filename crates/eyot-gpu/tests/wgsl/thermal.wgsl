@@ -1,0 +1,113 @@
+// thermal_slump: tiles of 32 x 16 cells.
+
+struct Job {
+    width: i32,
+    height: i32,
+    left: i32,
+    top: i32,
+    first_row: i32,
+    end_row: i32,
+    stride: i32,
+    slots: i32,
+    first_group: i32,
+    groups: i32,
+    from_height: i32,
+    to_height: i32,
+    stay_x_0: f32,
+    stay_y_0: f32,
+    stay_d_0: f32,
+    rate_0: f32,
+    rate_d_0: f32,
+}
+@group(0) @binding(0) var<uniform> job: Job;
+@group(0) @binding(1) var<storage, read_write> state: array<f32>;
+@group(0) @binding(2) var<storage, read_write> sums: array<vec2<f32>>;
+
+fn address(slot: i32, x: i32, y: i32) -> i32 {
+    return 64 + ((y - job.first_row) * job.slots + slot) * job.stride + x;
+}
+fn wrapped(i: i32, n: i32) -> i32 {
+    return (i % n + n) % n;
+}
+
+@compute @workgroup_size(256)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let left = i32(group.x) * 32 + job.left;
+    let top = i32(group.y) * 16 + job.top;
+
+    // Rule `thermal_slump`.
+    for (var c = thread; c < 512u; c += 256u) {
+        let cx = left + i32(c % 32u);
+        let cy = top + i32(c / 32u);
+        if cx < 0 || cx >= job.width || cy < 0 || cy >= job.end_row {
+            continue;
+        }
+        let x = cx;
+        let y = cy;
+        let x_0 = cx;
+        let x_m1 = max(cx - 1, 0);
+        let x_p1 = min(cx + 1, job.width - 1);
+        let y_0 = cy;
+        let y_m1 = max(cy - 1, 0);
+        let y_p1 = min(cy + 1, job.height - 1);
+        let height_e = state[address(job.from_height, x_p1, y_0)];
+        let height = state[address(job.from_height, x_0, y_0)];
+        let n7 = height_e - height;
+        let n8 = -(job.stay_x_0);
+        let n9 = select(n8, n7, n8 < n7);
+        let n10 = select(job.stay_x_0, n9, n9 < job.stay_x_0);
+        let n11 = n7 - n10;
+        let height_w = state[address(job.from_height, x_m1, y_0)];
+        let n13 = height_w - height;
+        let n14 = select(n8, n13, n8 < n13);
+        let n15 = select(job.stay_x_0, n14, n14 < job.stay_x_0);
+        let n16 = n13 - n15;
+        let n17 = n11 + n16;
+        let height_s = state[address(job.from_height, x_0, y_p1)];
+        let n19 = height_s - height;
+        let n20 = -(job.stay_y_0);
+        let n21 = select(n20, n19, n20 < n19);
+        let n22 = select(job.stay_y_0, n21, n21 < job.stay_y_0);
+        let n23 = n19 - n22;
+        let height_n = state[address(job.from_height, x_0, y_m1)];
+        let n25 = height_n - height;
+        let n26 = select(n20, n25, n20 < n25);
+        let n27 = select(job.stay_y_0, n26, n26 < job.stay_y_0);
+        let n28 = n25 - n27;
+        let n29 = n23 + n28;
+        let height_se = state[address(job.from_height, x_p1, y_p1)];
+        let n31 = height_se - height;
+        let n32 = -(job.stay_d_0);
+        let n33 = select(n32, n31, n32 < n31);
+        let n34 = select(job.stay_d_0, n33, n33 < job.stay_d_0);
+        let n35 = n31 - n34;
+        let height_nw = state[address(job.from_height, x_m1, y_m1)];
+        let n37 = height_nw - height;
+        let n38 = select(n32, n37, n32 < n37);
+        let n39 = select(job.stay_d_0, n38, n38 < job.stay_d_0);
+        let n40 = n37 - n39;
+        let n41 = n35 + n40;
+        let height_sw = state[address(job.from_height, x_m1, y_p1)];
+        let n43 = height_sw - height;
+        let n44 = select(n32, n43, n32 < n43);
+        let n45 = select(job.stay_d_0, n44, n44 < job.stay_d_0);
+        let n46 = n43 - n45;
+        let height_ne = state[address(job.from_height, x_p1, y_m1)];
+        let n48 = height_ne - height;
+        let n49 = select(n32, n48, n32 < n48);
+        let n50 = select(job.stay_d_0, n49, n49 < job.stay_d_0);
+        let n51 = n48 - n50;
+        let n52 = n46 + n51;
+        let n53 = n41 + n52;
+        let n54 = n17 + n29;
+        let n55 = job.rate_0 * n54;
+        let n56 = job.rate_d_0 * n53;
+        let n57 = n55 + n56;
+        let slumped = height + n57; // (1)
+        state[address(job.to_height, cx, cy)] = slumped;
+    }
+}
