@@ -92,9 +92,18 @@ fn only_io_opens_files() {
 }
 
 #[test]
+fn only_the_gpu_crate_names_wgpu() {
+    for krate in ["eyot-core", "eyot-land", "eyot-io", "eyot-mesh", "eyot-render", "eyot"] {
+        let manifest = fs::read_to_string(root().join("crates").join(krate).join("Cargo.toml")).unwrap();
+        assert!(!manifest.lines().any(|l| l.starts_with("wgpu")), "{krate} depends on wgpu");
+    }
+    assert_absent("crates/eyot-gpu/src", &["std::fs", "File::"], &[]);
+}
+
+#[test]
 fn front_ends_use_the_facade() {
     let manifest = fs::read_to_string(root().join("apps/eyot-cli/Cargo.toml")).unwrap();
-    for below in ["eyot-core", "eyot-land", "eyot-io", "eyot-mesh", "eyot-render"] {
+    for below in ["eyot-core", "eyot-land", "eyot-gpu", "eyot-io", "eyot-mesh", "eyot-render"] {
         assert!(!manifest.lines().any(|l| l.starts_with(below)), "the command line depends on {below}");
     }
 }

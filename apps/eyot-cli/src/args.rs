@@ -6,6 +6,7 @@ use eyot::Stream;
 use eyot::bench::BenchSubject;
 use eyot::core::isa::Isa;
 use eyot::io::{ByteOrder, RowOrder, Sample};
+use eyot::{EngineChoice, EngineOptions};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -59,6 +60,8 @@ pub(crate) enum Verb {
     Convert(Convert),
     /// Measure how fast this machine works
     Bench(Bench),
+    /// Say what this machine can simulate on, and test it
+    Doctor(Doctor),
 }
 
 #[derive(Args)]
@@ -122,6 +125,8 @@ pub(crate) struct Work {
     /// Threads [default: all cores]; they do not change a byte of the result
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) engine: Engine,
     /// Say nothing but errors, and after a stop how to go on; no warnings either
     #[arg(long, short)]
     pub(crate) quiet: bool,
@@ -131,6 +136,53 @@ pub(crate) struct Work {
     /// Seconds between two checkpoints
     #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) checkpoint_seconds: f64,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Runs the same erosion on the processor and on the graphics card that --engine gpu would take, and compares the results.
+The exit code is 0 only if they agree; where there is no graphics card, the processor is compared with itself.")]
+pub(crate) struct Doctor {
+    /// The graphics card to test, by a part of its name
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// As JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What carries out the work.
+#[derive(Args)]
+pub(crate) struct Engine {
+    /// What simulates: cpu gives the same bytes on every machine, gpu the same within rounding, auto takes a graphics card if
+    /// there is one
+    #[arg(long, value_name = "WHICH", value_enum, default_value = "cpu")]
+    pub(crate) engine: EngineName,
+    /// The graphics card to use, by a part of its name; `eyot doctor` lists them
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+}
+
+/// What to measure; `None` is the island.
+#[derive(Clone, Copy)]
+pub(crate) struct Measured(pub(crate) Option<BenchSubject>);
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum EngineName {
+    Auto,
+    Cpu,
+    Gpu,
+}
+
+impl Engine {
+    pub(crate) fn options(&self) -> EngineOptions {
+        let choice = match self.engine {
+            EngineName::Auto => EngineChoice::Auto,
+            EngineName::Cpu => EngineChoice::Cpu,
+            EngineName::Gpu => EngineChoice::Gpu,
+        };
+        EngineOptions { choice, adapter: self.adapter.clone(), ..EngineOptions::default() }
+    }
 }
 
 #[derive(Args)]
@@ -319,9 +371,10 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, noise, reef, drainage or streampower
-    #[arg(value_name = "WHAT")]
-    pub(crate) what: BenchSubject,
+    /// What to measure: hydraulic, thermal, noise, reef, drainage or streampower; on a graphics card also island, which is
+    /// hydraulic, thermal and reef together
+    #[arg(value_name = "WHAT", value_parser = subject)]
+    pub(crate) what: Measured,
     /// Cells along each side
     #[arg(long, value_name = "N", default_value = "512", value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub(crate) size: Option<u32>,
@@ -334,6 +387,11 @@ pub(crate) struct Bench {
     /// Hydraulic erosion as published in 2007 instead of Eyot's own form
     #[arg(long)]
     pub(crate) classic: bool,
+    #[command(flatten)]
+    pub(crate) engine: Engine,
+    /// Passes that the GPU engine puts into one dispatch [default: as many as pay]; 1 switches fusing off
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
+    pub(crate) passes: Option<u8>,
     /// Seconds to spend on measuring
     #[arg(long, value_name = "S", default_value = "5")]
     pub(crate) seconds: f64,
@@ -352,6 +410,15 @@ fn stream(text: &str) -> Result<Stream, String> {
         "always" => Ok(Stream::Always),
         "never" => Ok(Stream::Never),
         _ => Err("choose auto, always or never".to_owned()),
+    }
+}
+
+/// `None` for the island, which is no subject of its own on the processor.
+fn subject(text: &str) -> Result<Measured, String> {
+    if text == "island" {
+        Ok(Measured(None))
+    } else {
+        text.parse().map(|s| Measured(Some(s))).map_err(|e: eyot::core::Error| e.to_string())
     }
 }
 

@@ -1,9 +1,9 @@
 //! `render`, `stats`, `bench`: looking at what is there.
 
-use crate::args::{Bench, Render, Stats};
+use crate::args::{Bench, EngineName, Measured, Render, Stats};
 use crate::{Failure, print, report};
 use eyot::store::Subject;
-use eyot::{Limits, View, bench, store};
+use eyot::{Limits, View, bench, bench_gpu, store};
 use serde_json::Value;
 
 /// Draws a picture of a run or a height map.
@@ -108,10 +108,17 @@ fn short(x: f64) -> String {
 
 /// Measures how fast this machine works.
 pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
+    if args.engine.engine != EngineName::Cpu {
+        return measure_gpu(args);
+    }
+    let Measured(Some(what)) = args.what else {
+        let help = "measure hydraulic, thermal or reef, or add --engine gpu";
+        return Err(report::usage("the island as a whole is measured on graphics cards only", help));
+    };
     let d = bench::BenchOptions::default();
     let threads = args.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let options = bench::BenchOptions {
-        what: args.what,
+        what,
         size: args.size.map_or(d.size, |n| n as usize),
         threads,
         isa: args.isa,
@@ -139,6 +146,39 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
     print::line(&format!(
         "  {:>10.1} bytes held per cell, {moved} bytes read and written per cell and step",
         r.bytes_per_cell
+    ))
+}
+
+fn measure_gpu(args: &Bench) -> Result<(), Failure> {
+    let options = bench_gpu::GpuBenchOptions {
+        what: args.what.0,
+        size: args.size.map_or(512, |n| n as usize),
+        classic: args.classic,
+        seconds: args.seconds,
+        most_passes: args.passes.map_or(0, usize::from),
+        engine: args.engine.options(),
+    };
+    let r = bench_gpu::run(&options).map_err(|e| report::run(&e))?;
+    if args.json {
+        let json = serde_json::to_value(&r).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
+        return print::line(&format!("{json:#}"));
+    }
+    print::line(&format!("{}, {} x {} cells, {}", r.what, r.size, r.size, r.adapter))?;
+    print::line(&format!(
+        "  {:>10.3} ms a step, of which the card's own time is {:.3} ms",
+        1e3 * r.seconds_per_step,
+        1e3 * r.card_seconds_per_step
+    ))?;
+    print::line(&format!("  {:>10.0} million cell-steps/s", 1e-6 * r.cell_steps_per_second))?;
+    print::line(&format!(
+        "  {:>10.2} dispatches a step, {:.0} steps a submission",
+        r.dispatches_per_step, r.steps_per_submission
+    ))?;
+    print::line(&format!(
+        "  {:>10.1} bytes moved per cell and step; a copy moves {:.1} GB/s, so this is {:.0} % of the bound",
+        r.bytes_per_cell_step,
+        1e-9 * r.copy_bandwidth,
+        1e2 * r.share_of_bandwidth
     ))
 }
 

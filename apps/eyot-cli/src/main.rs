@@ -5,6 +5,7 @@
 
 mod args;
 mod convert;
+mod doctor;
 mod excerpt;
 mod look;
 mod made;
@@ -112,5 +113,6 @@ fn work(verb: Verb) -> Result<(), Failure> {
         Verb::Stats(a) => look::stats(&a),
         Verb::Convert(a) => convert::convert(&a),
         Verb::Bench(a) => look::measure(&a),
+        Verb::Doctor(a) => doctor::doctor(&a),
     }
 }

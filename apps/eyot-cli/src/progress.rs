@@ -45,12 +45,12 @@ impl Bars {
     /// Shows an event.
     pub(crate) fn show(&mut self, event: &Event) {
         match event {
-            Event::Started { name, size, cell_m, seed, steps, threads, resumed, .. } => {
+            Event::Started { name, size, cell_m, seed, steps, engine, threads, resumed, .. } => {
                 self.steps = *steps;
                 let again = if *resumed { ", resumed" } else { "" };
                 let cell = print::cell(cell_m[0], cell_m[1]);
                 self.say(&format!(
-                    "{name}: {} x {} cells of {cell}, seed {seed}, {threads} threads{again}",
+                    "{name}: {} x {} cells of {cell}, seed {seed}, {engine}, {threads} threads{again}",
                     size[0], size[1]
                 ));
             }

@@ -46,6 +46,7 @@ fn options(work: &Work) -> RunOptions {
     RunOptions {
         threads: work.threads.map(usize::from),
         checkpoint_every: Duration::from_secs_f64(work.checkpoint_seconds),
+        engine: work.engine.options(),
         ..RunOptions::default()
     }
 }

@@ -133,7 +133,7 @@ fn check_refuses_what_run_refuses() {
         (import("."), "is not a file"),
         (format!("{water}hydraulic.springs = 0.1\n"), "no step makes a layer `springs`"),
         (format!("{water}hydraulic.time_step = 1e6\n"), "time_step"),
-        (format!("{water}every = 3\n"), "hydraulic.every"),
+        (format!("{water}every = 3\n"), "no key `every`"),
     ] {
         std::fs::write(f.join("a.toml"), format!("[grid]\nsize = 8\n[[step]]\n{step}")).unwrap();
         let refused = said(f, &["check", "a.toml"], 2, &[answer]);

@@ -69,7 +69,7 @@ impl Plan {
     pub fn doubled_layers(&self) -> Vec<&'static str> {
         let around = |p: &Pass, layer: &str| p.reads().iter().any(|r| r.layer == layer && r.reach > 0);
         let mut names: Vec<&str> =
-            self.passes().flat_map(|p| p.writes().iter().copied().filter(move |w| around(p, w))).collect();
+            self.passes.iter().flat_map(|p| p.writes().iter().copied().filter(move |w| around(p, w))).collect();
         names.sort_unstable();
         names.dedup();
         names

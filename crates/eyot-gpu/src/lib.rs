@@ -4,6 +4,7 @@
 //! crate is the only one that names `wgpu`.
 
 mod arena;
+mod bandwidth;
 mod cache;
 pub mod device;
 pub mod draw;
@@ -14,7 +15,10 @@ mod reduce;
 mod shader;
 pub mod shaders;
 
+pub use wgpu;
+
 pub use arena::Pending;
+pub use bandwidth::copy_bandwidth;
 pub use device::{AdapterReport, Choice, Gpu, adapters};
 pub use engine::{GpuEngine, Options, Work};
 pub use error::{GpuError, Result};

@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let cut = Breach { fill: false, ..Breach::default() };
         let breached = cut.generate(&Site::whole(grid, 1, &world, &control), &height)?;
         for (state, height) in [("before", &height), ("breached", &breached)] {
-            for rule in [RoutingRule::D8, RoutingRule::Multiple] {
+            for rule in [RoutingRule::D8, RoutingRule::Multiple, RoutingRule::Dinf] {
                 let land = Land { height, grid: &grid, sea_level_m: -1e6, closed_rims: false };
                 let drained = land.drain(rule, 1.1, &control)?;
                 let most = (drained.area_m2.len() as f64 * grid.cell_area_m2()).ln();

@@ -53,7 +53,8 @@ fn spectral_surfaces_have_the_exponent_they_were_made_with() {
     for beta in [2.0, 3.0, 3.6, 4.0] {
         let g = grid(384, 384, 30.0, Rim::CLOSED);
         let seeds = 8;
-        let found = (1..=seeds).map(|s| spectral_beta(&gaussian_surface(384, beta, s), &g).unwrap()).sum::<f64>();
+        let found =
+            (1..=seeds).map(|s| spectral_beta(&gaussian_surface(384, beta, s), &g).unwrap().unwrap()).sum::<f64>();
         let found = found / seeds as f64;
         println!("beta made with {beta}, found {found}");
         assert!((found - beta).abs() < 0.1, "made with {beta}, found {found}");
@@ -72,7 +73,7 @@ fn oblong_cells_do_not_bend_the_spectrum() {
     let square = grid(512, 512, 10.0, Rim::CLOSED);
     let z = gaussian_surface(512, 3.4, 4);
     let thin = Field::from_fn(512, 256, |x, y| z.get(x, 2 * y));
-    let (a, b) = (spectral_beta(&z, &square).unwrap(), spectral_beta(&thin, &oblong).unwrap());
+    let (a, b) = (spectral_beta(&z, &square).unwrap().unwrap(), spectral_beta(&thin, &oblong).unwrap().unwrap());
     assert!((a - b).abs() < 0.1, "{a} on square, {b} on oblong cells");
 }
 
@@ -241,5 +242,37 @@ fn a_million_cells_in_a_second_and_a_half() {
         let s = measure(&z, &g, sea);
         println!("1024^2, sea {sea:?}: {:?}\n{s:?}", start.elapsed());
         assert!(start.elapsed().as_secs_f64() < 1.5);
+    }
+}
+
+/// What does not fit together is an error that says so, never a panic.
+#[test]
+fn sizes_that_differ_are_refused() {
+    use eyot_core::{Control, Rim};
+    use eyot_land::analyse;
+    use eyot_land::drainage::Routing;
+    let g = Grid::new(8, 6, 10.0, Rim::OPEN, &Limits::default()).unwrap();
+    let (other, fits) = (Field::new(6, 8, 0.0), Field::new(8, 6, 0.0));
+    let (few, all) = (vec![true; 9], vec![true; 48]);
+    let flow = Routing::new(&fits.to_vec(), &g, &all, &Control::none()).unwrap();
+    let errors = [
+        analyse::curvatures(&other, &g, |_| true).unwrap_err(),
+        analyse::geomorphons(&other, &g, 3, 1.0).unwrap_err(),
+        analyse::count_pits(&other, &g, |_| true).unwrap_err(),
+        analyse::slope_deg(&other, &g).unwrap_err(),
+        analyse::spectral_beta(&other, &g).unwrap_err(),
+        analyse::hurst_exponent(&other, &g, &all).unwrap_err(),
+        analyse::hurst_exponent(&fits, &g, &few).unwrap_err(),
+        analyse::strahler_orders(&flow, &few).unwrap_err(),
+        analyse::hack_exponent(&flow, &all, &[1; 9]).unwrap_err(),
+        analyse::hack_exponent(&flow, &few, &[1; 48]).unwrap_err(),
+        analyse::streams_by_order(&flow, &[1; 9], &[1; 48]).unwrap_err(),
+        analyse::streams_by_order(&flow, &[1; 48], &[1; 9]).unwrap_err(),
+        analyse::concavity(&[0.0; 9], &flow, &all, &[1; 48], 1.0).unwrap_err(),
+        analyse::concavity(&[0.0; 48], &flow, &few, &[1; 48], 1.0).unwrap_err(),
+        analyse::concavity(&[0.0; 48], &flow, &all, &[1; 9], 1.0).unwrap_err(),
+    ];
+    for e in errors {
+        assert!(matches!(e, eyot_core::Error::Shape { .. }) && e.to_string().contains("48"), "{e}");
     }
 }

@@ -1,7 +1,10 @@
 //! Noise: range, spread, equal directions, the same bytes everywhere, the same land on every grid, no seams.
+mod common;
+
+use common::{grid, make, spread, structure};
 use eyot_core::isa::Isa;
-use eyot_core::process::{Generator, Site};
-use eyot_core::{Control, Field, Grid, Limits, Rim, World};
+use eyot_core::process::Generator;
+use eyot_core::{Control, Field, Grid, Rim};
 use eyot_land::generate::fractal::{Fractal, Octaves};
 use eyot_land::generate::noise::{Basis, Noise, Sum};
 use eyot_land::generate::{Fbm, Ridged, Warp};
@@ -9,29 +12,13 @@ use eyot_land::generate::{Fbm, Ridged, Warp};
 const BASES: [Basis; 6] =
     [Basis::Simplex, Basis::Perlin, Basis::Value, Basis::WorleyF1, Basis::WorleyF2, Basis::WorleyF2F1];
 
-fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
-    Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
-}
-
 fn field(noise: &Noise, grid: &Grid) -> Field {
     noise.field(grid, 0..grid.height, Isa::best(), &Control::none()).unwrap()
-}
-
-fn make(what: &dyn Generator, base: &Field, grid: Grid, seed: u64) -> Field {
-    let (world, control) = (World::new(grid, seed), Control::none());
-    what.generate(&Site::whole(grid, seed, &world, &control), base).unwrap()
 }
 
 /// Hills of the default size.
 fn fbm(noise: Octaves, warp: f32) -> Fbm {
     Fbm { fractal: Fractal { noise, warp, ..Fbm::default().fractal } }
-}
-
-/// Mean and standard deviation.
-fn spread(f: &Field) -> (f64, f64) {
-    let n = (f.width() * f.height()) as f64;
-    let mean = f.sum() / n;
-    (mean, (f.iter().map(|v| (f64::from(v) - mean).powi(2)).sum::<f64>() / n).sqrt())
 }
 
 /// Root of the mean squared difference of two fields.
@@ -66,20 +53,6 @@ fn range_mean_and_spread() {
             }
         }
     }
-}
-
-/// Mean squared difference of values at a distance of (dx, dy).
-fn structure(f: &Field, dx: isize, dy: isize) -> f64 {
-    let (w, h) = (f.width() as isize, f.height() as isize);
-    let (mut sum, mut n) = (0.0, 0.0);
-    for y in 0..h - dy {
-        for x in (-dx).max(0)..(w - dx).min(w) {
-            let d = f.get(x as usize, y as usize) - f.get((x + dx) as usize, (y + dy) as usize);
-            sum += f64::from(d * d);
-            n += 1.0;
-        }
-    }
-    sum / n
 }
 
 #[test]

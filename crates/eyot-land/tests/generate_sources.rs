@@ -1,27 +1,23 @@
-//! Fractal sources: heights, roughness, equal directions, no seams, the same bytes on any number of threads.
-use eyot_core::process::Site;
-use eyot_core::{Control, Edge, Field, Grid, Limits, Rim, World};
+//! Statistics of every generator that draws lots, and where those of the others are tested.
+//!
+//! | generator | mean, deviation | spectrum | directions alike | no seam | no creases | threads |
+//! |---|---|---|---|---|---|---|
+//! | `circles` | here | none: discs of two sizes | here | here | - | here |
+//! | `diamond_square`, `random_additions` | here | here: `2 H + 2` | here | here | here | here |
+//! | `faulting` | here | here: 3 | here | here | - | here |
+//! | `fbm` (all bases), `ridged`, `billow` | here, `generate_noise` | here | here, `generate_noise` | here | `generate_noise` | here |
+//! | `worley` | here | none: kinks at one scale | here | here | `generate_noise` | here |
+//! | `mask_noise` | here, `generate_filters` | none: cut off at 0 and 1 | here | here | - | here |
+//! | `warp` | moves what is there (`generate_shapes`) | - | `generate_noise` | `generate_noise` | - | `generate_noise` |
+//!
+//! The others compute what a formula says, cell by cell, and are held against it: [`BY_FORMULA`].
+mod common;
+
+use common::{grid, make_named, spread, structure};
+use eyot_core::{Edge, Field, Grid, Rim};
 use eyot_land::analyse::spectral_beta;
 use eyot_land::generate::GENERATORS;
 use serde_json::{Value, json};
-
-fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
-    Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
-}
-
-fn make(name: &str, parameters: &Value, grid: Grid, seed: u64) -> Field {
-    let entry = GENERATORS.iter().find(|e| e.name == name).unwrap();
-    let (world, control) = (World::new(grid, seed), Control::none());
-    let base = Field::new(grid.width, grid.height, 0.0);
-    (entry.make)(parameters.clone()).unwrap().generate(&Site::whole(grid, seed, &world, &control), &base).unwrap()
-}
-
-/// Mean and standard deviation.
-fn spread(f: &Field) -> (f64, f64) {
-    let n = (f.width() * f.height()) as f64;
-    let mean = f.sum() / n;
-    (mean, (f.iter().map(|v| (f64::from(v) - mean).powi(2)).sum::<f64>() / n).sqrt())
-}
 
 /// A source, and what was measured of it on 512 x 512 cells, the mean of four seeds.
 struct Case {
@@ -37,6 +33,36 @@ struct Case {
     falls: f64,
 }
 
+/// Generators without lots, and the tests that compare each with its formula.
+const BY_FORMULA: [(&str, &str, &str); 14] = [
+    ("breach", include_str!("generate_drainage.rs"), "breach_cuts_within_its_bounds_and_fills_the_rest"),
+    ("cone", include_str!("generate_shapes.rs"), "cone_is_the_formula"),
+    ("constant", include_str!("generate_shapes.rs"), "ramp_and_constant"),
+    ("crater", include_str!("generate_shapes.rs"), "crater_folds_exactly"),
+    ("fill", include_str!("generate_drainage.rs"), "fill_raises_depressions_and_nothing_else"),
+    ("flow", include_str!("generate_drainage.rs"), "flow_gathers_all_land_and_leaves_the_height"),
+    ("mask_curvature", include_str!("generate_filters.rs"), "masks_of_curvature_tell_ridges_from_valleys"),
+    ("mask_height", include_str!("generate_filters.rs"), "masks_of_height_and_slope_meet_their_bands"),
+    ("mask_slope", include_str!("generate_filters.rs"), "masks_of_height_and_slope_meet_their_bands"),
+    ("ramp", include_str!("generate_shapes.rs"), "ramp_and_constant"),
+    ("remap", include_str!("generate_filters.rs"), "curves_pass_through_their_points_and_never_overshoot"),
+    ("smooth", include_str!("generate_shapes.rs"), "smoothing_one_cell_gives_a_round_gaussian"),
+    ("terraces", include_str!("generate_filters.rs"), "terraces_are_level_and_keep_the_order"),
+    ("warp", include_str!("generate_shapes.rs"), "warp_moves_and_does_not_make"),
+];
+
+#[test]
+fn every_generator_is_tested() {
+    let drawn: Vec<&str> = cases().iter().map(|c| c.name).collect();
+    for name in GENERATORS.iter().map(|e| e.name) {
+        let by_formula = BY_FORMULA.iter().find(|f| f.0 == name);
+        assert!(by_formula.is_some() || drawn.contains(&name), "`{name}` has neither statistics nor a formula");
+        if let Some((_, file, test)) = by_formula {
+            assert!(file.contains(&format!("fn {test}()")), "there is no test `{test}` any more");
+        }
+    }
+}
+
 fn cases() -> Vec<Case> {
     let case = |name, parameters, mean, deviation, beta, anisotropy, falls| Case {
         name,
@@ -48,6 +74,7 @@ fn cases() -> Vec<Case> {
         falls,
     };
     let d2 = |distance| json!({ "scale": 0.05, "amplitude": 100.0, "distance": distance });
+    let of_basis = |basis| json!({ "scale": 0.1, "amplitude": 100.0, "basis": basis });
     vec![
         // beta = 2 H + 2 with H = -log2 roughness: 4 and 3.03 (measured 4.05 and 3.07).
         case("diamond_square", json!({ "scale": 0.1, "amplitude": 1000.0 }), 0.0, 175.0, Some(4.0), 1.1, 1.25),
@@ -76,25 +103,19 @@ fn cases() -> Vec<Case> {
         case("circles", json!({ "radius": 0.06, "height": 100.0 }), 139.0, 54.3, None, 1.02, 1.06),
         case("fbm", json!({ "scale": 0.1, "amplitude": 100.0 }), 0.0, 31.2, Some(3.23), 1.08, 1.11),
         case("fbm", json!({ "scale": 0.1, "amplitude": 100.0, "basis": "value" }), 1.5, 25.8, Some(3.92), 1.12, 1.15),
+        case("fbm", of_basis("perlin"), 0.0, 17.9, Some(3.69), 1.02, 1.08),
+        case("fbm", of_basis("worley_f1"), -38.1, 16.0, Some(3.43), 1.04, 1.06),
+        case("fbm", of_basis("worley_f2"), -6.5, 14.1, Some(3.35), 1.04, 1.05),
+        case("fbm", of_basis("worley_f2_f1"), -63.1, 15.3, Some(2.71), 1.03, 1.05),
+        case("fbm", json!({ "scale": 0.1, "amplitude": 100.0, "warp": 0.4 }), 0.0, 31.1, Some(2.71), 1.08, 1.25),
+        case("ridged", of_basis("perlin"), 53.0, 18.9, Some(3.03), 1.03, 1.05),
+        case("ridged", of_basis("simplex"), 25.0, 20.5, Some(2.07), 1.11, 1.2),
+        case("mask_noise", json!({ "scale": 0.1, "level": 0.0, "edge": 2.0 }), 0.5, 0.22, None, 1.08, 1.1),
         case("billow", json!({ "scale": 0.1, "amplitude": 100.0 }), -49.0, 20.5, Some(2.9), 1.04, 1.08),
         case("worley", d2("f1"), 30.6, 13.5, None, 1.03, 1.15),
         case("worley", d2("f2"), 46.7, 11.9, None, 1.05, 1.12),
         case("worley", d2("f2_f1"), 17.9, 13.3, None, 1.03, 1.5),
     ]
-}
-
-/// Mean squared difference of values at a distance of (dx, dy).
-fn structure(f: &Field, dx: isize, dy: isize) -> f64 {
-    let (w, h) = (f.width() as isize, f.height() as isize);
-    let (mut sum, mut n) = (0.0, 0.0);
-    for y in 0..h - dy {
-        for x in (-dx).max(0)..(w - dx).min(w) {
-            let d = f.get(x as usize, y as usize) - f.get((x + dx) as usize, (y + dy) as usize);
-            sum += f64::from(d * d);
-            n += 1.0;
-        }
-    }
-    sum / n
 }
 
 /// How often the land falls towards each sixteenth of the compass: the largest share over the smallest.
@@ -120,11 +141,11 @@ fn heights_roughness_and_directions() {
     for rim in [Rim::CLOSED, Rim::WRAP] {
         let g = grid(512, 512, 10.0, rim);
         for c in cases() {
-            let fields: Vec<Field> = (0..4).map(|seed| make(c.name, &c.parameters, g, seed)).collect();
+            let fields: Vec<Field> = (0..4).map(|seed| make_named(c.name, &c.parameters, g, seed)).collect();
             let n = fields.len() as f64;
             let mean = fields.iter().map(|f| spread(f).0).sum::<f64>() / n;
             let deviation = fields.iter().map(|f| spread(f).1).sum::<f64>() / n;
-            let beta = fields.iter().map(|f| spectral_beta(f, &g).unwrap()).sum::<f64>() / n;
+            let beta = fields.iter().map(|f| spectral_beta(f, &g).unwrap().unwrap()).sum::<f64>() / n;
             let along = [(5, 0), (0, 5), (3, 4), (4, 3), (-3, 4), (-4, 3)];
             let of = along.map(|(dx, dy)| fields.iter().map(|f| structure(f, dx, dy)).sum::<f64>());
             let anisotropy = of.iter().fold(0f64, |a, &b| a.max(b)) / of.iter().fold(f64::MAX, |a, &b| a.min(b));
@@ -157,7 +178,7 @@ fn wrapping_rims_have_no_seam() {
         for (w, h) in [(256, 192), (250, 131)] {
             let g = grid(w, h, 10.0, rim);
             for c in cases() {
-                let f = make(c.name, &c.parameters, g, 8);
+                let f = make_named(c.name, &c.parameters, g, 8);
                 for along_x in [true, false] {
                     if (if along_x { rim.x } else { rim.y }) != Edge::Wrap {
                         continue;
@@ -199,7 +220,7 @@ fn no_lattice_line_shows() {
         let (g, n) = (grid(256, 256, 10.0, Rim::CLOSED), 256);
         let (mut rows, mut columns) = (vec![0.0; n], vec![0.0; n]);
         for seed in 0..24 {
-            let f = make(name, &parameters, g, seed);
+            let f = make_named(name, &parameters, g, seed);
             for y in 1..n - 1 {
                 for x in 1..n - 1 {
                     let bend = |a: f32, b: f32, c: f32| f64::from(a - 2.0 * b + c).powi(2);
@@ -222,9 +243,9 @@ fn the_same_bytes_for_all_threads() {
         let g = Grid { width: 333, height: 167, cell_x_m: 3.0, cell_y_m: 4.0, rim };
         for c in cases() {
             let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-            let reference = pool(1).install(|| make(c.name, &c.parameters, g, 5));
+            let reference = pool(1).install(|| make_named(c.name, &c.parameters, g, 5));
             for threads in [2, 3, 8] {
-                let f = pool(threads).install(|| make(c.name, &c.parameters, g, 5));
+                let f = pool(threads).install(|| make_named(c.name, &c.parameters, g, 5));
                 let same = f.iter().zip(reference.iter()).all(|(a, b)| a.to_bits() == b.to_bits());
                 assert!(same, "{} on {threads} threads", c.name);
             }

@@ -91,7 +91,7 @@ fn steady_rivers_obey_flints_law_for_every_exponent() {
         let area = routing.upstream_area_m2(&w.grid);
         let points: Vec<(f64, f64)> = (0..z.len())
             .filter(|&i| !routing.is_outlet(i))
-            .map(|i| (area[i].ln(), ((z[i] - z[routing.receiver[i] as usize]) / routing.distance_m(i)).ln()))
+            .map(|i| (area[i].ln(), ((z[i] - z[routing.receiver(i)]) / routing.distance_m(i)).ln()))
             .collect();
         let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
         let (a, s) = (mean(&|p| p.0), mean(&|p| p.1));
@@ -104,6 +104,66 @@ fn steady_rivers_obey_flints_law_for_every_exponent() {
         assert!((theta - expected).abs() < 1e-5, "n {n}: theta {theta}");
         assert!(worst < 1e-6, "n {n}: k_s is off by {worst}");
     }
+}
+
+/// With deposition, steady rivers carry all that rises upstream and are steeper by (1 + G)^(1 / n).
+#[test]
+fn steady_rivers_with_deposition_are_steeper() {
+    for (deposition, n) in [(0.3_f32, 1.0_f32), (1.0, 1.0), (1.0, 2.0), (2.0, 0.8)] {
+        let p = Streampower {
+            years_per_step: 20_000.0,
+            uplift: 1e-3,
+            erodibility: (1e-3 / 50_f64.powf(f64::from(n))) as f32,
+            area_exponent: 0.45 * n,
+            slope_exponent: n,
+            deposition,
+            diffusivity: 0.0,
+            ..Default::default()
+        };
+        let mut w = world((48, 48), 100.0, Rim::OPEN, rough);
+        let steps = settle(&p, &mut w, 1e-6, 20_000);
+        let (z, routing) = (heights(&w), route(&w));
+        let area = routing.upstream_area_m2(&w.grid);
+        let (uplift, erodibility) = (f64::from(p.uplift), f64::from(p.erodibility));
+        let (g, m, n) = (f64::from(deposition), f64::from(p.area_exponent), f64::from(p.slope_exponent));
+        let worst = (0..z.len())
+            .filter(|&i| !routing.is_outlet(i))
+            .map(|i| {
+                let slope = (z[i] - z[routing.receiver(i)]) / routing.distance_m(i);
+                let steady = (uplift * (1.0 + g) / erodibility).powf(1.0 / n) * area[i].powf(-m / n);
+                (slope / steady - 1.0).abs()
+            })
+            .fold(0.0, f64::max);
+        println!("G {g}, n {n}: {steps} steps, slopes off by {worst:.1e}");
+        assert!(worst < 1e-4, "G {g}, n {n}: {worst}");
+    }
+}
+
+/// What a steep catchment loses fills the plain before it, and is accounted for.
+#[test]
+fn fans_grow_where_mountains_end() {
+    let flank = |x: usize, _: usize| if x < 30 { 0.01 * x as f64 } else { 20.0 * (x - 30) as f64 };
+    let mut w = world((60, 24), 100.0, Rim { x: Edge::Open, y: Edge::Closed }, flank);
+    let p = Streampower {
+        years_per_step: 2000.0,
+        uplift: 0.0,
+        erodibility: 2e-5,
+        deposition: 1.0,
+        diffusivity: 0.0,
+        ..Default::default()
+    };
+    let before = heights(&w);
+    run(&p, &mut w, 20);
+    let z = heights(&w);
+    let grown = |columns: std::ops::Range<usize>| -> f64 {
+        columns.flat_map(|x| (0..24).map(move |y| y * 60 + x)).map(|i| z[i] - before[i]).sum()
+    };
+    println!("plain {:.0}, flank {:.0}", grown(1..30), grown(30..59));
+    assert!(grown(20..30) > 0.0 && grown(35..59) < 0.0, "{} and {}", grown(20..30), grown(35..59));
+    let (incised, deposited) = (w.ledger.amount("ground.incised"), w.ledger.amount("ground.deposited"));
+    assert!(deposited > 0.0 && deposited < incised, "{deposited} of {incised}");
+    let gain = (z.iter().sum::<f64>() - before.iter().sum::<f64>()) * w.grid.cell_area_m2();
+    assert!((gain - (deposited - incised)).abs() < 1e-9 * incised);
 }
 
 /// E2: a cosine decays as exp(-D k^2 t).
@@ -178,6 +238,74 @@ fn steady_hillslopes_are_parabolas() {
     }
 }
 
+/// Between two rivers, rising ground with a critical slope takes the slope at which `U x = D S / (1 - (S / S_c)^2)`, and the
+/// parabola where that is gentle.
+#[test]
+fn steady_hillslopes_stay_below_the_critical_slope() {
+    let (n, cell_m, critical) = (65_usize, 2.0, 0.8_f64);
+    for across in [Edge::Closed, Edge::Wrap] {
+        for along_x in [true, false] {
+            let (rim, size) = if along_x {
+                (Rim { x: Edge::Open, y: across }, (n, 5))
+            } else {
+                (Rim { x: across, y: Edge::Open }, (5, n))
+            };
+            let mut w = world(size, cell_m, rim, |_, _| 20.0);
+            let p = Streampower {
+                erodibility: 0.0,
+                diffusivity: 0.003,
+                critical_slope: critical as f32,
+                years_per_step: 1e5,
+                uplift: 1e-3,
+                ..Default::default()
+            };
+            settle(&p, &mut w, 1e-9, 1000);
+            let (u, d) = (f64::from(p.uplift), f64::from(p.diffusivity));
+            let critical = f64::from(p.critical_slope);
+            let z = heights(&w);
+            let at = |s: usize| if along_x { z[2 * n + s] } else { z[s * 5 + 2] };
+            let (mut worst, mut steepest) = (0.0_f64, 0.0_f64);
+            for s in 0..n - 1 {
+                let x = (s as f64 + 0.5 - 0.5 * (n - 1) as f64) * cell_m;
+                // The root of a quadratic equation.
+                let a = 2.0 * u * x.abs() / (d * critical);
+                let exact = -x.signum() * critical * ((1.0 + a * a).sqrt() - 1.0) / a;
+                let slope = (at(s + 1) - at(s)) / cell_m;
+                (worst, steepest) = (worst.max((slope - exact).abs()), steepest.max(slope.abs()));
+            }
+            println!("{across:?} along x {along_x}: slopes off by {worst:.1e}, steepest {steepest:.4}");
+            assert!(worst < 1e-7 && (0.95 * critical..critical).contains(&steepest), "{worst} and {steepest}");
+        }
+    }
+}
+
+/// Ground that starts as a cliff slides to a slope that can stand; nothing overshoots.
+#[test]
+fn cliffs_slide_to_the_critical_slope() {
+    for rim in rims() {
+        let cliff = |x: usize, y: usize| if (8..24).contains(&x) && (8..24).contains(&y) { 500.0 } else { 0.0 };
+        let mut w = world((32, 32), 10.0, rim, cliff);
+        w.sea_level_m = 1e5; // no lowest cell holds its height
+        let p = Streampower {
+            uplift: 0.0,
+            erodibility: 0.0,
+            diffusivity: 0.01,
+            critical_slope: 1.0,
+            years_per_step: 100.0,
+            ..Default::default()
+        };
+        let before: f64 = heights(&w).iter().sum();
+        run(&p, &mut w, 200);
+        let z = heights(&w);
+        assert!(z.iter().all(|z| (-1e-6..=500.0).contains(z)), "{rim:?}");
+        let steepest = (0..32 * 31).map(|i| (z[i + 32] - z[i]).abs() / 10.0).fold(0.0, f64::max);
+        assert!(steepest < 1.1, "{rim:?}: {steepest}");
+        if rim.x != Edge::Open && rim.y != Edge::Open {
+            assert!((z.iter().sum::<f64>() / before - 1.0).abs() < 1e-9, "{rim:?}");
+        }
+    }
+}
+
 /// Manufactured solution: with the uplift that `z = H sin(pi x / L)` needs, rivers and creep together make that ridge.
 #[test]
 fn rivers_and_creep_together_make_the_ridge_that_was_asked_for() {
@@ -214,8 +342,10 @@ fn rivers_and_creep_together_make_the_ridge_that_was_asked_for() {
             .collect();
         let order = (errors[1] / errors[2]).log2();
         println!("m {m}, n {n}: {errors:?}, order {order:.2}");
-        // measured: 1.4 %, 1.5 % and 0.6 % with 129 cells, orders 1.1 to 1.2
-        assert!(errors[2] < 0.02 && order > 0.9, "m {m}, n {n}: {errors:?}, order {order}");
+        // measured: 1.4 %, 1.5 % and 0.6 % with 129 cells, orders 1.1 to 1.2. Creep alone is of order 2 (above). Together the
+        // order is that of the rivers: the slope to the receiver is a one-sided difference, as in Braun and Willett, which
+        // lets water cut only from downstream and is what makes steps of any length stable.
+        assert!(errors[2] < 0.02 && (0.95..1.3).contains(&order), "m {m}, n {n}: {errors:?}, order {order}");
     }
 }
 
@@ -249,8 +379,8 @@ fn the_ledger_closes_on_every_grid() {
     for shape in SHAPES {
         for (i, rim) in rims().into_iter().enumerate() {
             for sea_level_m in [NO_SEA_M, 0.0] {
-                for n in [1.0, 0.6] {
-                    let p = Streampower { slope_exponent: n, ..every_term() };
+                for (n, critical_slope, deposition) in [(1.0, 0.0, 0.0), (0.6, 0.0, 0.0), (1.0, 1.0, 0.7)] {
+                    let p = Streampower { slope_exponent: n, critical_slope, deposition, ..every_term() };
                     let mut w = random(shape, rim, i as u64, &p);
                     w.sea_level_m = sea_level_m;
                     let volume = |w: &World| heights(w).iter().sum::<f64>() * w.grid.cell_area_m2();
@@ -272,8 +402,8 @@ fn the_ledger_closes_on_every_grid() {
 
 #[test]
 fn threads_and_pieces_change_no_byte() {
-    let p = Streampower { slope_exponent: 1.3, ..every_term() };
-    for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP] {
+    for (critical_slope, rim) in [(0.0, Rim::CLOSED), (0.0, Rim::OPEN), (0.0, Rim::WRAP), (1.0, Rim::WRAP)] {
+        let p = Streampower { slope_exponent: 1.3, critical_slope, deposition: critical_slope, ..every_term() };
         let start = random((203, 171), rim, 3, &p);
         let mut expected = start.clone();
         run(&p, &mut expected, 9);
@@ -304,7 +434,7 @@ fn nothing_is_cut_below_its_receiver() {
             let (before, routing) = (heights(&w), route(&w));
             run(&p, &mut w, 1);
             for (c, z) in heights(&w).iter().enumerate() {
-                let below = heights(&w)[routing.receiver[c] as usize];
+                let below = heights(&w)[routing.receiver(c)];
                 assert!(*z <= before[c] + 1e-9, "{rim:?} n {n}: cell {c} rose");
                 assert!(*z >= before[c].min(below) - 1e-9, "{rim:?} n {n}: cell {c} lies below its receiver");
             }

@@ -159,7 +159,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
 /// Start fields and processes of a simulation benchmark; the same as the peers'.
 ///
 /// # Errors
-/// If the grid is not sound, or if asked for noise or drainage, which are no simulations.
+/// If the grid is not sound or the run would exceed the limits, or if asked for noise or drainage, which are no simulations.
 pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
     // Cell size, lowest and highest ground (m), process.
     let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
@@ -174,12 +174,17 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         (BenchSubject::Streampower, _) => (30.0, 0.0, 200.0, Box::new(streampower())),
     };
     let rim = if what == BenchSubject::Streampower { Rim::OPEN } else { Rim::CLOSED };
-    let grid = Grid::new(size, size, cell_m, rim, &Limits::default())?;
+    let limits = Limits::default();
+    let grid = Grid::new(size, size, cell_m, rim, &limits)?;
+    let layers = process.layers();
+    let scheduled = vec![Scheduled { name: what.name(), process, every: 1 }];
+    // The engine would find it out after the fields are filled, which takes long.
+    limits.check_bytes("this benchmark", Need::of(&grid, layers.len(), &scheduled).bytes(&grid))?;
     let mut world = World::new(grid, 1);
     if what == BenchSubject::Streampower {
         world.sea_level_m = -1000.0;
     }
-    for (spec, value) in process.layers() {
+    for (spec, value) in layers {
         let field = &mut world.ensure(&spec, value).field;
         for y in 0..size {
             for x in 0..size {
@@ -191,7 +196,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
             }
         }
     }
-    Ok((world, vec![Scheduled { name: what.name(), process, every: 1 }]))
+    Ok((world, scheduled))
 }
 
 /// The parameters under which the published form is usually measured: cells of 1 m, no friction, no sea, and neither a
@@ -304,8 +309,8 @@ fn rules(world: &World, processes: &[Scheduled]) -> Option<(f64, usize)> {
     let mut plan = Plan::default();
     let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: world.sea_level_m };
     processes.iter().for_each(|s| s.process.plan(&moment, &mut plan));
-    let moved: usize = plan.passes().map(|p| p.reads().len() + p.writes().len()).sum();
-    let operations = plan.passes().map(|p| p.graph().operations()).sum();
+    let moved: usize = plan.passes().iter().map(|p| p.reads().len() + p.writes().len()).sum();
+    let operations = plan.passes().iter().map(|p| p.graph().operations()).sum();
     Some(((moved * size_of::<f32>()) as f64, operations))
 }
 
@@ -473,6 +478,8 @@ mod tests {
             assert!(r.bytes_per_cell > 8.0);
             assert_eq!(r.bytes_moved_per_cell_step.is_some(), what == BenchSubject::Noise);
             assert!(case(what, false, 64).is_err());
+            let e = run(&BenchOptions { what: BenchSubject::Streampower, size: 20_000, ..Default::default() });
+            assert!(matches!(e, Err(Error::Limit { .. })));
         }
     }
 

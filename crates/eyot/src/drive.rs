@@ -2,6 +2,7 @@
 
 use crate::backend::io::checkpoint;
 use crate::diagnostic::Problems;
+use crate::engines::{Engine, EngineChoice, EngineOptions, Failure};
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry, Progress};
 use crate::layers;
@@ -11,9 +12,9 @@ use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work, 
 use crate::run::{Outcome, RunOptions};
 use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, WORLD_FILE};
-use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Site, Span};
 use eyot_core::{Cancel, Control, Error, World};
+use eyot_gpu::GpuError;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender};
 use std::sync::{Arc, Mutex};
@@ -26,6 +27,8 @@ use commands::{Asked, Commands};
 
 /// Chunks of steps aim at this long: short enough for commands, long enough to cost nothing.
 const CHUNK_TIME: Duration = Duration::from_millis(300);
+/// A device that is lost more often than this is not tried again.
+const MOST_DEVICES_LOST: u32 = 3;
 /// Progress of a generator is passed on at most this often.
 const PROGRESS_TIME: Duration = Duration::from_millis(100);
 
@@ -55,6 +58,10 @@ pub(crate) struct Driver {
     last_checkpoint: Instant,
     warned_of_checkpoint: bool,
     resumed: bool,
+    engine: Engine,
+    /// Steps of the simulation under way that the world's own layers have seen; the engine may be ahead of them.
+    settled: u64,
+    devices_lost: u32,
 }
 
 impl Driver {
@@ -68,6 +75,7 @@ impl Driver {
         cancel: Cancel,
     ) -> Self {
         let now = Instant::now();
+        let limits = options.limits;
         let commands = Commands::new(inbox, outbox.clone(), options.paused);
         let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0 || state.finished);
         let state = State { finished: false, ..state };
@@ -84,11 +92,21 @@ impl Driver {
             last_checkpoint: now,
             warned_of_checkpoint: false,
             resumed,
+            engine: Engine::cpu(limits),
+            settled: 0,
+            devices_lost: 0,
         }
     }
 
     /// Runs to the end, to a stop or to an error.
     pub(crate) fn drive(mut self) -> Result<End, RunError> {
+        let (engine, warning) = if self.state.streamed {
+            // Such a run has no simulations.
+            (Engine::cpu(self.options.limits), None)
+        } else {
+            Engine::open(&self.options.engine, self.options.limits)?
+        };
+        self.engine = engine;
         let grid = self.world.grid;
         self.tell(Event::Started {
             name: self.recipe.name.clone(),
@@ -96,10 +114,14 @@ impl Driver {
             cell_m: [grid.cell_x_m, grid.cell_y_m],
             seed: self.recipe.seed,
             steps: self.recipe.enabled_steps().count(),
+            engine: self.engine.name(),
             threads: rayon::current_num_threads(),
             resumed: self.resumed,
             out: self.options.out.clone(),
         });
+        if let Some(message) = warning {
+            self.tell(Event::Warning { message });
+        }
         if self.state.streamed {
             return self.drive_streamed();
         }
@@ -117,6 +139,7 @@ impl Driver {
             self.checkpoint_if_due();
         }
         self.recipe.steps = steps;
+        self.engine.keep_pipelines();
         self.end(flow)
     }
 
@@ -189,15 +212,26 @@ impl Driver {
 
     fn simulate(&mut self, step: &Step, work: &SimulateStep, all: &[Step]) -> Result<Flow, RunError> {
         let fail = |source| RunError::Step { step: label(step), source };
-        let mut uses = work.processes.clone();
-        // Changes by hand before the checkpoint that this run continues.
-        for entry in self.state.journal.iter().filter(|e| e.recipe_step == step.number) {
-            self.apply(&mut uses, &entry.set).map_err(RunError::Recipe)?;
-        }
+        // Steps before this one may have changed the world.
+        self.engine.release();
+        self.settled = self.state.done;
+        let mut uses = self.uses_now(step, work)?;
         let mut scheduled = schedule(&uses).map_err(fail)?;
         let mut chunk = self.options.chunk.unwrap_or(1).max(1);
         let mut rate = 0.0;
-        while self.state.done < work.steps {
+        loop {
+            if self.state.done >= work.steps {
+                match self.bring_back() {
+                    Ok(()) => return Ok(Flow::Continue),
+                    Err(Failure::Work(e)) => return Err(fail(e)),
+                    Err(Failure::Device(e)) => {
+                        self.go_on_without(e, step)?;
+                        uses = self.uses_now(step, work)?;
+                        scheduled = schedule(&uses).map_err(fail)?;
+                        continue;
+                    }
+                }
+            }
             let changes = self.state.journal.len();
             if self.commands(step, Some(&mut uses))? == Flow::Stop {
                 return Ok(Flow::Stop);
@@ -220,15 +254,24 @@ impl Driver {
             }
             let (begun, first) = (Instant::now(), self.world.step);
             let control = Control::new(self.cancel.clone(), &|_, _| {});
-            let engine = CpuEngine { limits: self.options.limits, ..CpuEngine::default() };
-            let result = engine.simulate(&mut self.world, &scheduled, Span { from: self.state.done, steps }, &control);
+            if self.options.engine.lose_device_after.is_some_and(|n| self.state.done >= n) && self.devices_lost == 0 {
+                self.engine.lose_device();
+            }
+            let span = Span { from: self.state.done, steps };
+            let result = self.engine.simulate(&mut self.world, &scheduled, span, &control);
+            if let Err(Failure::Device(e)) = result {
+                self.go_on_without(e, step)?;
+                uses = self.uses_now(step, work)?;
+                scheduled = schedule(&uses).map_err(fail)?;
+                continue;
+            }
             let did = self.world.step - first;
             self.state.done += did;
             self.commands.did(did);
             match result {
-                Ok(()) => {}
-                Err(Error::Cancelled(_)) => return Ok(Flow::Stop),
-                Err(e) => return Err(fail(e)),
+                Err(Failure::Work(Error::Cancelled(_))) => return Ok(Flow::Stop),
+                Err(Failure::Work(e)) => return Err(fail(e)),
+                Ok(()) | Err(Failure::Device(_)) => {}
             }
             let seconds = begun.elapsed().as_secs_f64().max(1e-9);
             let now = did as f64 / seconds;
@@ -249,7 +292,72 @@ impl Driver {
             }));
             self.checkpoint_if_due();
         }
-        Ok(Flow::Continue)
+    }
+
+    /// The processes of a step with the changes by hand that have been made so far.
+    fn uses_now(&self, step: &Step, work: &SimulateStep) -> Result<Vec<ProcessUse>, RunError> {
+        let mut uses = work.processes.clone();
+        for entry in self.state.journal.iter().filter(|e| e.recipe_step == step.number) {
+            self.apply(&mut uses, &entry.set).map_err(RunError::Recipe)?;
+        }
+        Ok(uses)
+    }
+
+    /// Brings the world up to what the engine has done.
+    fn bring_back(&mut self) -> Result<(), Failure> {
+        self.engine.bring_back(&mut self.world)?;
+        self.settled = self.state.done;
+        Ok(())
+    }
+
+    /// As [`Driver::bring_back`] where the run is about to stop or to look at the world: if the device is lost, the world is
+    /// what it was before, and so is the count of its steps.
+    fn settle(&mut self) {
+        if let Err(Failure::Device(e)) = self.bring_back() {
+            let message =
+                format!("{e}; {} steps since the world was last saved are lost", self.state.done - self.settled);
+            self.tell(Event::Warning { message });
+            self.rewind();
+        }
+    }
+
+    /// Takes the steps back that only the engine knew; changes by hand since then will be made again at their steps.
+    fn rewind(&mut self) {
+        self.state.done = self.settled;
+        let number = self.state.done_steps + 1;
+        let (settled, journal) = (self.settled, std::mem::take(&mut self.state.journal));
+        let (later, kept) = journal.into_iter().partition(|e| e.recipe_step == number && e.step > settled);
+        self.state.journal = kept;
+        self.state.replay.splice(0..0, Vec::<JournalEntry>::into_iter(later));
+    }
+
+    /// Goes on from the last world that was brought back: on the device opened anew, or on the processor if that was left open.
+    fn go_on_without(&mut self, error: GpuError, step: &Step) -> Result<(), RunError> {
+        self.rewind();
+        self.devices_lost += 1;
+        let auto = self.options.engine.choice == EngineChoice::Auto;
+        let again = if error.is_lost() && self.devices_lost <= MOST_DEVICES_LOST {
+            Engine::open(&self.options.engine, self.options.limits).ok()
+        } else if auto {
+            let cpu = EngineOptions { choice: EngineChoice::Cpu, ..self.options.engine.clone() };
+            Engine::open(&cpu, self.options.limits).ok()
+        } else {
+            None
+        };
+        let Some((engine, _)) = again else {
+            // What has been done must not be lost with the device.
+            self.checkpoint_if_possible();
+            return Err(RunError::Gpu(error));
+        };
+        self.engine = engine;
+        let message = format!(
+            "{error}; step {} goes on after {} steps with {}",
+            step.number,
+            self.state.done,
+            self.engine.name()
+        );
+        self.tell(Event::Warning { message });
+        Ok(())
     }
 
     fn replay_due(&mut self, step: &Step, uses: &mut [ProcessUse]) -> Result<(), RunError> {
@@ -272,6 +380,7 @@ impl Driver {
                 Asked::Wait => self.checkpoint_if_due(),
                 Asked::Set(set) => self.set(step, uses.as_deref_mut(), set),
                 Asked::Snapshot => {
+                    self.settle();
                     let world = Arc::new(self.world.clone());
                     self.tell(Event::Snapshot { recipe_step: step.number, step: self.state.done, world });
                 }
@@ -322,9 +431,17 @@ impl Driver {
         self.last_checkpoint = Instant::now() + rest.saturating_sub(self.options.checkpoint_every);
     }
 
+    /// Writes a checkpoint if the run has begun anything; used on the way out of an error, which is told anyway.
+    fn checkpoint_if_possible(&mut self) {
+        if self.state.done > 0 || self.state.done_steps > 0 {
+            let _ = self.checkpoint();
+        }
+    }
+
     fn checkpoint(&mut self) -> Result<Option<PathBuf>, RunError> {
         let Some(out) = &self.options.out else { return Ok(None) };
         let path = out.join(CHECKPOINT_FILE);
+        self.settle();
         self.state.seconds = self.seconds();
         let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;
         checkpoint::save(&path, &self.world, &self.recipe.source.text, &state)
@@ -335,6 +452,7 @@ impl Driver {
     }
 
     fn end(mut self, flow: Flow) -> Result<End, RunError> {
+        self.settle();
         let fingerprint = self.world.fingerprint();
         let mut finished = flow == Flow::Continue && !self.cancel.is_raised();
         let outputs = match self.options.out.clone().filter(|_| finished) {

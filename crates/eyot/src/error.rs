@@ -26,6 +26,9 @@ pub enum RunError {
         /// What would be right, if that does not say it.
         help: Option<&'static str>,
     },
+    /// The graphics card cannot be used.
+    #[error(transparent)]
+    Gpu(#[from] eyot_gpu::GpuError),
     /// A file could not be written.
     #[error("{0}")]
     File(String),
@@ -131,6 +134,7 @@ impl RunError {
             | Self::Checkpoint { .. }
             | Self::Replay { .. }
             | Self::NotStreamed(_) => true,
+            Self::Gpu(e) => matches!(e, eyot_gpu::GpuError::NoAdapter { .. }),
             Self::Step { .. }
             | Self::File(_)
             | Self::Export(_)
@@ -151,6 +155,7 @@ impl RunError {
             }
             Self::Step { source: Core::Limit { remedy, .. }, .. } => (*remedy).to_owned(),
             Self::Step { source: Core::BadParameter { owner, .. }, .. } => format!("`eyot describe {owner}` explains its parameters"),
+            Self::Gpu(_) => "`eyot doctor` says what can be used and why".to_owned(),
             Self::Export(_) => {
                 "all other files are there; `eyot convert` makes this one from the folder of the run, or change the export".to_owned()
             }

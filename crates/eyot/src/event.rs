@@ -68,6 +68,8 @@ pub enum Event {
         seed: u64,
         /// Steps of the recipe that will be done.
         steps: usize,
+        /// The engine: processor and its instruction set, or graphics card and its name.
+        engine: String,
         /// Threads at work.
         threads: usize,
         /// Whether it continues a stopped run.

@@ -26,6 +26,7 @@
 //! What is wrong with a recipe comes back as [`Problems`], each with its place and its remedy.
 
 pub use eyot_core as core;
+pub use eyot_gpu as gpu;
 pub use eyot_io as io;
 pub use eyot_land as land;
 pub use eyot_mesh as mesh;
@@ -33,13 +34,16 @@ pub use eyot_render as render;
 
 mod backend;
 pub mod bench;
+pub mod bench_gpu;
 mod builtin;
 mod check;
 mod cite;
 pub mod convert;
 mod describe;
 mod diagnostic;
+pub mod doctor;
 mod drive;
+mod engines;
 mod error;
 mod event;
 mod exports;
@@ -66,6 +70,7 @@ pub use builtin::{BuiltIn, RECIPES};
 pub use cite::{Citation, Citations, all_citations, cite};
 pub use describe::{Choice, Description, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, nearest};
+pub use engines::{EngineChoice, EngineOptions};
 pub use error::{RunError, shell_word};
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};

@@ -2,6 +2,7 @@
 
 use crate::backend::io::{self, checkpoint};
 use crate::drive::Driver;
+use crate::engines::EngineOptions;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
 use crate::lock::FolderLock;
@@ -32,6 +33,8 @@ pub struct RunOptions {
     pub limits: Limits,
     /// Whether the world is made in one piece.
     pub stream: Stream,
+    /// What carries out the plans.
+    pub engine: EngineOptions,
     /// Whether the run waits for a command before its first step.
     pub paused: bool,
     /// Whether a stopped run in the folder may be overwritten.
@@ -49,6 +52,7 @@ impl Default for RunOptions {
             chunk: None,
             limits: Limits::default(),
             stream: Stream::Auto,
+            engine: EngineOptions::default(),
             paused: false,
             restart: false,
             replay: Vec::new(),

@@ -154,7 +154,7 @@ fn streamed_runs_are_opened_by_their_exports() {
 
 #[test]
 fn what_does_not_fit_is_streamed_or_refused_with_its_place() {
-    let tight = Limits { max_bytes: 1200 << 20, ..Limits::default() };
+    let tight = Limits { max_bytes: 1000 << 20, ..Limits::default() };
     let large = "[grid]\nsize = 12000\n[[step]]\ngenerate = \"fbm\"\n";
     assert!(parse(large, &["format = \"geotiff\""], &tight).is_ok());
     let refused = [
@@ -191,7 +191,7 @@ fn streams_are_not_forced() {
     let Err(e) = Run::start(recipe(text, &[]), always) else { panic!("a simulation was streamed") };
     assert!(e.to_string().contains("step 2 (thermal)") && e.help().is_some(), "{e}");
     let large = "[grid]\nsize = 12000\n[[step]]\ngenerate = \"fbm\"\n";
-    let tight = Limits { max_bytes: 1200 << 20, ..Limits::default() };
+    let tight = Limits { max_bytes: 1000 << 20, ..Limits::default() };
     let never = RunOptions { limits: tight, ..options(folder.path(), Stream::Never) };
     let Err(e) = Run::start(parse(large, &[], &tight).unwrap(), never) else { panic!("it does not fit") };
     assert!(e.to_string().contains("in one piece"), "{e}");

@@ -7,21 +7,22 @@
 //! The skewness of `L` compares ridges with valleys. Where rivers and slopes shaped the land, ridges are the sharper ones
 //! and the skewness is negative (-0.03..-0.72 in five real tiles); Gaussian noise is symmetric and has none.
 
+use super::check_fits;
 use crate::drainage::Neighbours;
-use eyot_core::{Field, Grid};
+use eyot_core::{Field, Grid, Result};
 
 /// Laplacian of the height in 1/m of all cells that are not cut off by the rim and that `keep` accepts by number (row by
 /// row), in that order.
 ///
-/// # Panics
+/// # Errors
 /// If `height` has another size than `grid`.
-pub fn curvatures(height: &Field, grid: &Grid, keep: impl Fn(usize) -> bool) -> Vec<f32> {
+pub fn curvatures(height: &Field, grid: &Grid, keep: impl Fn(usize) -> bool) -> Result<Vec<f32>> {
+    check_fits(height, grid)?;
     let z = height.to_vec();
-    assert_eq!(z.len(), grid.cells(), "height and grid differ in size");
     let around = Neighbours::new(grid);
     let (per_x2, per_y2) = (grid.cell_x_m.powi(-2), grid.cell_y_m.powi(-2));
     let value = |i: Option<usize>, own: f64| i.map_or(own, |i| f64::from(z[i]));
-    (0..z.len())
+    Ok((0..z.len())
         .filter(|&i| around.is_interior(i) && keep(i))
         .map(|i| {
             let c = f64::from(z[i]);
@@ -34,7 +35,7 @@ pub fn curvatures(height: &Field, grid: &Grid, keep: impl Fn(usize) -> bool) -> 
             );
             ((e - 2.0 * c + w) * per_x2 + (s - 2.0 * c + n) * per_y2) as f32
         })
-        .collect()
+        .collect())
 }
 
 #[cfg(test)]
@@ -50,7 +51,7 @@ mod tests {
             let (e, s) = (x as f32 * 2.0, y as f32 * 3.0);
             0.5 * e * e + 0.25 * s * s
         });
-        let c = curvatures(&z, &grid, |_| true);
+        let c = curvatures(&z, &grid, |_| true).unwrap();
         assert_eq!(c.len(), 6 * 4);
         assert!(c.iter().all(|c| (c - 1.5).abs() < 1e-5));
     }
@@ -59,7 +60,7 @@ mod tests {
     fn rims_cut_off_and_rings_do_not() {
         let z = Field::new(1, 5, 3.0);
         let grid = Grid::new(1, 5, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
-        assert!(curvatures(&z, &grid, |_| true).is_empty());
-        assert_eq!(curvatures(&z, &Grid { rim: Rim::WRAP, ..grid }, |i| i != 2), [0.0; 4]);
+        assert!(curvatures(&z, &grid, |_| true).unwrap().is_empty());
+        assert_eq!(curvatures(&z, &Grid { rim: Rim::WRAP, ..grid }, |i| i != 2).unwrap(), [0.0; 4]);
     }
 }

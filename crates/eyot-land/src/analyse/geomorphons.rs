@@ -15,8 +15,9 @@
 //! tile are slopes. The reference table was made with the paper's rule. `R` counts cells in all directions, so diagonals
 //! look sqrt 2 farther. Directions that leave the grid at once count as level; others end at the rim.
 
+use super::check_fits;
 use crate::drainage::STEPS;
-use eyot_core::{Edge, Field, Grid};
+use eyot_core::{Edge, Field, Grid, Result};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -64,11 +65,7 @@ impl Landform {
     ];
 
     /// The form with `lower` and `higher` directions, together at most 8.
-    ///
-    /// # Panics
-    /// If there are more than 8.
-    pub fn from_counts(lower: usize, higher: usize) -> Self {
-        assert!(lower + higher <= 8, "there are eight directions");
+    fn from_counts(lower: usize, higher: usize) -> Self {
         Self::ALL[usize::from(TABLE[lower][higher])]
     }
 }
@@ -93,11 +90,11 @@ const TABLE: [[u8; 9]; 9] = {
 
 /// The landform of each cell, row by row, seen over `radius_cells` with differences below `flat_deg` taken as level.
 ///
-/// # Panics
+/// # Errors
 /// If `height` has another size than `grid`.
-pub fn geomorphons(height: &Field, grid: &Grid, radius_cells: usize, flat_deg: f64) -> Vec<Landform> {
+pub fn geomorphons(height: &Field, grid: &Grid, radius_cells: usize, flat_deg: f64) -> Result<Vec<Landform>> {
+    check_fits(height, grid)?;
     let (w, h) = (grid.width, grid.height);
-    assert_eq!((height.width(), height.height()), (w, h), "height and grid differ in size");
     // Farther than the grid there is nothing, or, on a ring, nothing new.
     let r = radius_cells.min(w.max(h));
     let framed = Framed::new(height, grid, r);
@@ -137,7 +134,7 @@ pub fn geomorphons(height: &Field, grid: &Grid, radius_cells: usize, flat_deg: f
             }
         },
     );
-    forms
+    Ok(forms)
 }
 
 /// The height with a frame of `r` cells around it: the far side on a ring, else NaN.
@@ -185,7 +182,7 @@ mod tests {
     fn middle(f: impl Fn(f32, f32) -> f32) -> Landform {
         let grid = Grid::new(21, 21, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
         let z = Field::from_fn(21, 21, |x, y| f((x as f32 - 10.0) * 10.0, (y as f32 - 10.0) * 10.0));
-        geomorphons(&z, &grid, 10, 1.0)[10 * 21 + 10]
+        geomorphons(&z, &grid, 10, 1.0).unwrap()[10 * 21 + 10]
     }
 
     #[test]
@@ -214,9 +211,9 @@ mod tests {
             s = s.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (s >> 40) as f32 * 1e-5
         });
-        let up = geomorphons(&z, &grid, 4, 1.0);
+        let up = geomorphons(&z, &grid, 4, 1.0).unwrap();
         z.map_in_place(|z| -z);
-        let down = geomorphons(&z, &grid, 4, 1.0);
+        let down = geomorphons(&z, &grid, 4, 1.0).unwrap();
         let swapped = |f| match f {
             Landform::Peak => Landform::Pit,
             Landform::Pit => Landform::Peak,
@@ -248,7 +245,7 @@ mod tests {
     fn one_cell_is_flat() {
         for rim in [Rim::CLOSED, Rim::WRAP] {
             let grid = Grid::new(1, 1, 10.0, rim, &Limits::default()).unwrap();
-            assert_eq!(geomorphons(&Field::new(1, 1, 4.0), &grid, 10, 1.0), [Landform::Flat]);
+            assert_eq!(geomorphons(&Field::new(1, 1, 4.0), &grid, 10, 1.0).unwrap(), [Landform::Flat]);
         }
     }
 }

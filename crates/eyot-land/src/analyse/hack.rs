@@ -10,22 +10,26 @@
 
 use super::moments::line_slope;
 use crate::drainage::Routing;
+use crate::drainage::check_length;
+use eyot_core::Result;
 
 /// Hack's exponent over the confluences of `channel`; `None` with fewer than three of them or without spread of area.
 ///
-/// # Panics
+/// # Errors
 /// If the slices differ in length from the network.
-pub fn hack_exponent(flow: &Routing, channel: &[bool], accumulation: &[u32]) -> Option<f64> {
+pub fn hack_exponent(flow: &Routing, channel: &[bool], accumulation: &[u32]) -> Result<Option<f64>> {
+    check_length("channel", flow.cells(), channel.len())?;
+    check_length("accumulation", flow.cells(), accumulation.len())?;
     let mut donors = vec![0_u8; channel.len()];
     for i in (0..channel.len()).filter(|&i| channel[i] && !flow.is_outlet(i)) {
-        donors[flow.receiver[i] as usize] += 1;
+        donors[flow.receiver(i)] += 1;
     }
     let length_m = flow.longest_upstream_m();
     let points: Vec<(f64, f64)> = (0..channel.len())
         .filter(|&i| channel[i] && donors[i] >= 2)
         .map(|i| (f64::from(accumulation[i]).ln(), length_m[i].ln()))
         .collect();
-    if points.len() < 3 { None } else { line_slope(&points) }
+    Ok(if points.len() < 3 { None } else { line_slope(&points) })
 }
 
 #[cfg(test)]
@@ -38,9 +42,9 @@ mod tests {
         let mut receiver: Vec<u32> = (1..=9).chain([9]).collect();
         receiver.extend(1..=9);
         let flow = Routing::by_hand(receiver, [1.0; 9]);
-        let h = hack_exponent(&flow, &[true; 19], &flow.upstream_cells()).unwrap();
+        let h = hack_exponent(&flow, &[true; 19], &flow.upstream_cells()).unwrap().unwrap();
         let points: Vec<_> = (1..10).map(|k| (f64::from(2 * k + 1).ln(), f64::from(k).ln())).collect();
         assert_eq!(Some(h), line_slope(&points));
-        assert_eq!(hack_exponent(&flow, &[false; 19], &flow.upstream_cells()), None);
+        assert_eq!(hack_exponent(&flow, &[false; 19], &flow.upstream_cells()).unwrap(), None);
     }
 }

@@ -15,6 +15,8 @@
 
 use super::moments::line_slope;
 use crate::drainage::Routing;
+use crate::drainage::check_length;
+use eyot_core::Result;
 
 /// Streams of one Strahler order.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -40,20 +42,22 @@ pub struct HortonRatios {
 
 /// Streams by order (order 1 first), from Strahler orders and accumulated cells.
 ///
-/// # Panics
+/// # Errors
 /// If the slices differ in length from the network.
-pub fn streams_by_order(flow: &Routing, order: &[u8], accumulation: &[u32]) -> Vec<StreamOrder> {
+pub fn streams_by_order(flow: &Routing, order: &[u8], accumulation: &[u32]) -> Result<Vec<StreamOrder>> {
+    check_length("orders", flow.cells(), order.len())?;
+    check_length("accumulation", flow.cells(), accumulation.len())?;
     let mut streams = vec![StreamOrder::default(); usize::from(order.iter().copied().max().unwrap_or(0))];
     for (i, &w) in order.iter().enumerate().filter(|&(_, &w)| w > 0) {
         let s = &mut streams[usize::from(w) - 1];
         s.length_m += flow.distance_m(i);
         // Two streams of one order never join into a cell of that order, so each has one lower end.
-        if flow.is_outlet(i) || order[flow.receiver[i] as usize] != w {
+        if flow.is_outlet(i) || order[flow.receiver(i)] != w {
             s.streams += 1;
             s.drained_cells += u64::from(accumulation[i]);
         }
     }
-    streams
+    Ok(streams)
 }
 
 /// Horton's ratios; `None` with fewer than two orders, or if streams of an order have no length.
@@ -79,9 +83,9 @@ mod tests {
         // 4 sources, 2 of order 2, 1 of order 3; two cells a stream.
         let receiver = vec![1, 8, 3, 8, 5, 10, 7, 10, 9, 12, 11, 12, 13, 13];
         let flow = Routing::by_hand(receiver, [1.0; 9]);
-        let order = strahler_orders(&flow, &[true; 14]);
+        let order = strahler_orders(&flow, &[true; 14]).unwrap();
         assert_eq!(order, [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3]);
-        let streams = streams_by_order(&flow, &order, &flow.upstream_cells());
+        let streams = streams_by_order(&flow, &order, &flow.upstream_cells()).unwrap();
         let expect = |streams, length_m, drained_cells| StreamOrder { streams, length_m, drained_cells };
         assert_eq!(streams, [expect(4, 8.0, 8), expect(2, 4.0, 12), expect(1, 2.0, 14)]);
         let r = horton_ratios(&streams).unwrap();

@@ -42,3 +42,15 @@ pub use spectrum::spectral_beta;
 pub use strahler::strahler_orders;
 pub use terrain_stats::{LandformShares, TerrainOptions, TerrainStats, terrain_stats};
 pub use variogram::hurst_exponent;
+
+use eyot_core::{Error, Field, Grid, Result};
+
+/// Fails if a field has another shape than the grid.
+fn check_fits(height: &Field, grid: &Grid) -> Result<()> {
+    if (height.width(), height.height()) == (grid.width, grid.height) {
+        return Ok(());
+    }
+    let what =
+        format!("height of {} x {} on a grid of {} x {}", height.width(), height.height(), grid.width, grid.height);
+    Err(Error::Shape { what, expected: grid.cells(), found: height.width() * height.height() })
+}

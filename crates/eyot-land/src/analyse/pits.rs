@@ -1,7 +1,8 @@
 //! Pits: cells that are lower than all their neighbours.
 
+use super::check_fits;
 use crate::drainage::Neighbours;
-use eyot_core::{Field, Grid};
+use eyot_core::{Field, Grid, Result};
 
 /// What was looked at and what was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -25,11 +26,11 @@ impl PitCount {
 /// A pit with a level floor of several cells has no strict minimum and is not counted, so heights rounded to metres show
 /// fewer pits than the same land in full precision (Jacksboro: 8.7 per 1000 as integers, 11.6 after interpolation).
 ///
-/// # Panics
+/// # Errors
 /// If `height` has another size than `grid`.
-pub fn count_pits(height: &Field, grid: &Grid, keep: impl Fn(usize) -> bool) -> PitCount {
+pub fn count_pits(height: &Field, grid: &Grid, keep: impl Fn(usize) -> bool) -> Result<PitCount> {
+    check_fits(height, grid)?;
     let z = height.to_vec();
-    assert_eq!(z.len(), grid.cells(), "height and grid differ in size");
     let around = Neighbours::new(grid);
     let mut count = PitCount::default();
     for i in (0..z.len()).filter(|&i| around.is_interior(i) && keep(i)) {
@@ -38,7 +39,7 @@ pub fn count_pits(height: &Field, grid: &Grid, keep: impl Fn(usize) -> bool) -> 
         count.cells += 1;
         count.pits += usize::from(lowest && any);
     }
-    count
+    Ok(count)
 }
 
 #[cfg(test)]
@@ -51,12 +52,13 @@ mod tests {
         let grid = Grid::new(7, 5, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
         let low = [(0, 0), (2, 2), (4, 2), (5, 2)];
         let z = Field::from_fn(7, 5, |x, y| if low.contains(&(x, y)) { 0.0 } else { 1.0 });
-        let c = count_pits(&z, &grid, |_| true);
+        let c = count_pits(&z, &grid, |_| true).unwrap();
         assert_eq!(c, PitCount { cells: 15, pits: 1 });
         assert_eq!(c.per_1000(), Some(1000.0 / 15.0));
-        assert_eq!(count_pits(&z, &Grid { rim: Rim::WRAP, ..grid }, |_| true).pits, 2);
+        assert_eq!(count_pits(&z, &Grid { rim: Rim::WRAP, ..grid }, |_| true).unwrap().pits, 2);
         assert_eq!(
             count_pits(&Field::new(1, 1, 0.0), &Grid::new(1, 1, 1.0, Rim::WRAP, &Limits::default()).unwrap(), |_| true)
+                .unwrap()
                 .pits,
             0
         );

@@ -15,6 +15,8 @@
 
 use super::moments::{line_slope, quantile};
 use crate::drainage::Routing;
+use crate::drainage::check_length;
+use eyot_core::Result;
 
 /// Cells over which a slope is measured.
 const REACH_CELLS: usize = 10;
@@ -25,20 +27,25 @@ const MIN_CELLS: usize = 20;
 
 /// Concavity theta over cells of `keep` through which at least `min_cells` cells drain; `None` with fewer than four points.
 ///
-/// # Panics
+/// # Errors
 /// If `surface`, `keep` or `accumulation` has another size than the network.
-pub fn concavity(surface: &[f32], flow: &Routing, keep: &[bool], accumulation: &[u32], min_cells: f64) -> Option<f64> {
+pub fn concavity(
+    surface: &[f32],
+    flow: &Routing,
+    keep: &[bool],
+    accumulation: &[u32],
+    min_cells: f64,
+) -> Result<Option<f64>> {
+    check_length("surface", flow.cells(), surface.len())?;
+    check_length("cells to keep", flow.cells(), keep.len())?;
+    check_length("accumulation", flow.cells(), accumulation.len())?;
     let z = surface;
-    assert_eq!(
-        (z.len(), keep.len(), accumulation.len()),
-        (flow.receiver.len(), flow.receiver.len(), flow.receiver.len())
-    );
     let mut bins: Vec<Vec<f32>> = Vec::new();
     for i in (0..z.len()).filter(|&i| keep[i] && f64::from(accumulation[i]) >= min_cells) {
         let (mut end, mut length_m) = (i, 0.0);
         for _ in 0..REACH_CELLS {
             length_m += flow.distance_m(end);
-            end = flow.receiver[end] as usize;
+            end = flow.receiver(end);
         }
         if length_m == 0.0 {
             continue;
@@ -57,7 +64,7 @@ pub fn concavity(surface: &[f32], flow: &Routing, keep: &[bool], accumulation: &
             Some(((b as f64 + 0.5) * BIN_DECADES, quantile(slopes, 0.5).filter(|&s| s > 0.0)?.log10()))
         })
         .collect();
-    if points.len() < 4 { None } else { line_slope(&points).map(|s| -s) }
+    Ok(if points.len() < 4 { None } else { line_slope(&points).map(|s| -s) })
 }
 
 #[cfg(test)]
@@ -77,8 +84,8 @@ mod tests {
         let cells = flow.upstream_cells();
         // Heights of hundreds of metres carry steps of 1e-5 m in f32, well below the falls of 0.07 m over a reach.
         let surface: Vec<f32> = z.iter().map(|&z| z as f32).collect();
-        let theta = concavity(&surface, &flow, &vec![true; n], &cells, 100.0).unwrap();
+        let theta = concavity(&surface, &flow, &vec![true; n], &cells, 100.0).unwrap().unwrap();
         assert!((theta - 0.45).abs() < 0.01, "{theta}");
-        assert_eq!(concavity(&surface, &flow, &vec![true; n], &cells, 50_000.0), None);
+        assert_eq!(concavity(&surface, &flow, &vec![true; n], &cells, 50_000.0).unwrap(), None);
     }
 }

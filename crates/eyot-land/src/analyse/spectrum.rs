@@ -17,8 +17,9 @@
 //! Perron, Kirchner & Dietrich (2008), Spectral signatures of characteristic spatial scales and nonfractal structure in
 //! landscapes, JGR Earth Surface 113, F04003 (detrending, window, binning).
 
+use super::check_fits;
 use super::moments::line_slope;
-use eyot_core::{Field, Grid};
+use eyot_core::{Field, Grid, Result};
 use rayon::prelude::*;
 use rustfft::{FftPlanner, num_complex::Complex};
 
@@ -35,20 +36,20 @@ pub(super) const fn spectrum_bytes(cells: usize) -> u128 {
 /// `None` if fewer than three rings lie within the fitted band (a grid of fewer than about 35 cells a side) or have any
 /// power (level or plane ground).
 ///
-/// # Panics
+/// # Errors
 /// If `height` has another size than `grid`.
-pub fn spectral_beta(height: &Field, grid: &Grid) -> Option<f64> {
-    assert_eq!((height.width(), height.height()), (grid.width, grid.height), "height and grid differ in size");
+pub fn spectral_beta(height: &Field, grid: &Grid) -> Result<Option<f64>> {
+    check_fits(height, grid)?;
     let (w, h) = (grid.width, grid.height);
     let (extent_x_m, extent_y_m) = grid.extent_m();
     let (extent_m, cell_m) = (extent_x_m.min(extent_y_m), grid.cell_x_m.max(grid.cell_y_m));
     let (low, high) = (4.0 / extent_m, 1.0 / (6.0 * cell_m));
     if w.min(h) < 3 || low >= high {
-        return None;
+        return Ok(None);
     }
     let (mut spectrum, roughness) = windowed_residual(height);
     if roughness == 0.0 {
-        return None;
+        return Ok(None);
     }
     transform_rows(&mut spectrum, w);
     let mut spectrum = transpose(&spectrum, w, h);
@@ -81,7 +82,7 @@ pub fn spectral_beta(height: &Field, grid: &Grid) -> Option<f64> {
         .map(|r| (log_k[r] / count[r] as f64, (power[r] / count[r] as f64).ln()))
         .filter(|(k, _)| (low.ln()..=high.ln()).contains(k))
         .collect();
-    if points.len() < 3 { None } else { line_slope(&points).map(|s| -s) }
+    Ok(if points.len() < 3 { None } else { line_slope(&points).map(|s| -s) })
 }
 
 /// Steps 1 and 2: the height without its plane, under the window, and the largest residual (0 for plane ground).
@@ -150,15 +151,15 @@ mod tests {
     fn the_plane_is_taken_off() {
         let grid = Grid::new(64, 48, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
         let plane = Field::from_fn(64, 48, |x, y| 5.0 + 3.0 * x as f32 - 2.0 * y as f32);
-        assert_eq!(spectral_beta(&plane, &grid), None);
-        assert_eq!(spectral_beta(&Field::new(64, 48, 0.1), &grid), None);
+        assert_eq!(spectral_beta(&plane, &grid).unwrap(), None);
+        assert_eq!(spectral_beta(&Field::new(64, 48, 0.1), &grid).unwrap(), None);
         let mut s = 3_u64;
         let rough = Field::from_fn(64, 48, |_, _| {
             s = s.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (s >> 40) as f32
         });
         let tilted = Field::from_fn(64, 48, |x, y| rough.get(x, y) + 4096.0 * plane.get(x, y));
-        let (a, b) = (spectral_beta(&rough, &grid).unwrap(), spectral_beta(&tilted, &grid).unwrap());
+        let (a, b) = (spectral_beta(&rough, &grid).unwrap().unwrap(), spectral_beta(&tilted, &grid).unwrap().unwrap());
         assert!((a - b).abs() < 1e-3, "{a} {b}");
     }
 
@@ -166,7 +167,7 @@ mod tests {
     fn small_grids_have_none() {
         for (w, h) in [(1, 1), (1, 50), (2, 2), (20, 20)] {
             let grid = Grid::new(w, h, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
-            assert_eq!(spectral_beta(&Field::from_fn(w, h, |x, y| ((x * y) % 3) as f32), &grid), None);
+            assert_eq!(spectral_beta(&Field::from_fn(w, h, |x, y| ((x * y) % 3) as f32), &grid).unwrap(), None);
         }
     }
 }

@@ -260,10 +260,11 @@ pub fn terrain_stats(
     if land_cells == 0 {
         return Ok(stats);
     }
-    let (water, ()) = rayon::join(
+    let (water, shape) = rayon::join(
         || Water::new(&surface, grid, &land, &outlets, channel_area_m2, options),
         || shape(&mut stats, height, &surface, grid, &land, options),
     );
+    shape?;
     let water = water?;
     stats.depression_fraction = Some(water.raised as f64 / land_cells as f64);
     stats.fill_mean_m = finite(water.fill_sum_m / land_cells as f64);
@@ -288,7 +289,7 @@ fn shape(
     grid: &Grid,
     land: &[bool],
     options: &TerrainOptions,
-) {
+) -> Result<()> {
     let on_land = |f: &Field| -> Vec<f32> { f.iter().zip(land).filter(|&(_, &l)| l).map(|(v, _)| v).collect() };
 
     let heights = on_land(height);
@@ -301,30 +302,36 @@ fn shape(
     stats.hypsometric_integral = stats.mean_m.and_then(|mean| finite((mean - low) / (high - low)));
     drop(heights);
 
-    let mut slopes = on_land(&slope_deg(height, grid));
+    let mut slopes = on_land(&slope_deg(height, grid)?);
     let slope = moments(&slopes);
     stats.slope_mean_deg = slope.map(|m| m.mean);
     stats.slope_skew = slope.and_then(|m| m.skewness);
     stats.slope_p95_deg = quantile(&mut slopes, 0.95);
     drop(slopes);
 
-    stats.curvature_skew = moments(&curvatures(height, grid, |i| land[i])).and_then(|m| m.skewness);
-    stats.pits_per_1000 = count_pits(height, grid, |i| land[i]).per_1000();
-    stats.hurst = hurst_exponent(height, grid, land);
-    stats.beta_2d = spectral_beta(height, grid);
-    stats.landforms = landform_shares(surface, grid, land, options);
+    stats.curvature_skew = moments(&curvatures(height, grid, |i| land[i])?).and_then(|m| m.skewness);
+    stats.pits_per_1000 = count_pits(height, grid, |i| land[i])?.per_1000();
+    stats.hurst = hurst_exponent(height, grid, land)?;
+    stats.beta_2d = spectral_beta(height, grid)?;
+    stats.landforms = landform_shares(surface, grid, land, options)?;
+    Ok(())
 }
 
-fn landform_shares(surface: &Field, grid: &Grid, land: &[bool], options: &TerrainOptions) -> Option<LandformShares> {
+fn landform_shares(
+    surface: &Field,
+    grid: &Grid,
+    land: &[bool],
+    options: &TerrainOptions,
+) -> Result<Option<LandformShares>> {
     let r = options.geomorphon_radius_cells;
     let inside = |i: usize, n: usize, edge: Edge| edge == Edge::Wrap || (i >= r && i + r < n);
     if !((0..grid.width).any(|x| inside(x, grid.width, grid.rim.x))
         && (0..grid.height).any(|y| inside(y, grid.height, grid.rim.y)))
     {
-        return None;
+        return Ok(None);
     }
     let mut count = [0_u64; 10];
-    for (i, &form) in geomorphons(surface, grid, r, options.geomorphon_flat_deg).iter().enumerate() {
+    for (i, &form) in geomorphons(surface, grid, r, options.geomorphon_flat_deg)?.iter().enumerate() {
         let (x, y) = (i % grid.width, i / grid.width);
         if land[i] && inside(x, grid.width, grid.rim.x) && inside(y, grid.height, grid.rim.y) {
             count[form as usize] += 1;
@@ -332,7 +339,7 @@ fn landform_shares(surface: &Field, grid: &Grid, land: &[bool], options: &Terrai
     }
     let total: u64 = count.iter().sum();
     debug_assert_eq!(count.len(), Landform::ALL.len());
-    (total > 0).then(|| LandformShares::from_array(count.map(|c| c as f64 / total as f64)))
+    Ok((total > 0).then(|| LandformShares::from_array(count.map(|c| c as f64 / total as f64))))
 }
 
 /// Everything that needs the drainage network.
@@ -367,12 +374,12 @@ impl Water {
         let channel_cells = channel_area_m2 / grid.cell_area_m2();
         let concavity_cells = options.concavity_area_m2.map_or(channel_cells / 5.0, |a| a / grid.cell_area_m2());
         let channel: Vec<bool> = cells.iter().zip(land).map(|(&c, &l)| l && f64::from(c) >= channel_cells).collect();
-        let streams = streams_by_order(&flow, &strahler_orders(&flow, &channel), &cells);
+        let streams = streams_by_order(&flow, &strahler_orders(&flow, &channel)?, &cells)?;
         Ok(Self {
             raised,
             fill_sum_m,
-            concavity: concavity(&filled, &flow, land, &cells, concavity_cells.max(1.0)),
-            hack: hack_exponent(&flow, &channel, &cells),
+            concavity: concavity(&filled, &flow, land, &cells, concavity_cells.max(1.0))?,
+            hack: hack_exponent(&flow, &channel, &cells)?,
             streams,
         })
     }

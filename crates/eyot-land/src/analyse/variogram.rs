@@ -12,8 +12,10 @@
 //! # Limits
 //! Real land is steeper at short lags than at long ones, so `H` depends on the cell size: compare equal cell sizes only.
 
+use super::check_fits;
 use super::moments::line_slope;
-use eyot_core::{Edge, Field, Grid};
+use crate::drainage::check_length;
+use eyot_core::{Edge, Field, Grid, Result};
 
 /// Distances in cells at which heights are compared: nearly even steps of the logarithm up to 16.
 const LAGS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
@@ -23,11 +25,12 @@ const LAGS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
 /// Lags longer than half of the longer side are left out, and an axis that has no pair at one of the remaining lags.
 /// `None` if fewer than three lags remain or the ground is level.
 ///
-/// # Panics
+/// # Errors
 /// If `height` or `keep` has another size than `grid`.
-pub fn hurst_exponent(height: &Field, grid: &Grid, keep: &[bool]) -> Option<f64> {
+pub fn hurst_exponent(height: &Field, grid: &Grid, keep: &[bool]) -> Result<Option<f64>> {
+    check_fits(height, grid)?;
+    check_length("cells to keep", grid.cells(), keep.len())?;
     let z = height.to_vec();
-    assert_eq!((z.len(), keep.len()), (grid.cells(), grid.cells()), "height, keep and grid differ in size");
     let longest = grid.width.max(grid.height) / 2;
     let lags: Vec<usize> = LAGS.into_iter().filter(|&h| h <= longest).collect();
     let axes =
@@ -42,7 +45,7 @@ pub fn hurst_exponent(height: &Field, grid: &Grid, keep: &[bool]) -> Option<f64>
     }
     let points: Vec<(f64, f64)> =
         lags.iter().zip(&total).filter(|(_, g)| **g > 0.0).map(|(&h, g)| ((h as f64).ln(), g.ln())).collect();
-    if points.len() < 3 { None } else { line_slope(&points).map(|s| s / 2.0) }
+    Ok(if points.len() < 3 { None } else { line_slope(&points).map(|s| s / 2.0) })
 }
 
 /// Mean squared difference of kept cells `h` apart along an axis of `n` cells that lie `step` apart in memory.
@@ -87,7 +90,7 @@ mod tests {
 
     fn h_of(z: &Field, rim: Rim) -> Option<f64> {
         let grid = Grid::new(z.width(), z.height(), 1.0, rim, &Limits::default()).unwrap();
-        hurst_exponent(z, &grid, &vec![true; grid.cells()])
+        hurst_exponent(z, &grid, &vec![true; grid.cells()]).unwrap()
     }
 
     fn uniform(s: &mut u64) -> f32 {

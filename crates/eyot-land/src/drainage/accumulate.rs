@@ -1,10 +1,9 @@
 //! What flows together: cells, areas and other amounts upstream of each cell, and an order to visit cells in.
-//!
-//! # Source
-//! The walk down from each source until a confluence still waits for another donor is Kahn's topological sort (1962).
 
 use super::Routing;
+use super::cascade::{Network, cascade};
 use eyot_core::{Grid, Result};
+use std::convert::Infallible;
 
 impl Routing {
     /// All cells, each after its receiver: outlets first. Read backwards, each cell comes before its receiver.
@@ -22,11 +21,7 @@ impl Routing {
     /// number of cells exactly.
     pub fn upstream_cells(&self) -> Vec<u32> {
         let mut cells = vec![1; self.cells()];
-        self.walk(|i, r| {
-            if i != r {
-                cells[r] += cells[i];
-            }
-        });
+        self.gather(&mut cells, |_, n| n, |sum: &mut u32, n| *sum += n);
         cells
     }
 
@@ -42,38 +37,41 @@ impl Routing {
     /// If there is not one amount for each cell.
     pub fn accumulate(&self, amounts: &mut [f64]) -> Result<()> {
         super::check_length("amounts to accumulate", self.cells(), amounts.len())?;
-        self.walk(|i, r| {
-            if i != r {
-                amounts[r] += amounts[i];
-            }
-        });
+        self.gather(amounts, |_, a| a, |sum: &mut f64, a| *sum += a);
         Ok(())
     }
 
     /// For each cell the length of the longest way that water takes to it, m.
     pub fn longest_upstream_m(&self) -> Vec<f64> {
         let mut length = vec![0.0_f64; self.cells()];
-        self.walk(|i, r| {
-            if i != r {
-                length[r] = length[r].max(length[i] + self.distance_m(i));
-            }
-        });
+        self.gather(&mut length, |i, l| l + self.distance_m(i), |longest, l| *longest = longest.max(l));
         length
     }
 
     /// For each cell the outlet that its water leaves by.
     pub fn basins(&self) -> Vec<u32> {
-        let mut basin = self.receiver.clone();
+        let mut basin = self.receivers().to_vec();
         for i in self.order() {
-            basin[i as usize] = basin[self.receiver[i as usize] as usize];
+            basin[i as usize] = basin[self.receiver(i as usize)];
         }
         basin
     }
 
+    /// Replaces each value by what comes of it when all donors have handed on `give(donor, value)`, joined by `take`.
+    fn gather<V: Copy + Send>(
+        &self,
+        values: &mut [V],
+        give: impl Fn(usize, V) -> V + Sync,
+        take: impl Fn(&mut V, V) + Sync,
+    ) {
+        let single = Single { routing: self, give, take, value: std::marker::PhantomData };
+        let Ok(()) = cascade(&single, self.band(), values, || Ok::<(), Infallible>(()));
+    }
+
     /// Calls `f(cell, receiver)` for all cells, for each after all its donors.
-    pub(crate) fn walk(&self, mut f: impl FnMut(usize, usize)) {
+    fn walk(&self, mut f: impl FnMut(usize, usize)) {
         let mut waiting = vec![0_u8; self.cells()];
-        for (i, &r) in self.receiver.iter().enumerate() {
+        for (i, &r) in self.receivers().iter().enumerate() {
             waiting[r as usize] += u8::from(r as usize != i);
         }
         for start in 0..self.cells() {
@@ -82,7 +80,7 @@ impl Routing {
             }
             let mut i = start;
             loop {
-                let r = self.receiver[i] as usize;
+                let r = self.receiver(i);
                 f(i, r);
                 if r == i {
                     break;
@@ -96,5 +94,43 @@ impl Routing {
                 i = r;
             }
         }
+    }
+}
+
+/// A network of single receivers.
+struct Single<'a, V, G, T> {
+    routing: &'a Routing,
+    give: G,
+    take: T,
+    value: std::marker::PhantomData<fn(V)>,
+}
+
+impl<V, G, T> Network for Single<'_, V, G, T>
+where
+    V: Copy + Send,
+    G: Fn(usize, V) -> V + Sync,
+    T: Fn(&mut V, V) + Sync,
+{
+    type Value = V;
+
+    #[inline]
+    fn receivers(&self, i: usize, mut f: impl FnMut(usize)) {
+        let r = self.routing.receiver(i);
+        if r != i {
+            f(r);
+        }
+    }
+
+    #[inline]
+    fn give(&self, i: usize, value: V, mut f: impl FnMut(usize, V)) {
+        let r = self.routing.receiver(i);
+        if r != i {
+            f(r, (self.give)(i, value));
+        }
+    }
+
+    #[inline]
+    fn take(&self, value: &mut V, arriving: V) {
+        (self.take)(value, arriving);
     }
 }

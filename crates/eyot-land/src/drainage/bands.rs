@@ -10,6 +10,14 @@ pub(super) fn band_cells(grid: &Grid) -> usize {
     CELLS.div_ceil(grid.width).clamp(8, grid.height.max(8)) * grid.width
 }
 
+/// Bands of work that follows rivers: few of them cross so few borders.
+const BROAD: usize = 32;
+
+/// Cells of a broad band, in whole rows; depends on the grid alone, too.
+pub(super) fn broad_band_cells(grid: &Grid) -> usize {
+    (grid.height.div_ceil(BROAD) * grid.width).max(band_cells(grid))
+}
+
 /// The rows north of, at and south of row `y`, if there are such rows without wrapping.
 #[inline(always)]
 pub(super) fn three_rows<'a, T>(values: &'a [T], grid: &Grid, y: usize) -> Option<[&'a [T]; 3]> {

@@ -1,6 +1,6 @@
 //! The drainage of a world's land in one call: what generators and processes share.
 
-use super::{Base, Routing, fill, outlets};
+use super::{Base, Routing, Spread, fill, outlets};
 use eyot_core::{Control, Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,6 +14,8 @@ pub enum RoutingRule {
     D8,
     /// To all lower neighbours, more to the steeper ones.
     Multiple,
+    /// Straight down the slope (D-infinity), to the one or two neighbours beside the way.
+    Dinf,
 }
 
 /// Land whose drainage is asked for.
@@ -58,13 +60,14 @@ impl Land<'_> {
         let (mut filled, outlets) = self.heights_and_outlets()?;
         fill(&mut filled, self.grid, &outlets, control)?;
         let routing = Routing::new(&filled, self.grid, &outlets, control)?;
-        let area_m2 = match rule {
-            RoutingRule::D8 => routing.upstream_area_m2(self.grid),
-            RoutingRule::Multiple => {
-                let mut area = vec![self.grid.cell_area_m2(); filled.len()];
-                routing.accumulate_multiple(&filled, self.grid, exponent, &mut area, control)?;
-                area
-            }
+        let spread = match rule {
+            RoutingRule::D8 => None,
+            RoutingRule::Multiple => Some(Spread::Multiple { exponent }),
+            RoutingRule::Dinf => Some(Spread::Dinf),
+        };
+        let area_m2 = match spread {
+            None => routing.upstream_area_m2(self.grid),
+            Some(spread) => routing.spread_area_m2(&filled, self.grid, spread, control)?,
         };
         Ok(Drained { filled, area_m2 })
     }

@@ -22,7 +22,9 @@
 mod accumulate;
 mod bands;
 mod breach;
+mod cascade;
 mod descent;
+mod dinf;
 mod fill;
 mod flats;
 mod height;
@@ -32,6 +34,7 @@ mod neighbours;
 mod outlets;
 mod routing;
 mod spill;
+mod spread;
 mod steepest;
 mod tilt;
 
@@ -42,6 +45,7 @@ pub use land::{Drained, Land, RoutingRule};
 pub use neighbours::{Neighbours, STEPS};
 pub use outlets::{Base, outlets};
 pub use routing::{FlatRule, Routing};
+pub use spread::Spread;
 
 use eyot_core::{Error, Grid, Result};
 
@@ -62,6 +66,6 @@ fn check_sizes(grid: &Grid, sizes: &[(&str, usize)]) -> Result<()> {
     sizes.iter().try_for_each(|(what, found)| check_length(what, grid.cells(), *found))
 }
 
-fn check_length(what: &str, expected: usize, found: usize) -> Result<()> {
+pub(crate) fn check_length(what: &str, expected: usize, found: usize) -> Result<()> {
     if expected == found { Ok(()) } else { Err(Error::Shape { what: what.to_owned(), expected, found }) }
 }

@@ -8,7 +8,7 @@
 //! # Source
 //! O'Callaghan & Mark (1984), The extraction of drainage networks from digital elevation data, CVGIP 28, 323-344.
 
-use super::bands::band_cells;
+use super::bands::{band_cells, broad_band_cells};
 use super::flats::resolve_flats;
 use super::neighbours::{Neighbours, STEPS};
 use super::steepest::{NOWHERE, steepest};
@@ -19,12 +19,11 @@ use rayon::prelude::*;
 /// A drainage network: one receiver a cell, no loops.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Routing {
-    /// The cell that receives a cell's water; its own number at outlets.
-    pub receiver: Vec<u32>,
-    /// Direction of the receiver in [`STEPS`](super::STEPS), 8 at outlets.
-    pub direction: Vec<u8>,
-    /// Distance to the receiver by direction, m; 0 for outlets.
-    pub step_m: [f64; 9],
+    receiver: Vec<u32>,
+    direction: Vec<u8>,
+    step_m: [f64; 9],
+    /// Cells of the bands that accumulation works on.
+    band: usize,
 }
 
 /// How water crosses flats.
@@ -89,12 +88,38 @@ impl Routing {
         });
         let mut step_m = [0.0; 9];
         step_m[..8].copy_from_slice(&near.distance_m);
-        Ok(Self { receiver, direction, step_m })
+        Ok(Self { receiver, direction, step_m, band: broad_band_cells(grid) })
     }
 
     /// Number of cells.
     pub fn cells(&self) -> usize {
         self.receiver.len()
+    }
+
+    /// The cell that receives the water of cell `i`; `i` itself at outlets.
+    #[inline]
+    pub fn receiver(&self, i: usize) -> usize {
+        self.receiver[i] as usize
+    }
+
+    /// Of each cell, the cell that receives its water; its own number at outlets.
+    pub fn receivers(&self) -> &[u32] {
+        &self.receiver
+    }
+
+    /// Of each cell, the direction of its receiver in [`STEPS`](super::STEPS), 8 at outlets.
+    pub fn directions(&self) -> &[u8] {
+        &self.direction
+    }
+
+    /// By direction, the distance to the receiver, m; 0 at outlets.
+    pub fn steps_m(&self) -> [f64; 9] {
+        self.step_m
+    }
+
+    /// Cells of the bands that accumulation works on.
+    pub(super) fn band(&self) -> usize {
+        self.band
     }
 
     /// True if water leaves the grid at cell `i`.
@@ -113,6 +138,7 @@ impl Routing {
     #[cfg(test)]
     pub(crate) fn by_hand(receiver: Vec<u32>, step_m: [f64; 9]) -> Self {
         let outlet = |(i, &r): (usize, &u32)| if i == r as usize { NOWHERE } else { 0 };
-        Self { direction: receiver.iter().enumerate().map(outlet).collect(), receiver, step_m }
+        let band = receiver.len();
+        Self { direction: receiver.iter().enumerate().map(outlet).collect(), receiver, step_m, band }
     }
 }

@@ -21,7 +21,7 @@ impl Routing {
         for i in self.order() {
             let i = i as usize;
             if !self.is_outlet(i) {
-                let below = surface[self.receiver[i] as usize];
+                let below = surface[self.receiver(i)];
                 let even = T::of(below.to_f64() + slope * self.distance_m(i));
                 let least = if even > below { even } else { below.above() };
                 surface[i] = if surface[i] < least { least } else { surface[i] };

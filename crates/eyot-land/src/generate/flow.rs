@@ -7,9 +7,11 @@
 //! 1. `A(c) = cell area + sum over cells u above c of w(u, c) A(u)`.
 //! 2. d8: `w = 1` for the steepest of the eight neighbours, `(h - h_n) / distance`, else 0.
 //! 3. multiple: `w_n = s_n^exponent / sum s_k^exponent` with `s = (h - h_n) / distance` over all lower neighbours.
+//! 4. dinf: of the eight triangles between neighbours the steepest; with `r` the angle of its steepest way from the edge
+//!    neighbour and `a` that of the corner neighbour, `w = r / a` for the corner and `1 - r / a` for the edge.
 //!
 //! # Source
-//! O'Callaghan and Mark 1984 (d8); Freeman 1991 (multiple); Barnes, Lehman and Mulla 2014 for the way across flats.
+//! O'Callaghan and Mark 1984 (d8); Freeman 1991 (multiple); Tarboton 1997 (dinf); Barnes, Lehman and Mulla 2014 for the way across flats.
 
 use super::check;
 use crate::drainage::{Land, RoutingRule};
@@ -22,7 +24,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Flow {
-    /// How water goes from cell to cell: to one neighbour (d8) or to all lower ones (multiple).
+    /// How water goes from cell to cell: to one neighbour (d8), to all lower ones (multiple), or straight down the slope, to one
+    /// or two (dinf).
     pub routing: RoutingRule,
     /// With multiple routing, how much water prefers the steeper way: 1.1 suits cones, more gathers it in valleys.
     #[schemars(range(min = 0.0, max = 100.0), extend("unit" = "1"))]

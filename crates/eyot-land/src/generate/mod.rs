@@ -80,7 +80,7 @@ pub const GENERATORS: &[Entry<dyn Generator>] = &[
     Entry::<dyn Generator>::generator::<Flow>(
         "flow",
         about!("flow.rs"),
-        &["ocallaghan1984", "barnes2014flats", "freeman1991"],
+        &["ocallaghan1984", "barnes2014flats", "freeman1991", "tarboton1997"],
     ),
     Entry::<dyn Generator>::generator::<MaskCurvature>("mask_curvature", about!("mask/curvature.rs"), &[]),
     Entry::<dyn Generator>::generator::<MaskHeight>("mask_height", about!("mask/height.rs"), &[]),

@@ -51,7 +51,8 @@ pub struct Drainage {
     /// When breaching, no trench is longer than this.
     #[schemars(range(min = 0.0, max = 1000000.0), extend("unit" = "m"))]
     pub max_length: f32,
-    /// How water goes from cell to cell: to one neighbour (d8) or to all lower ones (multiple).
+    /// How water goes from cell to cell: to one neighbour (d8), to all lower ones (multiple), or straight down the slope, to one
+    /// or two (dinf).
     pub routing: RoutingRule,
     /// With multiple routing, how much water prefers the steeper way: 1.1 suits cones, more gathers it in valleys.
     #[schemars(range(min = 0.0, max = 100.0), extend("unit" = "1"))]

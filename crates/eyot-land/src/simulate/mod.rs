@@ -30,12 +30,20 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Drainage>(
         "drainage",
         about!("drainage.rs"),
-        &["barnes2014", "barnes2014flats", "cordonnier2019", "freeman1991", "lindsay2015", "ocallaghan1984"],
+        &[
+            "barnes2014",
+            "barnes2014flats",
+            "cordonnier2019",
+            "freeman1991",
+            "lindsay2015",
+            "ocallaghan1984",
+            "tarboton1997",
+        ],
     ),
     Entry::<dyn Process>::process::<Streampower>(
         "streampower",
         about!("streampower/mod.rs"),
-        &["howard1994", "braun2013"],
+        &["howard1994", "braun2013", "roering1999", "yuan2019"],
     ),
     Entry::<dyn Process>::process::<Wetness>("wetness", about!("wetness.rs"), &[]),
 ];

@@ -5,18 +5,24 @@
 //! 1. `dz/dt = U - K A^m S^n + D laplacian(z)`.
 //! 2. In steady state and without creep `S = (U / K)^(1/n) A^(-m/n)`: Flint's law with concavity `m / n` and steepness
 //!    `(U / K)^(1/n)`.
+//! 3. With deposition, `+ G Q / A` on the right of (1): `Q` is what is carried away upstream per year (m3), the cell included.
+//!    The steepness of steady rivers becomes `(U (1 + G) / K)^(1/n)`.
+//! 4. With a critical slope `S_c`, creep is `D div(grad z / (1 - (|grad z| / S_c)^2))`: gentle slopes creep as in (1), none gets
+//!    much steeper than `S_c` (`critical.rs`).
 //!
 //! A step of `T` years lifts the ground by `U T`, lets the water cut it, and lets it creep. Cutting is implicit in the
-//! downstream height (`law.rs`), from the outlets upstream (`stack.rs`), so that a step may be as long as one likes, and
-//! nothing is ever cut below what it drains to.
+//! downstream height (`law.rs`, `incise.rs`), from the outlets upstream (`stack.rs`), so that a step may be as long as one
+//! likes, and nothing is ever cut below what it drains to.
 //!
 //! # Source
-//! Howard 1994 (detachment-limited incision); the implicit step after Braun and Willett 2013; routing by steepest descent
+//! Howard 1994 (detachment-limited incision); the implicit step after Braun and Willett 2013; deposition of Yuan, Braun,
+//! Guerit, Rouby and Cordonnier 2019; the critical slope of Roering, Kirchner and Dietrich 1999; routing by steepest descent
 //! over filled depressions (`crate::drainage`).
 //!
 //! # Differences
 //! - Any `n > 0`, below 1 too, is solved to the last digit and cannot fail (`law.rs`).
-//! - Lakes are base levels: what flows into one is cut to its surface, its bed is not cut, and its sill is, so that it empties.
+//! - Lakes are base levels: what flows into one is cut to its surface, its bed is not cut (deposition raises it), and its sill
+//!   is, so that it empties.
 //!
 //! # Base level
 //! Border cells of open rims hold their height. The sea is a base level for the land around it; its floor rises with the
@@ -28,14 +34,17 @@
 //!
 //! # Limits
 //! Stable for steps of any length. The order of uplift, cutting and creep within a step makes an error that falls with its
-//! length.
+//! length. Deposition and a critical slope are solved in turns, so that steps take several times as long.
 //!
 //! # Conserves
 //! What rises is in `ground.uplifted`, what rivers carry away in `ground.incised`, what creeps into cells that hold their
-//! height in `ground.crept`; the ledger closes to rounding (`tests/streampower.rs`). Nothing is deposited.
+//! height in `ground.crept`, what rivers lay down in `ground.deposited`; the ledger closes to rounding
+//! (`tests/streampower.rs`).
 
 mod creep;
+mod critical;
 mod heights;
+mod incise;
 mod law;
 mod stack;
 
@@ -43,14 +52,12 @@ pub use heights::HEIGHT_REST;
 
 use crate::drainage::{Base, Neighbours, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::math64::pow;
 use eyot_core::process::{Action, Moment, Process, check_ranges};
 use eyot_core::{Control, Edge, Field, Grid, LayerSpec, Result, World};
-use law::Law;
+use incise::Cut;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use stack::Stack;
 
 /// Rivers cut into rising ground, and hillslopes creep: mountain ranges, connected valleys, graded rivers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -73,12 +80,20 @@ pub struct Streampower {
     /// Exponent n of the slope. Above 1 steep reaches are cut fastest and knickpoints sharpen; below 1 they smooth out.
     #[schemars(range(min = 0.05, max = 20.0), extend("unit" = "1"))]
     pub slope_exponent: f32,
+    /// Deposition coefficient G: how much of what comes from upstream rivers lay down. 0 carries everything away, as on bare
+    /// rock; about 1 in nature, where valleys fill and fans grow, and rivers become steeper by (1 + G)^(1/n).
+    #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
+    pub deposition: f32,
     /// Water of a smaller area does not cut: it belongs to the hillslopes, which creep, or slump with `thermal`.
     #[schemars(range(min = 0.0, max = 1e12), extend("unit" = "m2"))]
     pub channel_area: f32,
     /// Diffusivity D of creep: 0.001 to 0.1 in nature; larger cells need more to round their crests. 0 leaves it out.
     #[schemars(range(min = 0.0, max = 1e6), extend("unit" = "m2/yr"))]
     pub diffusivity: f32,
+    /// Critical slope of creep, as a tangent: soil slides where slopes come near it, so that crests stay sharp. 1.2 in nature;
+    /// 0 leaves it out.
+    #[schemars(range(min = 0.0, max = 100.0), extend("unit" = "1"))]
+    pub critical_slope: f32,
 }
 
 impl Default for Streampower {
@@ -89,8 +104,10 @@ impl Default for Streampower {
             erodibility: 2e-5,
             area_exponent: 0.45,
             slope_exponent: 1.0,
+            deposition: 0.0,
             channel_area: 0.0,
             diffusivity: 0.01,
+            critical_slope: 0.0,
         }
     }
 }
@@ -132,11 +149,17 @@ impl Action for Streampower {
 
         let uplifted = uplift(&mut z, &grid, &held, f64::from(self.uplift) * years, world.get(&UPLIFT.name));
         control.check()?;
-        let incised = self.incise(&mut z, &grid, &routing, sea_level_m, world.get(&ERODIBILITY.name));
+        let Cut { incised, deposited } =
+            self.incise(&mut z, &grid, &routing, sea_level_m, world.get(&ERODIBILITY.name), control)?;
         control.check()?;
         let crept = if self.diffusivity > 0.0 {
             let before = row_sums(&z, &grid);
-            creep::creep(&mut z, &grid, f64::from(self.diffusivity) * years);
+            let diffusion_m2 = f64::from(self.diffusivity) * years;
+            if self.critical_slope > 0.0 {
+                critical::creep(&mut z, &grid, diffusion_m2, f64::from(self.critical_slope));
+            } else {
+                creep::creep(&mut z, &grid, diffusion_m2);
+            }
             held.restore(&mut z);
             before - row_sums(&z, &grid)
         } else {
@@ -152,63 +175,14 @@ impl Action for Streampower {
         ] {
             world.ledger.add(account, sum * area, "m3", meaning, sign);
         }
+        if self.deposition > 0.0 {
+            world.ledger.add("ground.deposited", deposited * area, "m3", "Ground that rivers laid down", 1);
+        }
         Ok(())
     }
 
     fn bytes_per_cell(&self) -> usize {
         54
-    }
-}
-
-impl Streampower {
-    /// Lets the rivers cut, and returns the sum of what they took, m.
-    fn incise(&self, z: &mut [f64], grid: &Grid, routing: &Routing, sea_level_m: f64, factor: Option<&Field>) -> f64 {
-        let (m, n) = (f64::from(self.area_exponent), f64::from(self.slope_exponent));
-        let law = Law::new(n);
-        let reach = f64::from(self.erodibility) * f64::from(self.years_per_step);
-        let stack = Stack::new(routing);
-
-        // c = K A^m T / L^n, by number of cells for small areas and by direction for the distance.
-        let cell_area = grid.cell_area_m2();
-        let least = f64::from(self.channel_area);
-        let power = |cells: u32| {
-            let area = f64::from(cells) * cell_area;
-            if area < least { 0.0 } else { reach * pow(area, m) }
-        };
-        let small: Vec<f64> = (0..1024).map(power).collect();
-        let per_length = routing.step_m.map(|l| if l > 0.0 { pow(l, -n) } else { 0.0 });
-        let width = grid.width;
-        let factor = factor.map(Field::to_vec);
-        let (mut level, mut prepared) = (vec![0.0; z.len()], vec![0.0; z.len()]);
-        level.par_iter_mut().zip(&mut prepared).zip(&stack.cell).for_each(|((level, c), &i)| {
-            let i = i as usize;
-            let cells = stack.upstream[i];
-            let a = small.get(cells as usize).copied().unwrap_or_else(|| power(cells));
-            let k = factor.as_ref().map_or(1.0, |f| f64::from(f[i].max(0.0)));
-            *level = z[i];
-            *c = law.prepared(a * k * per_length[usize::from(routing.direction[i])]);
-        });
-        stack.climb(&mut level, |p, z, base| match base {
-            Some(base) if z > base => base + (z - base) * law.left(prepared[p], z - base),
-            // Under the surface of a lake or the sea.
-            Some(base) => base,
-            None => z.max(sea_level_m),
-        });
-        let sums: Vec<f64> = z
-            .par_chunks_exact_mut(width)
-            .zip(stack.position.par_chunks_exact(width))
-            .map(|(row, positions)| {
-                let mut sum = 0.0;
-                for (z, &p) in row.iter_mut().zip(positions) {
-                    // The level lies above the ground where there is a lake.
-                    let new = level[p as usize].min(*z);
-                    sum += *z - new;
-                    *z = new;
-                }
-                sum
-            })
-            .collect();
-        sums.iter().sum()
     }
 }
 

@@ -4,9 +4,11 @@
 //! The stack of Braun and Willett 2013. Here positions follow from the sizes of subtrees, without recursion, and what
 //! lies between the large rivers falls apart into pieces that are worked on in parallel.
 
-use crate::drainage::Routing;
+use crate::drainage::{Neighbours, Routing};
+use eyot_core::Grid;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Cells with more cells upstream than this belong to large rivers, which are visited one after the other; pieces have
 /// about as many cells. Decides no byte.
@@ -38,46 +40,48 @@ struct Piece {
     roots: Range<usize>,
 }
 
+/// A cell that has found its place.
+#[derive(Clone, Copy)]
+struct Placed {
+    cell: u32,
+    position: u32,
+    /// Position of the receiver.
+    below: u32,
+}
+
 impl Stack {
-    pub(super) fn new(routing: &Routing) -> Self {
+    pub(super) fn new(routing: &Routing, grid: &Grid) -> Self {
         let n = routing.cells();
-        let receiver = &routing.receiver;
-        let (mut upstream, mut order) = (vec![1_u32; n], vec![0_u32; n]);
-        let mut last = n;
-        routing.walk(|i, r| {
-            last -= 1;
-            order[last] = i as u32;
-            if i != r {
-                upstream[r] += upstream[i];
-            }
-        });
-        // Of each cell its position, and the position where its next donor goes.
-        let mut places = vec![(0_u32, 0_u32); n];
-        let mut cell = vec![0_u32; n];
-        let (mut rivers, mut roots, mut free) = (Vec::new(), Vec::new(), 0);
-        for &i in &order {
-            let (c, size) = (i as usize, upstream[i as usize]);
-            let r = receiver[c] as usize;
-            let place = if r == c { &mut free } else { &mut places[r].1 };
-            let p = *place;
-            *place += size;
-            places[c] = (p, p + 1);
-            cell[p as usize] = i;
-            if size > PIECE {
-                rivers.push(p);
-            } else if r == c || upstream[r] > PIECE {
-                roots.push(p);
-            }
+        let upstream = routing.upstream_cells();
+        let donors = Donors { near: Neighbours::new(grid), directions: routing.directions(), upstream: &upstream };
+        let (rivers, mut placed_roots) = donors.rivers();
+        placed_roots.sort_unstable_by_key(|r| r.position);
+        let roots: Vec<u32> = placed_roots.iter().map(|r| r.position).collect();
+        let pieces = pieces(&rivers.iter().map(|r| r.position).collect::<Vec<_>>(), &roots, n);
+
+        let (mut cell, mut below) = (vec![0; n], vec![OUTLET; n]);
+        // Each cell is written once, by the piece that it is in.
+        let position: Vec<AtomicU32> = (0..n).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+        for r in &rivers {
+            (cell[r.position as usize], below[r.position as usize]) = (r.cell, r.below);
+            position[r.cell as usize].store(r.position, Ordering::Relaxed);
         }
-        // The order is not needed any more.
-        let mut below = order;
-        below.par_iter_mut().zip(&cell).for_each(|(b, &i)| {
-            let r = receiver[i as usize];
-            *b = if r == i { OUTLET } else { places[r as usize].0 };
+        let slices = split(&mut cell, &pieces).into_par_iter().zip(split(&mut below, &pieces)).zip(&pieces);
+        slices.for_each(|((cell, below), piece)| {
+            let start = piece.positions.start;
+            let mut left = Vec::new();
+            for &root in &placed_roots[piece.roots.clone()] {
+                left.push(root);
+                while let Some(at) = left.pop() {
+                    let p = at.position as usize - start;
+                    (cell[p], below[p]) = (at.cell, at.below);
+                    position[at.cell as usize].store(at.position, Ordering::Relaxed);
+                    donors.place(at, |donor| left.push(donor));
+                }
+            }
         });
-        let position = places.into_par_iter().map(|p| p.0).collect();
-        roots.sort_unstable();
-        let pieces = pieces(&rivers, &roots, n);
+        let position = position.into_iter().map(AtomicU32::into_inner).collect();
+        let rivers = rivers.into_iter().map(|r| r.position).collect();
         Self { cell, position, upstream, below, rivers, roots, pieces }
     }
 
@@ -89,15 +93,8 @@ impl Stack {
             values[p as usize] = visit(p as usize, values[p as usize], base);
         }
         let bases: Vec<Option<f64>> = self.roots.iter().map(|&p| self.base(p, values)).collect();
-        let (mut rest, mut at) = (values, 0);
-        let mut work = Vec::with_capacity(self.pieces.len());
-        for piece in &self.pieces {
-            let (_, from) = std::mem::take(&mut rest).split_at_mut(piece.positions.start - at);
-            let (own, after) = from.split_at_mut(piece.positions.len());
-            work.push((piece, own));
-            (rest, at) = (after, piece.positions.end);
-        }
-        work.into_par_iter().for_each(|(piece, values)| {
+        let slices = split(values, &self.pieces).into_par_iter().zip(&self.pieces);
+        slices.for_each(|(values, piece)| {
             let start = piece.positions.start;
             let mut bases = bases[piece.roots.clone()].iter();
             for p in piece.positions.clone() {
@@ -111,10 +108,74 @@ impl Stack {
         });
     }
 
+    /// Adds to each position's value those of all positions upstream.
+    pub(super) fn descend(&self, values: &mut [f64]) {
+        for (p, &below) in self.below.iter().enumerate().rev() {
+            if below != OUTLET {
+                values[below as usize] += values[p];
+            }
+        }
+    }
+
     fn base(&self, p: u32, values: &[f64]) -> Option<f64> {
         let b = self.below[p as usize];
         (b != OUTLET).then(|| values[b as usize])
     }
+}
+
+/// Finds who drains to a cell.
+struct Donors<'a> {
+    near: Neighbours,
+    directions: &'a [u8],
+    upstream: &'a [u32],
+}
+
+impl Donors<'_> {
+    /// Calls `f` with each donor of a cell, which has its place behind it, one subtree after the other.
+    #[inline]
+    fn place(&self, at: Placed, mut f: impl FnMut(Placed)) {
+        if self.upstream[at.cell as usize] == 1 {
+            return;
+        }
+        let mut position = at.position + 1;
+        self.near.each(at.cell as usize, |d, j| {
+            if usize::from(self.directions[j]) == (d + 4) % 8 {
+                f(Placed { cell: j as u32, position, below: at.position });
+                position += self.upstream[j];
+            }
+        });
+    }
+
+    /// The cells of large rivers, each after its receiver, and the roots of what drains to them.
+    fn rivers(&self) -> (Vec<Placed>, Vec<Placed>) {
+        let (mut rivers, mut roots, mut left, mut free) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        // No direction leads from an outlet.
+        for outlet in (0..self.directions.len()).filter(|&i| self.directions[i] >= 8) {
+            left.push(Placed { cell: outlet as u32, position: free, below: OUTLET });
+            free += self.upstream[outlet];
+            while let Some(at) = left.pop() {
+                if self.upstream[at.cell as usize] > PIECE {
+                    rivers.push(at);
+                    self.place(at, |donor| left.push(donor));
+                } else {
+                    roots.push(at);
+                }
+            }
+        }
+        (rivers, roots)
+    }
+}
+
+/// The values of each piece.
+fn split<'a, T>(values: &'a mut [T], pieces: &[Piece]) -> Vec<&'a mut [T]> {
+    let (mut rest, mut at) = (values, 0);
+    let cut = |piece: &Piece| {
+        let (_, from) = std::mem::take(&mut rest).split_at_mut(piece.positions.start - at);
+        let (own, after) = from.split_at_mut(piece.positions.len());
+        (rest, at) = (after, piece.positions.end);
+        own
+    };
+    pieces.iter().map(cut).collect()
 }
 
 /// Cuts what lies between large rivers at roots, into runs of about [`PIECE`] cells.

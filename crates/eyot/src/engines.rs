@@ -1,0 +1,178 @@
+//! Which engine carries out a run's plans: the processor, or a graphics card.
+
+use crate::backend::io;
+use crate::error::RunError;
+use eyot_core::engine::CpuEngine;
+use eyot_core::isa::Isa;
+use eyot_core::process::{Scheduled, Span};
+use eyot_core::{Control, Error, Limits, World};
+use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Which engine a run wants.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EngineChoice {
+    /// A graphics card if there is one that can do it, else the processor.
+    Auto,
+    /// The processor: the same bytes on every machine.
+    #[default]
+    Cpu,
+    /// A graphics card or its software stand-in: the same within rounding.
+    Gpu,
+}
+
+/// How to find an engine.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EngineOptions {
+    /// Which one.
+    pub choice: EngineChoice,
+    /// A part of the graphics adapter's name; the best one if not given.
+    pub adapter: Option<String>,
+    /// For tests: after so many steps the graphics device is taken away.
+    #[doc(hidden)]
+    pub lose_device_after: Option<u64>,
+}
+
+impl EngineOptions {
+    /// The adapter that these options mean.
+    pub(crate) fn adapter(&self) -> Choice {
+        match (&self.adapter, self.choice) {
+            (Some(name), _) => Choice::Named(name.clone()),
+            (None, EngineChoice::Auto) => Choice::Hardware,
+            (None, _) => Choice::Best,
+        }
+    }
+}
+
+/// Carries out plans.
+pub(crate) enum Engine {
+    Cpu(CpuEngine),
+    Gpu(Box<GpuEngine>),
+}
+
+/// Why steps were not done.
+pub(crate) enum Failure {
+    /// The work itself; or a request to stop.
+    Work(Error),
+    /// The device. The world is what it was when it was last brought back.
+    Device(GpuError),
+}
+
+impl From<GpuError> for Failure {
+    fn from(e: GpuError) -> Self {
+        match e {
+            GpuError::Core(e) => Self::Work(e),
+            e => Self::Device(e),
+        }
+    }
+}
+
+impl Engine {
+    /// The processor.
+    pub(crate) fn cpu(limits: Limits) -> Self {
+        Self::Cpu(CpuEngine { limits, ..CpuEngine::default() })
+    }
+
+    /// The engine that the options ask for, and what to say if it is not the one that was wanted first.
+    pub(crate) fn open(options: &EngineOptions, limits: Limits) -> Result<(Self, Option<String>), RunError> {
+        if options.choice == EngineChoice::Cpu {
+            return Ok((Self::cpu(limits), None));
+        }
+        match Self::gpu(options, limits) {
+            Ok(engine) => Ok((engine, None)),
+            Err(GpuError::NoAdapter { .. }) if options.choice == EngineChoice::Auto && options.adapter.is_none() => {
+                Ok((Self::cpu(limits), None))
+            }
+            Err(e) if options.choice == EngineChoice::Auto => {
+                Ok((Self::cpu(limits), Some(format!("{e}; the processor works instead"))))
+            }
+            Err(e) => Err(RunError::Gpu(e)),
+        }
+    }
+
+    fn gpu(options: &EngineOptions, limits: Limits) -> Result<Self, GpuError> {
+        let gpu = Gpu::open(&options.adapter())?;
+        let cache = cache_file(&gpu).and_then(|path| std::fs::read(path).ok());
+        let engine = GpuEngine::new(gpu, Options { limits, ..Options::default() }, cache.as_deref())?;
+        Ok(Self::Gpu(Box::new(engine)))
+    }
+
+    /// What is at work, for people.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Cpu(e) => format!("cpu ({})", e.isa.name()),
+            Self::Gpu(e) => format!("gpu ({})", e.gpu().name()),
+        }
+    }
+
+    /// See [`CpuEngine::simulate`]. On a graphics card layers and ledger of the world are out of date afterwards.
+    pub(crate) fn simulate(
+        &mut self,
+        world: &mut World,
+        scheduled: &[Scheduled],
+        span: Span,
+        control: &Control<'_>,
+    ) -> Result<(), Failure> {
+        match self {
+            Self::Cpu(e) => e.simulate(world, scheduled, span, control).map_err(Failure::Work),
+            Self::Gpu(e) => e.simulate(world, scheduled, span, control).map_err(Failure::from),
+        }
+    }
+
+    /// Brings the world's layers and its ledger up to date.
+    pub(crate) fn bring_back(&mut self, world: &mut World) -> Result<(), Failure> {
+        match self {
+            Self::Cpu(_) => Ok(()),
+            Self::Gpu(e) => e.bring_back(world).map_err(Failure::from),
+        }
+    }
+
+    /// Forgets the world, which somebody else will change.
+    pub(crate) fn release(&mut self) {
+        if let Self::Gpu(e) = self {
+            e.release();
+        }
+    }
+
+    /// For tests: takes the device away.
+    pub(crate) fn lose_device(&mut self) {
+        if let Self::Gpu(e) = self {
+            e.gpu().device.destroy();
+        }
+    }
+
+    /// Keeps compiled pipelines for the next run. Only a convenience: what cannot be kept is compiled again.
+    pub(crate) fn keep_pipelines(&self) {
+        let Self::Gpu(e) = self else { return };
+        let (Some(path), Some(data)) = (cache_file(e.gpu()), e.cache_data()) else { return };
+        if std::fs::metadata(&path).is_ok_and(|m| m.len() == data.len() as u64) {
+            return;
+        }
+        let Some(folder) = path.parent() else { return };
+        if std::fs::create_dir_all(folder).is_ok() {
+            let fail = |source| io::Error::Io { path: path.clone(), action: "write", source };
+            // Nobody misses it but the next run's first second.
+            let _ = io::write_atomically(&path, |w| w.write_all(&data).map_err(fail));
+        }
+    }
+}
+
+/// Instruction set of the CPU engine.
+pub(crate) fn isa() -> Isa {
+    CpuEngine::default().isa
+}
+
+/// Where compiled pipelines of an adapter lie; a driver's cache is of no use to another one.
+fn cache_file(gpu: &Gpu) -> Option<PathBuf> {
+    let from = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let folder = from("XDG_CACHE_HOME")
+        .or_else(|| from("LOCALAPPDATA"))
+        .or_else(|| from("HOME").map(|home| home.join(".cache")))?;
+    let info = &gpu.report.info;
+    let name: String = format!("{}-{}-{:x}-{:x}", info.driver, info.driver_info, info.vendor, info.device)
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' })
+        .collect();
+    Some(folder.join("eyot").join(format!("pipelines-{name}.bin")))
+}
