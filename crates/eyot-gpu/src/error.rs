@@ -40,6 +40,18 @@ pub enum GpuError {
         /// What there is.
         limit: String,
     },
+    /// A picture larger than the adapter draws.
+    #[error("`{adapter}` draws pictures of up to {limit} pixels a side, not {width}x{height}; choose a smaller --size or --engine cpu")]
+    Picture {
+        /// Name of the adapter.
+        adapter: String,
+        /// Columns asked for.
+        width: u32,
+        /// Rows asked for.
+        height: u32,
+        /// Most of either.
+        limit: u32,
+    },
     /// The device has not enough memory left.
     #[error("`{adapter}` has not enough memory for {what} ({mib} MiB); choose a smaller grid or --engine cpu")]
     OutOfMemory {

@@ -7,6 +7,7 @@ mod arena;
 mod bandwidth;
 mod cache;
 pub mod device;
+pub mod draw;
 mod engine;
 mod error;
 mod group;

@@ -4,10 +4,33 @@ use crate::math::{V3, add, dot, mix, mul, scale, smoothstep};
 use crate::noise::{fbm, noise};
 use crate::scene::Scene;
 
-const SOIL: V3 = [0.085, 0.055, 0.034];
-const LAYERS: [V3; 5] =
-    [[0.34, 0.225, 0.125], [0.43, 0.315, 0.195], [0.27, 0.185, 0.12], [0.38, 0.29, 0.20], [0.215, 0.165, 0.125]];
-const STUDIO: V3 = [0.78, 0.775, 0.76];
+/// Colours of the relief model, as linear albedos.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockColours {
+    /// Soil on top of the cut sides.
+    pub soil: V3,
+    /// Beds of the cut sides; they follow each other at random.
+    pub beds: [V3; 5],
+    /// Ground and backdrop of the studio.
+    pub studio: V3,
+    /// The cut through the sea at its surface.
+    pub pane: V3,
+    /// The cut through the sea in the deep.
+    pub deep_pane: V3,
+}
+
+/// Colours of the relief model.
+pub const BLOCK_COLOURS: BlockColours = BlockColours {
+    soil: [0.085, 0.055, 0.034],
+    beds: [[0.34, 0.225, 0.125], [0.43, 0.315, 0.195], [0.27, 0.185, 0.12], [0.38, 0.29, 0.20], [0.215, 0.165, 0.125]],
+    studio: [0.78, 0.775, 0.76],
+    pane: [0.075, 0.30, 0.36],
+    deep_pane: [0.012, 0.075, 0.15],
+};
+
+const SOIL: V3 = BLOCK_COLOURS.soil;
+const LAYERS: [V3; 5] = BLOCK_COLOURS.beds;
+const STUDIO: V3 = BLOCK_COLOURS.studio;
 
 /// The block's box in metres.
 pub(crate) struct Block {
@@ -27,9 +50,8 @@ pub(crate) struct Entry {
 impl Block {
     pub(crate) fn new(s: &Scene) -> Self {
         let low = s.surface.z.iter().copied().fold(f32::INFINITY, f32::min);
-        let top = if s.sea { s.surface.top.max(0.0) } else { s.surface.top };
-        let base = low - (0.040 * s.extent).max(0.16 * (top - low));
-        Self { size: s.surface.extent(), base, top: top + 1e-3 * s.extent }
+        let (base, top) = s.stage.block_span(low, s.surface.top);
+        Self { size: s.surface.extent(), base, top }
     }
 
     /// The part of a ray within the box.
@@ -63,14 +85,14 @@ impl Block {
         let normal = e.side?;
         let (u, v) = s.place(p);
         let ground = s.surface.height(u, v);
-        if p[2] > if s.sea { ground.max(0.0) } else { ground } {
+        if p[2] > if s.stage.sea { ground.max(0.0) } else { ground } {
             return None;
         }
-        let facing = dot(normal, s.sky.sun).max(0.0);
+        let facing = dot(normal, s.stage.sky.sun).max(0.0);
         // The ground below sends light up; the foot of the wall sees less of everything.
         let up = (p[2] - self.base) / (ground - self.base).max(1e-6);
-        let ambient = add(scale(s.sky.skylight, 0.55), scale(s.sky.sunlight, 0.07));
-        let light = add(scale(s.sky.sunlight, 0.92 * facing), scale(ambient, 0.62 + 0.38 * smoothstep(0.0, 0.4, up)));
+        let ambient = add(scale(s.stage.sky.skylight, 0.55), scale(s.stage.sky.sunlight, 0.07));
+        let light = add(scale(s.stage.sky.sunlight, 0.92 * facing), scale(ambient, 0.62 + 0.38 * smoothstep(0.0, 0.4, up)));
         if p[2] > ground {
             return Some(self.water_wall(s, p, d, ground, normal, light));
         }
@@ -79,7 +101,7 @@ impl Block {
 
     /// Beds that follow the surface a little and the deep a lot, with soil on top.
     fn strata(&self, s: &Scene, p: V3, ground: f32) -> V3 {
-        let along = (p[0] + 1.37 * p[1]) / s.extent;
+        let along = (p[0] + 1.37 * p[1]) / s.stage.extent;
         let thick = self.top - self.base;
         let below = ground - p[2];
         let bent = p[2] + 0.35 * below + 0.05 * thick * fbm(5.0 * along, 0.2, 3, 5);
@@ -89,16 +111,16 @@ impl Block {
         let mut c = mix(pick(i), pick(i + 1.0), smoothstep(0.80, 1.0, f));
         let grain = fbm(160.0 * along, 40.0 * bent / thick, 3, 9);
         c = scale(c, 1.0 + 0.16 * grain + 0.10 * noise(3.0 * along, 60.0 * bent / thick, 12));
-        let soil = (0.011 + 0.005 * fbm(20.0 * along, 1.0, 2, 14)) * s.extent;
-        mix(c, SOIL, 0.85 * smoothstep(soil, 0.45 * soil, below) * if ground > 0.0 || !s.sea { 1.0 } else { 0.0 })
+        let soil = (0.011 + 0.005 * fbm(20.0 * along, 1.0, 2, 14)) * s.stage.extent;
+        mix(c, SOIL, 0.85 * smoothstep(soil, 0.45 * soil, below) * if ground > 0.0 || !s.stage.sea { 1.0 } else { 0.0 })
     }
 
     /// A cut through the sea: a pane of water, paler above and dark below.
     fn water_wall(&self, s: &Scene, p: V3, d: V3, ground: f32, normal: V3, light: V3) -> V3 {
-        let depth = -p[2] / s.exaggeration;
-        let deep = smoothstep(0.0, 1.0, (depth / (3.0 * s.clarity)).min(1.0))
+        let depth = -p[2] / s.stage.exaggeration;
+        let deep = smoothstep(0.0, 1.0, (depth / (3.0 * s.stage.clarity)).min(1.0))
             .max(0.35 * smoothstep(0.0, 1.0, p[2] / ground.min(-1e-6)));
-        let pane = mul(mix([0.075, 0.30, 0.36], [0.012, 0.075, 0.15], deep), scale(light, 0.8));
+        let pane = mul(mix(BLOCK_COLOURS.pane, BLOCK_COLOURS.deep_pane, deep), scale(light, 0.8));
         let f = crate::water::fresnel((-dot(d, normal)).max(0.1));
         add(scale(pane, 1.0 - f), scale(STUDIO, 0.6 * f))
     }
@@ -118,13 +140,13 @@ impl Block {
         let contact = 0.50 * (-off / (0.25 * tall)).exp() + 0.22 * (-off / tall).exp();
         let lit = mix(scale(STUDIO, 1.02), scale(STUDIO, 0.40), 0.85 * self.shadow(s, p));
         let c = scale(lit, 1.0 - 0.75 * contact);
-        let far = smoothstep(1.2, 3.2, off / s.extent);
+        let far = smoothstep(1.2, 3.2, off / s.stage.extent);
         mix(c, backdrop, far)
     }
 
     /// Shadow of the block at a point of the ground, 0..1.
     fn shadow(&self, s: &Scene, p: V3) -> f32 {
-        let sun = s.sky.sun;
+        let sun = s.stage.sky.sun;
         let flat = sun[0].hypot(sun[1]).max(1e-6);
         let (dx, dy, tan) = (sun[0] / flat, sun[1] / flat, sun[2] / flat);
         let (mut from, mut to) = (0.0f32, (self.top - self.base) / tan.max(0.02) * 1.3);
@@ -149,7 +171,7 @@ impl Block {
             let f = i as f32 / (STEPS - 1) as f32;
             let way = from + (to - from) * f * f;
             let (u, v) = s.place([p[0] + dx * way, p[1] + dy * way, 0.0]);
-            horizon = horizon.max((s.surface.height(u, v) - self.base) / way.max(1e-3 * s.extent));
+            horizon = horizon.max((s.surface.height(u, v) - self.base) / way.max(1e-3 * s.stage.extent));
         }
         smoothstep(0.80 * tan, 1.20 * tan, horizon)
     }

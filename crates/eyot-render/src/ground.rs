@@ -1,7 +1,7 @@
 //! What a picture needs to know of a world: sound heights, the sea, and how water is spread over the land.
 
 use eyot_core::layer::known;
-use eyot_core::{Field, Result, World};
+use eyot_core::{Error, Field, Result, World};
 
 /// Heights made sound, with the statistics that scale colours to the world at hand.
 pub(crate) struct Ground {
@@ -40,9 +40,7 @@ impl Ground {
         let land: Vec<f32> = sample(&z).filter(|&h| !sea || h > 0.0).collect();
         let (land_low, land_high) =
             if land.is_empty() { (0.0, 1.0) } else { (quantile(&land, 0.005), quantile(&land, 0.999)) };
-        let water = world
-            .get(&known::WATER.name)
-            .map(|f| f.iter().map(|d| if d.is_finite() { d.max(0.0) } else { 0.0 }).collect());
+        let water = depths(world);
         let river = water.as_ref().map_or((1.0, 2.0), |w: &Vec<f32>| river_depths(w, &z, sea));
         let rim = (0..width)
             .flat_map(|x| [x, (height - 1) * width + x])
@@ -51,6 +49,23 @@ impl Ground {
         let cell = [world.grid.cell_x_m as f32, world.grid.cell_y_m as f32];
         let zero = -datum;
         Ok(Self { width, height, cell, z, sea, land_low, land_high, zero, water, river, rim_land })
+    }
+
+    /// Takes the heights and the water of a later state of the same world; what scales colours stays.
+    pub(crate) fn follow(&mut self, world: &World) -> Result<()> {
+        let field = &world.layer(&known::HEIGHT.name)?.field;
+        if (field.width(), field.height()) != (self.width, self.height) {
+            return Err(Error::Shape {
+                what: format!("the layer `height` of a scene of {}x{} cells", self.width, self.height),
+                expected: self.width * self.height,
+                found: field.width() * field.height(),
+            });
+        }
+        let (lo, _) = finite_range(field);
+        let datum = -self.zero;
+        self.z = field.iter().map(|h| if h.is_finite() { h } else { lo } - datum).collect();
+        self.water = depths(world);
+        Ok(())
     }
 
     /// Height of the land from its low to its high end, m; never 0.
@@ -68,6 +83,12 @@ impl Ground {
     pub(crate) fn river_cover(&self, depth: f32) -> f32 {
         crate::math::smoothstep(self.river.0, self.river.1, depth)
     }
+}
+
+/// Depths of fresh water, m.
+fn depths(world: &World) -> Option<Vec<f32>> {
+    let field = world.get(&known::WATER.name)?;
+    Some(field.iter().map(|d| if d.is_finite() { d.max(0.0) } else { 0.0 }).collect())
 }
 
 /// A world under rain wears a film of water everywhere. What counts as a river stands out from that film,

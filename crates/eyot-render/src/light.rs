@@ -8,7 +8,7 @@ use crate::surface::Surface;
 use rayon::prelude::*;
 
 /// Half width of the penumbra, as an angle. The sun's disc has 0.27 degrees; a little more hides the grid.
-const PENUMBRA_DEG: f32 = 0.9;
+pub const PENUMBRA_DEG: f32 = 0.9;
 
 /// The direction to the sun in node coordinates.
 #[derive(Clone, Copy)]

@@ -67,6 +67,50 @@ pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Pict
     Ok(if o.legend { legend::below(&map, &layer.spec, colours, &scale) } else { map })
 }
 
+/// The colours of one layer's map, for a relief that wears them, and its legend.
+pub struct LayerColours {
+    /// Linear colours, cell by cell.
+    pub colours: Vec<[f32; 3]>,
+    spec: LayerSpec,
+    map: ColourMap,
+    scale: Scale,
+}
+
+impl LayerColours {
+    /// Colours of the layer as [`layer_map`] chooses them. Hillshade, sizes and `legend` of the options do not matter here.
+    ///
+    /// # Errors
+    /// If the world has no layer of that name.
+    pub fn new(world: &World, layer_name: &str, o: &MapOptions) -> Result<Self> {
+        let layer = world.layer(layer_name)?;
+        let values = layer.field.to_vec();
+        let (map, scale) = choose(world, &layer.spec, &values, o);
+        let mut this = Self { colours: Vec::new(), spec: layer.spec.clone(), map, scale };
+        this.paint(&values);
+        Ok(this)
+    }
+
+    /// Takes the values of a later state of the world; the scale stays.
+    ///
+    /// # Errors
+    /// If the world has no such layer.
+    pub fn follow(&mut self, world: &World) -> Result<()> {
+        let values = world.layer(&self.spec.name)?.field.to_vec();
+        self.paint(&values);
+        Ok(())
+    }
+
+    fn paint(&mut self, values: &[f32]) {
+        let one = |v: &f32| if v.is_finite() { self.map.at(self.scale.place(*v)) } else { MISSING };
+        self.colours = values.par_iter().map(|v| one(v).map(linear)).collect();
+    }
+
+    /// `picture` with the legend below it.
+    pub fn with_legend(&self, picture: &Picture) -> Picture {
+        legend::below(picture, &self.spec, self.map, &self.scale)
+    }
+}
+
 /// Encoded value to linear light.
 fn linear(e: f32) -> f32 {
     let t = e.clamp(0.0, 1.0) * 255.0;

@@ -1,11 +1,12 @@
 //! Perspective views: one ray a pixel, and more where neighbours differ.
 
 use crate::block::Block;
+use crate::camera::Camera;
 use crate::math::{V3, add, scale};
-use crate::picture::{Picture, quantise, tone_map};
+use crate::picture::{Picture, encode, quantise, tone_map};
 use crate::scene::Scene;
 use crate::sea::sea;
-use crate::view::{Camera, ViewOptions, finite};
+use crate::view::ViewOptions;
 use eyot_core::{Control, Result, World};
 use rayon::prelude::*;
 
@@ -26,31 +27,40 @@ pub fn perspective(world: &World, o: &ViewOptions) -> Result<Picture> {
 /// As [`perspective`], and on a request to stop.
 pub fn perspective_controlled(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Picture> {
     let scene = Scene::new(world, o, control)?;
-    let shot = Shot::new(&scene, o);
-    let (w, h) = (o.width, o.height);
-    let mut once = vec![[0.0f32; 3]; w * h];
-    once.par_chunks_mut(w.max(1)).enumerate().try_for_each(|(y, row)| {
-        row.iter_mut().enumerate().for_each(|(x, c)| *c = shot.encoded(x as f32 + 0.5, y as f32 + 0.5));
-        control.check()
-    })?;
-    let samples = o.samples.clamp(1, 16);
-    let mut pixels = vec![[0u8; 3]; w * h];
-    pixels.par_chunks_mut(w.max(1)).enumerate().try_for_each(|(y, row)| {
-        control.check()?;
-        for (x, out) in row.iter_mut().enumerate() {
-            let mut c = once[y * w + x];
-            if samples > 1 && is_edge(&once, w, h, x, y) {
-                for k in 1..samples {
-                    let [dx, dy] = r2(k);
-                    c = add(c, shot.encoded(x as f32 + dx, y as f32 + dy));
+    scene.picture(&scene.stage.camera(o), [o.width, o.height], control)
+}
+
+impl Scene {
+    /// The scene from `camera`, in `size` pixels (columns, rows).
+    ///
+    /// # Errors
+    /// On a request to stop.
+    pub fn picture(&self, camera: &Camera, size: [usize; 2], control: &Control<'_>) -> Result<Picture> {
+        let shot = Shot::new(self, camera, size);
+        let [w, h] = size;
+        let mut once = vec![[0.0f32; 3]; w * h];
+        once.par_chunks_mut(w.max(1)).enumerate().try_for_each(|(y, row)| {
+            row.iter_mut().enumerate().for_each(|(x, c)| *c = shot.encoded(x as f32 + 0.5, y as f32 + 0.5));
+            control.check()
+        })?;
+        let mut pixels = vec![[0u8; 3]; w * h];
+        pixels.par_chunks_mut(w.max(1)).enumerate().try_for_each(|(y, row)| {
+            control.check()?;
+            for (x, out) in row.iter_mut().enumerate() {
+                let mut c = once[y * w + x];
+                if self.samples > 1 && is_edge(&once, w, h, x, y) {
+                    for k in 1..self.samples {
+                        let [dx, dy] = r2(k);
+                        c = add(c, shot.encoded(x as f32 + dx, y as f32 + dy));
+                    }
+                    c = scale(c, 1.0 / self.samples as f32);
                 }
-                c = scale(c, 1.0 / samples as f32);
+                *out = quantise(c, x, y);
             }
-            *out = quantise(c, x, y);
-        }
-        Ok(())
-    })?;
-    Ok(Picture { width: w, height: h, pixels })
+            Ok(())
+        })?;
+        Ok(Picture { width: w, height: h, pixels })
+    }
 }
 
 /// Points that fill the pixel evenly for any count (Roberts' R2 sequence); the first is the centre.
@@ -75,66 +85,51 @@ fn is_edge(colours: &[V3], w: usize, h: usize, x: usize, y: usize) -> bool {
 struct Shot<'a> {
     scene: &'a Scene,
     camera: Camera,
+    /// Length of a pixel at distance 1.
+    pixel: f32,
+    size: [usize; 2],
     block: Option<Block>,
-    /// Optical depth of the air per metre.
-    haze: f32,
-    exposure: f32,
 }
 
 impl<'a> Shot<'a> {
-    fn new(scene: &'a Scene, o: &ViewOptions) -> Self {
-        let e = scene.surface.extent();
-        let automatic = if scene.block { (33.0, 1.72, -0.42) } else { (15.0, 1.06, 0.40) };
-        let elevation = finite(o.elevation_deg.unwrap_or(automatic.0), automatic.0);
-        let distance = finite(o.distance.unwrap_or(automatic.1), automatic.1).clamp(0.01, 100.0) * scene.extent;
-        let share = finite(o.target_height.unwrap_or(automatic.2), automatic.2);
-        let g = &scene.ground;
-        let low = if scene.sea { 0.0 } else { g.land_low };
-        let height = (low + share * (g.land_high - low)) * scene.exaggeration;
-        let target = [finite(o.target[0], 0.5) * e[0], finite(o.target[1], 0.5) * e[1], height];
-        let clearance = |p: V3| {
-            let (u, v) = scene.place(p);
-            let over = p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= e[0] && p[1] <= e[1];
-            let ground = if over { scene.surface.height(u, v) } else { f32::NEG_INFINITY };
-            ground.max(if scene.sea { 0.0 } else { f32::NEG_INFINITY }) + 0.004 * scene.extent
-        };
-        let camera = Camera::new(o, target, elevation, distance, clearance);
-        let block = scene.block.then(|| Block::new(scene));
-        let haze = if scene.block { 0.0 } else { finite(o.haze, 1.0).max(0.0) * 0.055 / scene.extent };
-        Self { scene, camera, block, haze, exposure: finite(o.exposure, 1.0).max(0.0) }
+    fn new(scene: &'a Scene, camera: &Camera, size: [usize; 2]) -> Self {
+        let block = scene.stage.block.then(|| Block::new(scene));
+        Self { scene, camera: *camera, pixel: camera.pixel(size[1]), size, block }
     }
 
     fn encoded(&self, x: f32, y: f32) -> V3 {
-        tone_map(scale(self.colour(self.camera.ray(x, y)), 0.62 * self.exposure))
-    }
-
-    /// Linear colour that comes along a ray.
-    fn colour(&self, d: V3) -> V3 {
-        let eye = self.camera.eye;
+        let d = self.camera.ray(x, y, self.size);
         match &self.block {
-            Some(block) => self.model(block, eye, d),
-            None => self.open(eye, d),
+            Some(block) => self.model(block, self.camera.eye, d),
+            None => self.film(self.open(self.camera.eye, d)),
         }
     }
 
-    /// A ray into the relief model.
+    /// Light to encoded colours.
+    fn film(&self, light: V3) -> V3 {
+        tone_map(scale(light, self.scene.stage.exposure))
+    }
+
+    /// A ray into the relief model, as an encoded colour.
     fn model(&self, block: &Block, eye: V3, d: V3) -> V3 {
         let s = self.scene;
         let Some(entry) = block.enter(eye, d) else {
-            return block.studio(s, eye, d);
+            return self.film(block.studio(s, eye, d));
         };
         let p = add(eye, scale(d, entry.from));
         if let Some(c) = block.wall(s, p, d, &entry) {
-            return c;
+            return self.film(c);
         }
-        let to_sea = if s.sea && d[2] < 0.0 { -eye[2] / d[2] } else { f32::INFINITY };
+        let to_sea = if s.stage.sea && d[2] < 0.0 { -eye[2] / d[2] } else { f32::INFINITY };
         if let Some(t) = self.ground_hit(eye, d, entry.from, entry.to.min(to_sea)) {
-            return s.land(add(eye, scale(d, t)), d, self.camera.pixel * t);
+            let c = s.land(add(eye, scale(d, t)), d, self.pixel * t);
+            // Colours of layers keep their legend's values.
+            return if s.draped { c.map(|v| encode(v.min(1.0))) } else { self.film(c) };
         }
         if to_sea < entry.to {
-            return sea(s, add(eye, scale(d, to_sea)), d, self.camera.pixel * to_sea);
+            return self.film(sea(s, add(eye, scale(d, to_sea)), d, self.pixel * to_sea));
         }
-        block.studio(s, eye, d)
+        self.film(block.studio(s, eye, d))
     }
 
     /// A ray into the open world.
@@ -144,14 +139,14 @@ impl<'a> Shot<'a> {
         if let Some((from, to)) = self.over_grid(eye, d)
             && let Some(t) = self.ground_hit(eye, d, from, to.min(to_sea))
         {
-            let c = s.land(add(eye, scale(d, t)), d, self.camera.pixel * t);
-            return s.sky.through_air(c, d, self.haze * t);
+            let c = s.land(add(eye, scale(d, t)), d, self.pixel * t);
+            return s.stage.sky.through_air(c, d, s.stage.haze * t);
         }
-        if to_sea < 3e3 * s.extent {
-            let c = sea(s, add(eye, scale(d, to_sea)), d, self.camera.pixel * to_sea);
-            return s.sky.through_air(c, d, self.haze * to_sea);
+        if to_sea < 3e3 * s.stage.extent {
+            let c = sea(s, add(eye, scale(d, to_sea)), d, self.pixel * to_sea);
+            return s.stage.sky.through_air(c, d, s.stage.haze * to_sea);
         }
-        s.sky.seen(d)
+        s.stage.sky.seen(d)
     }
 
     fn ground_hit(&self, eye: V3, d: V3, from: f32, to: f32) -> Option<f32> {

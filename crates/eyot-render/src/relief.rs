@@ -74,7 +74,7 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
     let ground = Ground::new(world)?;
     control.check()?;
     let raster = o.raster(ground.width, ground.height);
-    let clarity = crate::scene::clarity(o.sea_clarity_m, &ground);
+    let clarity = crate::stage::clarity(o.sea_clarity_m, &ground);
     let sea_water = Water::sea(clarity);
     let fresh_water = Water::fresh(2.0 * ground.river.1);
     let sea = ground.sea && o.sea;

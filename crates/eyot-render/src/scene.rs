@@ -1,14 +1,13 @@
 //! A world made ready for rays: surface, colours and light at nodes, water and sky.
 
-use crate::albedo::albedo;
-use crate::ground::{Ground, box_mean};
 use crate::light::{Coarse, Sun, sky_share, sunlight};
-use crate::math::{V3, add, direction, dot, mix, mul, scale, smoothstep, unit};
+use crate::map::LayerColours;
+use crate::math::{V3, add, dot, mix, mul, scale, smoothstep, unit};
 use crate::noise::{fbm, noise_with_slope};
-use crate::sky::Sky;
+use crate::stage::Stage;
 use crate::surface::{Refinement, Surface, b_spline, mitchell};
-use crate::view::{Setting, ViewOptions, finite};
-use crate::water::{Water, fresnel, refracted_cos};
+use crate::view::ViewOptions;
+use crate::water::{fresnel, refracted_cos};
 use eyot_core::{Control, Result, World};
 use rayon::prelude::*;
 
@@ -26,62 +25,51 @@ pub(crate) struct Node {
     pub(crate) foam: f32,
 }
 
-/// Everything that colours a ray.
-pub(crate) struct Scene {
-    pub(crate) ground: Ground,
+/// A world made ready to be drawn by rays, from any number of cameras. See [`Stage`] for what it shares with other ways to draw.
+pub struct Scene {
+    /// What does not depend on how it is drawn.
+    pub stage: Stage,
     pub(crate) surface: Surface,
     nodes: Vec<Node>,
     open_sky: Coarse,
-    pub(crate) sky: Sky,
-    /// True if the sea is drawn; its surface is at height 0.
-    pub(crate) sea: bool,
-    pub(crate) block: bool,
-    pub(crate) sea_water: Water,
-    fresh_water: Water,
-    pub(crate) clarity: f32,
-    pub(crate) exaggeration: f32,
-    /// Longer side, m.
-    pub(crate) extent: f32,
+    /// The ground wears the colours of a layer.
+    pub(crate) draped: bool,
+    /// Samples in pixels with edges.
+    pub(crate) samples: usize,
 }
 
 impl Scene {
-    pub(crate) fn new(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
-        let ground = Ground::new(world)?;
-        control.check()?;
-        let refine = Refinement::new(ground.width, ground.height);
-        let extent = ground.extent();
-        let exaggeration = exaggeration(o, &ground);
-        let sea = ground.sea && o.sea;
-        let block = match o.setting {
-            Setting::Auto => !sea || ground.rim_land > 0.03,
-            Setting::OpenSea => !sea,
-            Setting::Block => true,
-        };
-        let clarity = clarity(o.sea_clarity_m, &ground);
+    /// Refines the surface of `world` and computes the light that falls on it.
+    ///
+    /// # Errors
+    /// If the world has no layer `height`, and on a request to stop.
+    pub fn new(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
+        let stage = Stage::new(world, o)?;
+        let colours = stage.colours(world);
+        Self::with(stage, &colours, false, o, control)
+    }
 
-        let water = ground.water.as_ref().filter(|_| o.fresh_water);
-        // Draw the water's surface, but not the film that rain leaves everywhere.
-        let wet: Option<Vec<f32>> = water.map(|w| w.iter().map(|&d| d * ground.river_cover(d)).collect());
-        let top: Vec<f32> = match &wet {
-            Some(w) => ground.z.iter().zip(w).map(|(z, d)| (z + d) * exaggeration).collect(),
-            None => ground.z.iter().map(|z| z * exaggeration).collect(),
-        };
-        let surface = Surface::new(&ground, &refine, refine.refine(&top, b_spline));
-        let fresh = water.map(|w| refine.refine(w, mitchell));
-        let foam = if sea { Some(refine.refine(&surf(&ground, clarity), b_spline)) } else { None };
+    /// A relief model that wears the colours of a layer; of the options, what [`ViewOptions::draped`] keeps.
+    ///
+    /// # Errors
+    /// As [`Scene::new`].
+    pub fn wearing(world: &World, layer: &LayerColours, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
+        Self::with(Stage::new(world, &o.draped())?, &layer.colours, true, o, control)
+    }
+
+    fn with(stage: Stage, colours: &[V3], draped: bool, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
+        control.check()?;
+        let refine = Refinement::new(stage.ground.width, stage.ground.height);
+        let surface = Surface::new(&stage.ground, &refine, refine.refine(stage.tops(), b_spline));
+        let fresh = stage.fresh().map(|w| refine.refine(w, mitchell));
+        let foam = stage.foam().map(|f| refine.refine(&f, b_spline));
 
         control.check()?;
-        let sun_elevation = finite(o.sun_elevation_deg, 36.0).clamp(1.0, 89.0);
-        let sun_azimuth = finite(o.sun_azimuth_deg, 285.0);
-        let sun = Sun::new(&surface, sun_azimuth, sun_elevation);
-        let floor = if sea { 0.0 } else { f32::NEG_INFINITY };
+        let sun = Sun::new(&surface, stage.sun_azimuth_deg, stage.sun_elevation_deg);
+        let floor = if stage.sea { 0.0 } else { f32::NEG_INFINITY };
         let light = sunlight(&surface, &sun, floor);
         let open_sky = sky_share(&surface, floor);
-        let sky =
-            Sky::new(direction(sun_azimuth, sun_elevation), if block { 0.0 } else { o.clouds }, world.seed as u32);
 
-        control.check()?;
-        let colours = albedo(world, &ground, 1.0);
         control.check()?;
         let channels: [Vec<f32>; 3] = std::array::from_fn(|k| {
             let one: Vec<f32> = colours.iter().map(|c| c[k]).collect();
@@ -107,22 +95,7 @@ impl Scene {
                 };
             }
         });
-        let fresh_water = Water::fresh(2.0 * ground.river.1);
-        let sea_water = Water::sea(clarity);
-        Ok(Self {
-            ground,
-            surface,
-            nodes,
-            open_sky,
-            sky,
-            sea,
-            block,
-            sea_water,
-            fresh_water,
-            clarity,
-            exaggeration,
-            extent,
-        })
+        Ok(Self { stage, surface, nodes, open_sky, draped, samples: o.samples.clamp(1, 16) })
     }
 
     /// Node coordinates of a place in metres.
@@ -154,10 +127,10 @@ impl Scene {
 
     /// Light that falls on a surface.
     pub(crate) fn irradiance(&self, normal: V3, sun: f32, open: f32) -> V3 {
-        let direct = scale(self.sky.sunlight, sun * dot(normal, self.sky.sun).max(0.0));
-        let sky = scale(self.sky.skylight, open * (0.62 + 0.38 * normal[2]));
+        let direct = scale(self.stage.sky.sunlight, sun * dot(normal, self.stage.sky.sun).max(0.0));
+        let sky = scale(self.stage.sky.skylight, open * (0.62 + 0.38 * normal[2]));
         // What is not sky is sunlit ground, about as bright as this.
-        let bounce = scale(self.sky.sunlight, 0.050 * (1.0 - open) + 0.028 * (1.0 - normal[2]));
+        let bounce = scale(self.stage.sky.sunlight, 0.050 * (1.0 - open) + 0.028 * (1.0 - normal[2]));
         add(direct, add(sky, bounce))
     }
 
@@ -166,6 +139,9 @@ impl Scene {
         let (u, v) = self.place(p);
         let node = self.node(u, v);
         let open = self.open_sky(u, v);
+        if self.draped {
+            return self.painted(&node, open);
+        }
         let mut rise = node.rise;
         let mut colour = node.albedo;
         // Crowns of trees and broken stone, below the size of cells: bumps as large as a pixel shows.
@@ -174,7 +150,7 @@ impl Scene {
         let pale = smoothstep(0.55, 1.2, sum);
         let rough = (0.42 + 0.50 * green) * (1.0 - 0.92 * pale);
         let (a, b) = (0.83 * p[0] + 0.56 * p[1], 0.83 * p[1] - 0.56 * p[0]);
-        let mut length = 5.3 * self.extent / 512.0;
+        let mut length = 5.3 * self.stage.extent / 512.0;
         for k in 0..6 {
             let keep = smoothstep(0.85, 0.30, footprint / length) * rough;
             if keep <= 0.0 {
@@ -193,30 +169,39 @@ impl Scene {
         // Leaves and dust send light back the way it came and let it through at the rim.
         let rim = (1.0 + dot(d, normal)).clamp(0.0, 1.0);
         c = scale(c, 1.0 + 0.25 * rim * rim * green);
-        let cover = self.ground.river_cover(node.fresh);
+        let cover = self.stage.ground.river_cover(node.fresh);
         if cover > 0.0 {
             c = mix(c, self.river(&node, p, d, footprint, open), cover);
         }
         c
     }
 
+    /// Colours of a layer under soft light: level ground in full light keeps the legend's colour.
+    fn painted(&self, node: &Node, open: f32) -> V3 {
+        let grey = [0.3, 0.5, 0.2];
+        let normal = unit([-node.rise[0], -node.rise[1], 1.0]);
+        let light = dot(self.irradiance(normal, 0.4 + 0.6 * node.sun, open), grey);
+        let level = dot(self.irradiance([0.0, 0.0, 1.0], 1.0, 1.0), grey);
+        scale(node.albedo, 0.3 + 0.7 * light / level)
+    }
+
     /// Colour of fresh water at a node.
     fn river(&self, node: &Node, p: V3, d: V3, footprint: f32, open: f32) -> V3 {
-        let unit_m = self.extent / 260.0;
+        let unit_m = self.stage.extent / 260.0;
         let (wave, _) = crate::water::waves(p[0], p[1], unit_m, footprint);
         let normal = unit([-node.rise[0] - 0.4 * wave[0], -node.rise[1] - 0.4 * wave[1], 1.0]);
         let cos = -dot(d, normal);
         let light = self.irradiance(normal, node.sun, open);
         let path = 1.2 + 1.0 / refracted_cos(cos.clamp(0.0, 1.0));
-        let body = mul(self.fresh_water.upwelling(node.albedo, node.fresh, path), light);
+        let body = mul(self.stage.fresh_water.upwelling(node.albedo, node.fresh, path), light);
         let reflected = add(d, scale(normal, 2.0 * cos));
         let f = fresnel(cos.max(0.12));
-        add(scale(body, 1.0 - f), scale(self.sky.clear(reflected), f * open))
+        add(scale(body, 1.0 - f), scale(self.stage.sky.clear(reflected), f * open))
     }
 
     /// Depth added near and beyond the rim so that the open sea shows no corner of the grid, m.
     pub(crate) fn fall_off(&self, x: f32, y: f32) -> f32 {
-        if self.block {
+        if self.stage.block {
             return 0.0;
         }
         let e = self.surface.extent();
@@ -228,37 +213,8 @@ impl Scene {
         if outside < -3.0 * margin {
             return 0.0;
         }
-        let wander = 1.25 * margin * fbm(5.0 * x / self.extent, 5.0 * y / self.extent, 4, 61);
+        let wander = 1.25 * margin * fbm(5.0 * x / self.stage.extent, 5.0 * y / self.stage.extent, 4, 61);
         let t = smoothstep(-1.6 * margin, 1.4 * margin, outside + wander);
-        4.0 * self.clarity * t * t
+        4.0 * self.stage.clarity * t * t
     }
-}
-
-/// Relief reads as relief when it is about a sixth of the extent.
-fn exaggeration(o: &ViewOptions, g: &Ground) -> f32 {
-    match o.vertical_exaggeration {
-        Some(x) => finite(x, 1.0).clamp(0.01, 1000.0),
-        None => (0.15 * g.extent() / g.relief()).clamp(1.0, 4.0),
-    }
-}
-
-/// Clear tropical water shows its bottom to about 26 m; a small world gets a sea in its own measure.
-pub(crate) fn clarity(given_m: Option<f32>, g: &Ground) -> f32 {
-    let lowest = g.z.iter().copied().fold(0.0f32, f32::min);
-    let automatic = (0.03 * (g.land_high.max(0.0) - lowest)).clamp(0.05, 26.0);
-    given_m.map_or(automatic, |c| finite(c, automatic).max(1e-3))
-}
-
-/// Where waves break: shallow places with deep water close by, so outer reefs and open shores but no lagoons.
-fn surf(g: &Ground, clarity: f32) -> Vec<f32> {
-    let depth: Vec<f32> = g.z.iter().map(|z| (-z).clamp(0.0, 5.0 * clarity)).collect();
-    let radius = (g.width.max(g.height) / 40).clamp(2, 48);
-    let near = box_mean(&depth, g.width, g.height, radius);
-    g.z.iter()
-        .zip(&near)
-        .map(|(z, mean)| {
-            let shallow = smoothstep(0.16, 0.02, -z / clarity) * smoothstep(0.10, 0.02, z / clarity);
-            shallow * smoothstep(0.55, 1.2, mean / clarity)
-        })
-        .collect()
 }

@@ -5,18 +5,24 @@ use crate::noise::fbm;
 use std::f32::consts::PI;
 
 /// Light of sun and sky for one picture. Colours are linear; 1 is what a white sheet sends back at noon, about.
-pub(crate) struct Sky {
+#[derive(Clone, Copy, Debug)]
+pub struct Sky {
     /// Direction to the sun.
-    pub(crate) sun: V3,
+    pub sun: V3,
     /// Light of the sun on a surface that faces it.
-    pub(crate) sunlight: V3,
+    pub sunlight: V3,
     /// Light of the open sky on a level surface.
-    pub(crate) skylight: V3,
-    zenith: V3,
-    horizon: V3,
-    glow: V3,
-    clouds: f32,
-    seed: u32,
+    pub skylight: V3,
+    /// Colour of clear air overhead.
+    pub zenith: V3,
+    /// Colour of clear air at the horizon.
+    pub horizon: V3,
+    /// Light that haze scatters forward, around the sun.
+    pub glow: V3,
+    /// Fair-weather clouds, 0 to 1.
+    pub clouds: f32,
+    /// Seed of the clouds.
+    pub seed: u32,
 }
 
 impl Sky {

@@ -1,6 +1,4 @@
-//! The options of a perspective view and the camera that they describe.
-
-use crate::math::{V3, add, cross, direction, scale, unit};
+//! The options of a perspective view.
 
 /// What stands around the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -85,46 +83,14 @@ impl Default for ViewOptions {
     }
 }
 
-/// A pinhole camera in east, south, up metres.
-pub(crate) struct Camera {
-    pub(crate) eye: V3,
-    forward: V3,
-    right: V3,
-    up: V3,
-    /// Length of a pixel at distance 1.
-    pub(crate) pixel: f32,
-    centre: [f32; 2],
-}
-
-impl Camera {
-    /// A camera that looks at `target` from `distance_m`; `clearance` is the least height of the eye at a place.
-    pub(crate) fn new(
-        o: &ViewOptions,
-        target: V3,
-        elevation_deg: f32,
-        distance_m: f32,
-        clearance: impl Fn(V3) -> f32,
-    ) -> Self {
-        let back = direction(finite(o.azimuth_deg, 180.0), elevation_deg.clamp(1.0, 89.0));
-        let mut eye = add(target, scale(back, distance_m));
-        eye[2] = eye[2].max(clearance(eye));
-        let forward = unit([target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]]);
-        // East cross north is up; south counts positive, so the order is turned.
-        let right = unit(cross([0.0, 0.0, 1.0], forward));
-        let up = cross(forward, right);
-        let tan = (0.5 * finite(o.field_of_view_deg, 36.0).clamp(5.0, 120.0)).to_radians().tan();
-        let pixel = 2.0 * tan / o.height.max(1) as f32;
-        Self { eye, forward, right, up, pixel, centre: [0.5 * o.width as f32, 0.5 * o.height as f32] }
-    }
-
-    /// Direction through a point of the picture, in pixels from its top left corner.
-    pub(crate) fn ray(&self, x: f32, y: f32) -> V3 {
-        let (a, b) = ((x - self.centre[0]) * self.pixel, (self.centre[1] - y) * self.pixel);
-        unit(add(self.forward, add(scale(self.right, a), scale(self.up, b))))
-    }
-}
-
 /// `x`, or `instead` if it is not a number one can work with.
 pub(crate) fn finite(x: f32, instead: f32) -> f32 {
     if x.is_finite() { x } else { instead }
+}
+
+impl ViewOptions {
+    /// The same view of a relief model that wears a layer's colours: without sea and rivers, which would hide them.
+    pub fn draped(&self) -> Self {
+        Self { sea: false, fresh_water: false, setting: Setting::Block, ..self.clone() }
+    }
 }

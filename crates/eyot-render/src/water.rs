@@ -7,14 +7,14 @@ use crate::noise::noise_with_slope;
 const INDEX: f32 = 1.333;
 
 /// Optical constants of one water body.
-#[derive(Clone, Copy)]
-pub(crate) struct Water {
+#[derive(Clone, Copy, Debug)]
+pub struct Water {
     /// Absorption of red, green and blue, 1/m.
-    absorb: V3,
+    pub absorb: V3,
     /// Light scattered back by a deep column, as an albedo.
-    deep: V3,
+    pub deep: V3,
     /// How fast the column's own colour builds up, 1/m.
-    build: V3,
+    pub build: V3,
 }
 
 impl Water {
