@@ -89,20 +89,34 @@ pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Res
         cell_y_m: dy,
         rim: Rim::CLOSED,
     };
-    let grid = grid.checked(limits).map_err(|e| RunError::File(e.to_string()))?;
+    let grid = grid.checked(limits).map_err(RunError::file)?;
+    let notes = notes(&raster);
+    let mut world = World::new(grid, 0);
+    world.georeference = raster.georeference;
+    world.put(&known::HEIGHT, raster.field).map_err(RunError::file)?;
+    // A bare height map has no sea: far below everything.
+    world.sea_level_m = f64::from(known::HEIGHT.range.0);
+    Ok(Opened { world, file: path.to_owned(), has_sea: false, notes })
+}
+
+/// What one should know of a height map.
+pub(crate) fn notes(raster: &io::Raster) -> Vec<String> {
     let mut notes = Vec::new();
     if raster.cell_m.is_none() {
-        notes.push("the file does not say how large its cells are; 1 m is assumed".to_owned());
+        notes
+            .push("the file does not say how large its cells are; 1 m is assumed (eyot convert has --cell)".to_owned());
     }
     if raster.filled > 0 {
         notes.push(format!("{} cells without a value were filled from their neighbours", raster.filled));
     }
-    let mut world = World::new(grid, 0);
-    world.georeference = raster.georeference;
-    world.put(&known::HEIGHT, raster.field).map_err(|e| RunError::File(e.to_string()))?;
-    // A bare height map has no sea: far below everything.
-    world.sea_level_m = f64::from(known::HEIGHT.range.0);
-    Ok(Opened { world, file: path.to_owned(), has_sea: false, notes })
+    if raster.rounded_by > 0.0 {
+        let by = raster.rounded_by;
+        notes.push(format!("the file holds numbers of more than 32 bits; they were rounded, by {by:.1e} at most"));
+    }
+    if raster.steps > 1 {
+        notes.push(format!("the file holds {} steps of time; this is the last", raster.steps));
+    }
+    notes
 }
 
 /// The height of a streamed run from what it exported; `None` if the folder holds no such run.
@@ -132,7 +146,7 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, RunError>> 
 }
 
 fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
-    let saved = checkpoint::load(file, limits).map_err(|e| RunError::File(e.to_string()))?;
+    let saved = checkpoint::load(file, limits).map_err(RunError::file)?;
     let mut notes = Vec::new();
     if saved.state["finished"] != Value::Bool(true) {
         notes.push("this run is not finished; this is its last checkpoint".to_owned());
@@ -158,10 +172,9 @@ pub enum Subject<'a> {
 /// # Errors
 /// If the layer is not there, the picture exceeds the limits, or the file cannot be written, which is found out first.
 pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, limits: &Limits) -> Result<(), RunError> {
-    io::check_place(path).map_err(|e| RunError::File(e.to_string()))?;
-    let picture =
-        outputs::draw(world, options, subject, limits, &Control::none()).map_err(|e| RunError::File(e.to_string()))?;
-    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
+    io::check_place(path).map_err(RunError::file)?;
+    let picture = outputs::draw(world, options, subject, limits, &Control::none()).map_err(RunError::file)?;
+    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)
 }
 
 /// Statistics of a world's terrain.
@@ -170,8 +183,8 @@ pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, li
 /// If the world has no height, or one that cannot be measured within the limits.
 pub fn stats(opened: &Opened, limits: &Limits) -> Result<Value, RunError> {
     let world = &opened.world;
-    let height = &world.layer("height").map_err(|e| RunError::File(e.to_string()))?.field;
+    let height = &world.layer("height").map_err(RunError::file)?.field;
     let sea = opened.has_sea.then_some(world.sea_level_m);
     let stats = analyse::terrain_stats(height, &world.grid, sea, &analyse::TerrainOptions::default(), limits);
-    serde_json::to_value(stats.map_err(|e| RunError::File(e.to_string()))?).map_err(|e| RunError::Fault(e.to_string()))
+    serde_json::to_value(stats.map_err(RunError::file)?).map_err(|e| RunError::Fault(e.to_string()))
 }
