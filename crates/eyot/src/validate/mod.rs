@@ -377,7 +377,7 @@ impl Validator<'_> {
         let span = item.map_or(size, |n| n.span.clone());
         let message = format!("{}, and there is not enough: {e}", obstacle.reason);
         let help = "choose fewer cells, raise the limit with --max-memory, or switch this off: \
-                    a world that is only generated and written as a raster is streamed";
+                    a world that is only generated and written as rasters, masks, splat maps or maps is streamed";
         self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
     }
 
