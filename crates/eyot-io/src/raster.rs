@@ -215,7 +215,8 @@ fn checked(path: &Path, mut raster: Raster) -> Result<Raster> {
             value,
             x,
             y,
-            remedy: "mark missing cells with a nodata value, for example with gdal_translate -a_nodata nan",
+            remedy: "if it marks missing cells, say so with --nodata (eyot convert), or in the file, for example with \
+                     gdal_translate -a_nodata nan",
         }),
     }
 }

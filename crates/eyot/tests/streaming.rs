@@ -21,6 +21,7 @@ const WIDE: &str = r#"
     [[step]]
     generate = "ramp"
     layer = "share"
+    high = 1.0
     [[step]]
     generate = "smooth"
     sigma_m = 60.0
