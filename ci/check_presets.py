@@ -98,7 +98,7 @@ def unity(run):
     means = [(s[1:, 1:] + s[1:, :-1] + s[:-1, 1:] + s[:-1, :-1]) / 4 for s in run.shares()]
     off = [np.abs(splat[..., i] / 255 - m).mean() for i, m in enumerate(means)]
     turned = [np.abs(splat[::-1, :, i] / 255 - m).mean() for i, m in enumerate(means)]
-    check("unity", "shares are where they belong", max(off) < 0.03 and min(t / o for t, o in zip(turned, off)) > 3, (off, turned))
+    check("unity", "shares are where they belong", all(3 * o < t for t, o in zip(turned, off)), (off, turned))
 
 
 def exr(path):
