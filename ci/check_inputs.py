@@ -110,6 +110,13 @@ def make(folder):
     sparse[:64, :128] = land("float32")[:64, :128]
     expected["sparse.tif"] = (sparse, (10, 20))
 
+    # Decimetres from -50 m, as some elevation models are packed.
+    write(folder / "packed.tif", land("int16"), {}, {})
+    with rasterio.open(folder / "packed.tif", "r+") as tif:
+        tif.scales, tif.offsets, tif.units = (0.1,), (-50.0,), ("metre",)
+        tif.update_tags(SOURCE="a survey & more", TIFFTAG_COPYRIGHT="nobody's")
+    expected["packed.tif"] = ((land("int16") * 0.1 - 50.0).astype(np.float32), (10, 20))
+
     grey = (land("uint16").astype(np.int32) * 300).astype(np.uint16)
     Image.fromarray(grey).save(folder / "grey16.png")
     expected["grey16.png"] = (grey.astype(np.float32), None)

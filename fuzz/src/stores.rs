@@ -29,7 +29,7 @@ pub(crate) const WORDS: &[&str] = &[
 
 /// Metadata and the only chunk of the array, metadata of its place and of its x axis, and the axis's chunk.
 const FILES: [&str; 6] =
-    ["height/zarr.json", "spatial_ref/zarr.json", "x/zarr.json", "y/zarr.json", "x/c/0", "height/c/0/0"];
+    ["height/zarr.json", "spatial_ref/zarr.json", "x/zarr.json", "y/zarr.json", "x/c/0", "height/c/0/0/0"];
 
 /// A store of one array with its coordinates.
 pub(crate) fn read(bytes: &[u8]) -> bool {

@@ -317,19 +317,20 @@ Examples:
   eyot convert map.tif map.exr
   eyot convert island island.zarr                       all layers of a run
   eyot convert island water.tif --layer water
-  eyot convert terrain.raw terrain.tif --from-size 1025x1025 --from-type u16le --range 0,600 --cell 2
+  eyot convert terrain.raw terrain.tif --from-size 1025x1025 --from-type u16le --from-range 0,600 --cell 2
   eyot convert map.tif unreal --preset unreal           into the folder `unreal`
 
-Formats by name: .tif .png .r16 .raw .r32 .exr .npy .zarr, and meshes .glb .obj. Floats keep their bits and whole numbers of
-16 bits their values; georeference and cell size go along.")]
+Formats by name: .tif .png .r16 .raw .r32 .exr .npy .zarr, and meshes .glb .obj. Floats of 32 bits keep their bits and whole
+numbers of 16 bits their values; georeference, cell size and what else a file says of itself go along.")]
 pub(crate) struct Convert {
     /// A height map, a Zarr store, or the folder of a run
     pub(crate) from: PathBuf,
     /// The file to write; with --preset, a folder
     pub(crate) to: PathBuf,
-    /// Array of a Zarr store, channel of an EXR, or layer of a run
-    #[arg(long, value_name = "NAME")]
-    pub(crate) layer: Option<String>,
+    /// Arrays of a Zarr store, channels of an EXR, or layers of a run; .zarr, .exr and gis take several [default: all that
+    /// the output can hold, or the height]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) layer: Vec<String>,
     /// Columns x rows of an input without header
     #[arg(long, value_name = "N|WxH", value_parser = size)]
     pub(crate) from_size: Option<(u32, Option<u32>)>,
@@ -339,7 +340,10 @@ pub(crate) struct Convert {
     /// Which row of an input without header comes first
     #[arg(long, value_name = "ROW", value_parser = row_order)]
     pub(crate) from_rows: Option<RowOrder>,
-    /// Heights that the smallest and the largest whole number stand for, m
+    /// Heights that the smallest and the largest whole number of the input stand for, m
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = range)]
+    pub(crate) from_range: Option<(f64, f64)>,
+    /// Heights that 0 and 65535 stand for in an output of 16 bits, m [default: those of the input, or its range]
     #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = range)]
     pub(crate) range: Option<(f64, f64)>,
     /// Number in the input that marks missing cells
@@ -352,14 +356,14 @@ pub(crate) struct Convert {
     #[arg(long, value_name = "NAME", value_parser = preset)]
     pub(crate) preset: Option<Preset>,
     /// Vertices along each side, for unreal and unity [default: the program's size nearest to the input's]
-    #[arg(long, value_name = "N", requires = "preset")]
+    #[arg(long, value_name = "N")]
     pub(crate) size: Option<u32>,
-    /// Order of bytes of an output without header: little or big
-    #[arg(long, value_name = "ORDER", default_value = "little", value_parser = byte_order)]
-    pub(crate) bytes: ByteOrder,
-    /// Which row of an output without header comes first: north or south
-    #[arg(long, value_name = "ROW", default_value = "north", value_parser = row_order)]
-    pub(crate) rows: RowOrder,
+    /// Order of bytes of an output without header: little or big [default: little]
+    #[arg(long, value_name = "ORDER", value_parser = byte_order)]
+    pub(crate) bytes: Option<ByteOrder>,
+    /// Which row of an output without header comes first: north or south [default: north; for unity south]
+    #[arg(long, value_name = "ROW", value_parser = row_order)]
+    pub(crate) rows: Option<RowOrder>,
     /// Memory that the conversion may use, such as 8G or 500M
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) max_memory: Option<u64>,

@@ -3,29 +3,25 @@
 use crate::args::Convert;
 use crate::{Failure, made, print, report};
 use eyot::convert::{ConvertOptions, convert as run};
-use eyot::io::{RasterFormat, ReadOptions, WriteOptions};
+use eyot::io::ReadOptions;
 
 /// Converts a file.
 pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {
-    let extension = args.to.extension().and_then(|e| e.to_str()).unwrap_or("");
-    let to = if args.preset.is_none() { RasterFormat::from_extension(extension) } else { None };
     let options = ConvertOptions {
         read: ReadOptions {
-            low_m: args.range.map(|r| r.0),
-            high_m: args.range.map(|r| r.1),
+            low_m: args.from_range.map(|r| r.0),
+            high_m: args.from_range.map(|r| r.1),
             nodata: args.nodata,
-            layer: args.layer.clone(),
+            layer: None,
             size: args.from_size.map(|(w, h)| (w as usize, h.unwrap_or(w) as usize)),
             sample: args.from_type.map(|t| t.0),
             byte_order: args.from_type.map(|t| t.1),
             row_order: args.from_rows,
         },
-        write: WriteOptions {
-            scale: args.range.filter(|_| to.is_some_and(RasterFormat::is_quantised)),
-            byte_order: args.bytes,
-            row_order: args.rows,
-            nodata: None,
-        },
+        layers: args.layer.clone(),
+        range: args.range,
+        byte_order: args.bytes,
+        row_order: args.rows,
         cell_m: args.cell,
         preset: args.preset,
         size: args.size,

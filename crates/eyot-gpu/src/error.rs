@@ -41,7 +41,9 @@ pub enum GpuError {
         limit: String,
     },
     /// A picture larger than the adapter draws.
-    #[error("`{adapter}` draws pictures of up to {limit} pixels a side, not {width}x{height}; choose a smaller --size or --engine cpu")]
+    #[error(
+        "`{adapter}` draws pictures of up to {limit} pixels a side, not {width}x{height}; choose a smaller --size or --engine cpu"
+    )]
     Picture {
         /// Name of the adapter.
         adapter: String,

@@ -83,9 +83,8 @@ fn similarity(a: &Picture, b: &Picture) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for y in (0..a.height / 8 * 8).step_by(8) {
         for x in (0..a.width / 8 * 8).step_by(8) {
-            let square = |p: &Picture| -> Vec<f64> {
-                (0..64).map(|i| f64::from(p.get(x + i % 8, y + i / 8)[1])).collect()
-            };
+            let square =
+                |p: &Picture| -> Vec<f64> { (0..64).map(|i| f64::from(p.get(x + i % 8, y + i / 8)[1])).collect() };
             let (p, q) = (square(a), square(b));
             let mean = |v: &[f64]| v.iter().sum::<f64>() / 64.0;
             let (mp, mq) = (mean(&p), mean(&q));

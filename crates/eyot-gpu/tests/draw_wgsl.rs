@@ -4,13 +4,13 @@ use eyot_gpu::draw::shaders;
 
 /// Checks a module as a device with WebGPU's features does, and counts its storage bindings.
 fn storage_bindings(name: &str, source: &str) -> usize {
-    let module = naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));
+    let module =
+        naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));
     naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
         .validate(&module)
         .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));
-    let is_storage = |t: &naga::TypeInner| {
-        matches!(t, naga::TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. })
-    };
+    let is_storage =
+        |t: &naga::TypeInner| matches!(t, naga::TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. });
     module.global_variables.iter().filter(|(_, v)| is_storage(&module.types[v.ty].inner)).count()
 }
 

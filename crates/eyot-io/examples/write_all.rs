@@ -46,8 +46,10 @@ fn mesh(folder: &Path, name: &str, world: &World, limits: &Limits) -> Result<()>
     let grey: Vec<[f32; 3]> = height.iter().map(|v| [0.1 + 0.8 * (v - low) / (high - low).max(1e-6); 3]).collect();
     let pixels: Vec<[u8; 3]> = grey.iter().map(|c| c.map(|v| (v.sqrt() * 255.0) as u8)).collect();
     write_rgb_png(&folder.join(format!("{name}-picture.png")), world.grid.width, world.grid.height, &pixels)?;
-    let t = terrain(height, &world.grid, &grey, &MeshOptions { max_vertices: 300_000 }, limits)?;
-    let levels = levels_of_detail(&t.mesh, &[0.25, 0.0625]);
+    let mut t = terrain(height, &world.grid, &grey, &MeshOptions { max_vertices: 300_000 }, limits)?;
+    let wet: Vec<f32> = height.iter().map(|v| if v < low + 0.3 * (high - low) { 1.0 } else { 0.0 }).collect();
+    t.add_attribute("wet", &wet)?;
+    let levels = levels_of_detail(&t, &[0.25, 0.0625]);
     for l in &levels {
         println!(
             "{name}: {} triangles, {} vertices, error {} m",
@@ -66,9 +68,13 @@ fn splat(folder: &Path, name: &str, world: &World) -> Result<()> {
     let size = (world.grid.width, world.grid.height);
     let weights: Vec<[u8; 4]> =
         (0..world.grid.cells()).map(|i| shares([(i % 7) as f32, 0.3, (i % 11) as f32, 1.0])).collect();
-    write_splat(&folder.join(format!("{name}-splat.png")), size, &weights, &["grass", "rock", "sand", "snow"])?;
-    let mask: Vec<u8> = weights.iter().map(|w| w[0]).collect();
-    Ok(write_mask(&folder.join(format!("{name}-mask.png")), size, &mask)?)
+    let path = folder.join(format!("{name}-splat.png"));
+    write_splat(&path, size, &["grass", "rock", "sand", "snow"], &mut |first, out| {
+        out.copy_from_slice(&weights[first * size.0..][..out.len()]);
+        Ok(())
+    })?;
+    let mask = Field::from_fn(size.0, size.1, |x, y| f32::from(weights[y * size.0 + x][0]) / 255.0);
+    Ok(write_mask(&folder.join(format!("{name}-mask.png")), &mut &mask)?)
 }
 
 fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {

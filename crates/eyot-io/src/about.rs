@@ -1,6 +1,7 @@
 //! What the values of a raster are: name, unit, place.
 
 use eyot_core::{Georeference, Layer, World};
+use std::collections::BTreeMap;
 
 /// What a file can say of its values beside the values themselves.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +16,8 @@ pub struct About {
     pub cell_m: (f64, f64),
     /// Where the raster lies.
     pub georeference: Option<Georeference>,
+    /// What else a file said of itself, by keyword: source, licence, date. Goes along from format to format.
+    pub tags: BTreeMap<String, String>,
     /// Smallest and largest value, if they are known; bounds that are not reached do as well.
     pub range: Option<(f32, f32)>,
 }
@@ -28,6 +31,7 @@ impl About {
             meaning: layer.spec.meaning.to_string(),
             cell_m: (world.grid.cell_x_m, world.grid.cell_y_m),
             georeference: world.georeference.clone(),
+            tags: BTreeMap::new(),
             range: None,
         }
     }

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::exr_write::ATTRIBUTE;
 use crate::fill::Missing;
 use crate::raster::{Raster, ReadOptions, check_compression, check_size};
-use crate::sidecar::Sidecar;
+use crate::sidecar::{Channel, Sidecar};
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
 use exr::error::Error as ExrError;
@@ -61,23 +61,31 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
     let filled = missing.fill(path, &mut field)?;
     let s = description(&header, (width, height));
     let name = header.channels.list[channel].name.to_string();
-    Ok(Raster {
-        cell_m: s.cell_m(),
-        georeference: s.georeference,
-        filled,
-        name: if name == "Y" { s.layer } else { name },
-        unit: s.unit,
-        meaning: s.meaning,
-        ..Raster::of(field)
-    })
+    let own = s.channels.iter().find(|c| c.layer == name).cloned();
+    let mut raster = s.describe(Raster { filled, ..Raster::of(field) });
+    if name != "Y" {
+        raster.name = name;
+        // Of foreign channels nothing is known; the description is that of the height.
+        let Channel { unit, meaning, .. } = own.unwrap_or_default();
+        (raster.unit, raster.meaning) = (unit, meaning);
+    }
+    Ok(raster)
+}
+
+/// The names of the channels if there are several.
+pub(crate) fn names(path: &Path, mut file: File) -> Result<Vec<String>> {
+    file.rewind().map_err(Error::io(path, "read"))?;
+    let reader = exr::block::read(BufReader::with_capacity(1 << 18, file), false).map_err(|e| as_error(path, e))?;
+    let all: Vec<String> = channels(reader.headers()).into_iter().map(|c| c.0).collect();
+    Ok(if all.len() > 1 { all } else { Vec::new() })
 }
 
 fn four(b: &[u8]) -> [u8; 4] {
     [b[0], b[1], b[2], b[3]]
 }
 
-/// Part and channel that are meant: the named one, or the only one, or the one that is called like a height.
-fn choose(path: &Path, headers: &[Header], wanted: Option<&str>) -> Result<(usize, usize)> {
+/// Every channel's whole name, its name within its part, and its place.
+fn channels(headers: &[Header]) -> Vec<(String, String, (usize, usize))> {
     let mut all = Vec::new();
     for (part, h) in headers.iter().enumerate() {
         for (channel, c) in h.channels.list.iter().enumerate() {
@@ -88,6 +96,12 @@ fn choose(path: &Path, headers: &[Header], wanted: Option<&str>) -> Result<(usiz
             all.push((whole, c.name.to_string(), (part, channel)));
         }
     }
+    all
+}
+
+/// Part and channel that are meant: the named one, or the only one, or the one that is called like a height.
+fn choose(path: &Path, headers: &[Header], wanted: Option<&str>) -> Result<(usize, usize)> {
+    let all = channels(headers);
     let find = |name: &str| all.iter().find(|(whole, short, _)| whole == name || short == name).map(|c| c.2);
     let names = || all.iter().map(|c| c.0.as_str()).collect::<Vec<_>>().join(", ");
     match (wanted, all.as_slice()) {

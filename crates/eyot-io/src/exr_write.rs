@@ -7,7 +7,7 @@ use crate::about::About;
 use crate::atomic::{watched, write_atomically};
 use crate::error::{Error, Result};
 use crate::rows::{Rows, read_band};
-use crate::sidecar::Sidecar;
+use crate::sidecar::{Channel, Sidecar};
 use exr::block::chunk::Chunk;
 use exr::block::writer::ChunksWriter;
 use exr::block::{BlockIndex, UncompressedBlock};
@@ -111,6 +111,8 @@ fn header(path: &Path, layers: &[(&About, &mut dyn Rows)], (width, height): (usi
     let mut description = Sidecar::of("exr", (width, height), about);
     if layers.len() > 1 {
         description.layer.clear();
+        let channel = |a: &About| Channel { layer: a.name.clone(), unit: a.unit.clone(), meaning: a.meaning.clone() };
+        description.channels = layers.iter().map(|(a, _)| channel(a)).collect();
     }
     let json = serde_json::to_string(&description)
         .map_err(|e| Error::format(path, e.to_string(), "this is a fault in eyot-io"))?;

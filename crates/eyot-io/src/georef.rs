@@ -8,6 +8,13 @@ pub(crate) fn is_sound(g: &Georeference) -> bool {
     t.iter().all(|v| v.is_finite()) && t[1].hypot(t[4]) > 0.0 && t[2].hypot(t[5]) > 0.0
 }
 
+/// True if it is only what [`crate::About`] says of a grid without a place: metres, the south-west corner at (0, 0).
+pub(crate) fn is_nowhere(g: &Georeference, height: usize) -> bool {
+    let t = &g.transform;
+    let corner = (t[0], t[3] + height as f64 * t[5]);
+    !g.geographic && g.epsg.is_none() && (t[2], t[4]) == (0.0, 0.0) && corner == (0.0, 0.0)
+}
+
 /// Metres per degree of longitude and latitude on the WGS 84 ellipsoid at `latitude` degrees.
 ///
 /// The usual series of the ellipsoid's radii of curvature; below 0.01 m of the exact value per degree.

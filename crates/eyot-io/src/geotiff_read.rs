@@ -2,8 +2,11 @@
 
 use crate::error::{Error, Result};
 use crate::fill::fill;
-use crate::georef::{cell_size_m, is_sound};
+use crate::georef::{cell_size_m, is_nowhere, is_sound};
+use crate::geotiff::USUAL_NODATA;
+use crate::geotiff::metadata::{GDAL_METADATA, Metadata, TEXTS};
 use crate::raster::{Raster, ReadOptions, check_compression, check_size};
+use crate::sample::Narrowed;
 use eyot_core::{Field, Georeference, Limits};
 use geotiff_reader::crs::ModelType;
 use geotiff_reader::{Error as GeoError, GeoTiffFile};
@@ -35,7 +38,13 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     check(path, ifd, &layout, file_bytes, limits)?;
 
     let nodata = options.nodata.or_else(|| nodata_of(ifd));
-    let (mut field, missing) = decode(path, tiff, ifd, &layout, nodata)?;
+    let Metadata { name, mut unit, meaning, tags, scale, offset } = metadata(ifd);
+    let (mut field, missing, rounded_by) = decode(path, tiff, ifd, &layout, nodata)?;
+    let (factor, offset) = (scale.unwrap_or(1.0), offset.unwrap_or(0.0));
+    if (factor, offset) != (1.0, 0.0) {
+        // Missing cells, too: they are filled from the others.
+        field.rows_mut().flatten().for_each(|v| *v = (f64::from(*v) * factor + offset) as f32);
+    }
     let filled = match &missing {
         Some(missing) => fill(&mut field, missing)
             .ok_or_else(|| Error::format(path, "every cell is marked as missing", "check the file's nodata value"))?,
@@ -45,11 +54,32 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     if let Some(g) = &mut georeference {
         face_north(&mut field, g);
     }
-    let unit = geo.as_ref().map_or(1.0, metres_per_unit);
+    let per_unit = geo.as_ref().map_or(1.0, metres_per_unit);
     // Absurd coordinates can overflow; a grid could not use such a size.
     let usable = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0;
-    let cell_m = georeference.as_ref().map(|g| cell_size_m(g, layout.width, layout.height, unit)).filter(usable);
-    Ok(Raster { cell_m, georeference, filled, ..Raster::of(field) })
+    let cell_m = georeference.as_ref().map(|g| cell_size_m(g, layout.width, layout.height, per_unit)).filter(usable);
+    if unit == "metre" {
+        unit = "m".to_owned();
+    }
+    // What the writer says of a grid without a place; its cells are known now.
+    let no_more =
+        |g: &Georeference| is_nowhere(g, layout.height) && g.nodata.is_none_or(|n| n == f64::from(USUAL_NODATA));
+    georeference = georeference.filter(|g| !no_more(g));
+    Ok(Raster { cell_m, georeference, filled, name, unit, meaning, tags, rounded_by, ..Raster::of(field) })
+}
+
+/// What the file says in words.
+fn metadata(ifd: &Ifd) -> Metadata {
+    let text = |tag: u16| match &ifd.tag(tag)?.value {
+        TagValue::Ascii(text) => Some(text.trim_end_matches('\0')),
+        _ => None,
+    };
+    let mut found = Metadata::parse(text(GDAL_METADATA).unwrap_or(""));
+    let texts = TEXTS.iter().filter_map(|(tag, name)| Some((*name, text(*tag)?)));
+    found.tags.extend(texts.filter(|(_, t)| !t.is_empty()).map(|(name, t)| (name.to_owned(), t.to_owned())));
+    // How values lie in cells, which the transform says already.
+    found.tags.remove("AREA_OR_POINT");
+    found
 }
 
 fn open_options(limits: &Limits) -> OpenOptions {
@@ -96,17 +126,18 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
     check_compression(path, width, height, image, file_bytes)
 }
 
-/// The values, and which cells are missing (`None` if none is).
+/// The values, which cells are missing (`None` if none is), and how far the values were rounded.
 fn decode(
     path: &Path,
     tiff: &TiffFile,
     ifd: &Ifd,
     layout: &RasterLayout,
     nodata: Option<f64>,
-) -> Result<(Field, Option<Vec<bool>>)> {
+) -> Result<(Field, Option<Vec<bool>>, f64)> {
     let (width, height) = (layout.width, layout.height);
     let mut field = Field::new(width, height, 0.0);
     let mut missing: Option<Vec<bool>> = None;
+    let mut narrowed = Narrowed::default();
     // Windows of whole blocks keep the second copy of the data small.
     let rows_at_once = match ifd.tile_height() {
         Some(h) if ifd.is_tiled() => h as usize,
@@ -124,9 +155,12 @@ fn decode(
                 let window = tiff.read_window_from_ifd::<$t>(ifd, top, 0, rows, width).map_err(|e| broken(path, e))?;
                 for (i, &v) in window.iter().enumerate() {
                     let (x, y) = (i % width, top + i / width);
-                    field.row_mut(y)[x] = v as f32;
                     if nodata.is_some_and(|n| is_missing(v as f64, n, f32_samples)) {
                         missing.get_or_insert_with(|| vec![false; width * height])[y * width + x] = true;
+                    } else if f32_samples {
+                        field.row_mut(y)[x] = v as f32;
+                    } else {
+                        field.row_mut(y)[x] = narrowed.of(v as f64);
                     }
                 }
             }};
@@ -154,7 +188,7 @@ fn decode(
     if nodata.is_some() {
         mark_unwritten(ifd, width, height, &mut missing);
     }
-    Ok((field, missing))
+    Ok((field, missing, narrowed.by()))
 }
 
 /// Marks the blocks that a sparse file leaves out: they stand for nodata, while the decoder gives zeros.

@@ -21,7 +21,7 @@ const FIRST_SCREEN_COVERAGE: f64 = 0.5;
 ///
 /// `levels` are finest first, as [`eyot_mesh::levels_of_detail`] makes them. The scene shows level 0; the others hang
 /// on its node by the extension `MSFT_lod`, so that viewers that do not know it show level 0 alone. Colours are linear,
-/// as glTF wants them.
+/// as glTF wants them. An attribute `rock` of the mesh becomes the custom attribute `_ROCK`.
 ///
 /// # Errors
 /// If there is no level or one without triangles, if the file would exceed 4 GiB (the format's bound), or if it cannot
@@ -60,6 +60,11 @@ pub fn write_terrain_glb(path: &Path, levels: &[Lod], name: &str) -> Result<()> 
                 }
             }
             put(file, path, m.colours.as_flattened())?;
+            for part in m.attributes.iter().flat_map(|a| a.values.chunks(1 << 16)) {
+                buffer.clear();
+                buffer.extend(part.iter().flat_map(|v| v.to_le_bytes()));
+                put(file, path, &buffer)?;
+            }
             for part in m.indices.chunks(1 << 16) {
                 buffer.clear();
                 buffer.extend(part.iter().flat_map(|v| v.to_le_bytes()));
@@ -74,6 +79,7 @@ fn consistent(m: &TerrainMesh) -> bool {
     let n = m.positions.len();
     m.normals.len() == n
         && m.colours.len() == n
+        && m.attributes.iter().all(|a| a.values.len() == n)
         && m.indices.len().is_multiple_of(3)
         && m.indices.iter().all(|&i| (i as usize) < n)
 }
@@ -105,6 +111,12 @@ impl Document {
             4 * n,
             json!({"componentType": UNSIGNED_BYTE, "normalized": true, "count": n, "type": "VEC4"}),
         );
+        let mut attributes = json!({"POSITION": position, "NORMAL": normal, "COLOR_0": colour});
+        for a in &m.attributes {
+            // glTF wants an underscore before names of its users; Blender makes attributes of the mesh of them.
+            let scalar = json!({"componentType": FLOAT, "count": n, "type": "SCALAR"});
+            attributes[format!("_{}", a.name.to_uppercase())] = json!(self.accessor(ARRAY_BUFFER, 4 * n, scalar));
+        }
         let count = m.indices.len();
         let indices = self.accessor(
             ELEMENT_ARRAY_BUFFER,
@@ -115,7 +127,7 @@ impl Document {
         self.meshes.push(json!({
             "name": name,
             "primitives": [{
-                "attributes": {"POSITION": position, "NORMAL": normal, "COLOR_0": colour},
+                "attributes": attributes,
                 "indices": indices,
                 "material": 0
             }],
@@ -182,7 +194,7 @@ mod tests {
         let height = Field::from_fn(40, 30, |x, y| 20.0 * (x as f32 * 0.3).sin() + y as f32);
         let green = vec![[0.1, 0.6, 0.2]; 1200];
         let t = terrain(&height, &grid, &green, &MeshOptions::default(), &Limits::default()).unwrap();
-        levels_of_detail(&t.mesh, ratios)
+        levels_of_detail(&t, ratios)
     }
 
     #[test]

@@ -3,40 +3,58 @@
 use crate::atomic::{put, write_atomically};
 use crate::error::{Error, Result};
 use crate::png_write::write_data_png;
+use crate::rows::{Rows, read_band};
 use crate::sidecar::sidecar_path;
 use serde_json::json;
 use std::path::Path;
 
-/// Writes a mask as grey PNG, one byte a cell, row by row from the north; 255 is all of it.
+/// Writes a mask as grey PNG, one byte a cell: 0 for 0 and 255 for 1.
 ///
 /// # Errors
-/// If there are not `width * height` values, or if the file cannot be written.
-pub fn write_mask(path: &Path, (width, height): (usize, usize), values: &[u8]) -> Result<()> {
-    let (pixels, _) = values.as_chunks::<1>();
-    write_data_png(path, (width, height), pixels)
+/// If `rows` fail or give a value that is not from 0 to 1, or if the file cannot be written.
+pub fn write_mask(path: &Path, rows: &mut dyn Rows) -> Result<()> {
+    let size = rows.size();
+    let mut values = Vec::new();
+    write_data_png::<1>(path, size, &mut |first, out| {
+        values.resize(out.len(), 0.0);
+        read_band(path, rows, first, &mut values)?;
+        if let Some(i) = values.iter().position(|v| !(0.0..=1.0).contains(v)) {
+            let problem = format!("the value {} at column {}, row {}", values[i], i % size.0, first + i / size.0);
+            return Err(Error::format(path, problem, "a mask holds those from 0 to 1: export this as geotiff or map"));
+        }
+        out.iter_mut().zip(&values).for_each(|(o, v)| *o = [(v * 255.0).round() as u8]);
+        Ok(())
+    })
 }
 
 /// Writes the weights of up to four materials as the red, green, blue and alpha of a PNG, and their names as JSON beside
 /// it (`PATH.json`). Alpha is a weight like the others: programs must not multiply the colours with it.
 ///
+/// `weights(row, out)` puts whole rows into `out`, from the given one (0 is north) on.
+///
 /// # Errors
-/// If there are not `width * height` weights, if a cell's weights do not sum to 255, if there are no or more than four
-/// names, or if a file cannot be written.
+/// If a side is 0, if `weights` fail or do not sum to 255 in a cell, if there are no or more than four names, or if a file
+/// cannot be written.
 pub fn write_splat(
     path: &Path,
     (width, height): (usize, usize),
-    weights: &[[u8; 4]],
     materials: &[&str],
+    weights: &mut dyn FnMut(usize, &mut [[u8; 4]]) -> eyot_core::Result<()>,
 ) -> Result<()> {
     if materials.is_empty() || materials.len() > 4 {
         let problem = format!("{} materials are to be written", materials.len());
         return Err(Error::format(path, problem, "a picture holds one to four"));
     }
-    if let Some(i) = weights.iter().position(|w| w.iter().map(|&v| u32::from(v)).sum::<u32>() != 255) {
-        let problem = format!("the weights {:?} do not sum to 255", weights[i]);
-        return Err(Error::format(path, problem, "make them with eyot_io::shares"));
-    }
-    write_data_png(path, (width, height), weights)?;
+    write_data_png::<4>(path, (width, height), &mut |first, out| {
+        weights(first, out).map_err(Error::core(path))?;
+        match out.iter().find(|w| w.iter().map(|&v| u32::from(v)).sum::<u32>() != 255) {
+            None => Ok(()),
+            Some(w) => {
+                let problem = format!("the weights {w:?} do not sum to 255");
+                Err(Error::format(path, problem, "make them with eyot_io::shares"))
+            }
+        }
+    })?;
     let channels: serde_json::Map<_, _> =
         ["red", "green", "blue", "alpha"].iter().zip(materials).map(|(c, m)| ((*c).to_owned(), json!(m))).collect();
     let legend = json!({

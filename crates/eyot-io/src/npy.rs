@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::fill::Missing;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::rows::{Rows, band_rows, each_band};
-use crate::sample::{ByteOrder, Sample};
+use crate::sample::{ByteOrder, Narrowed, Sample};
 use crate::sidecar::Sidecar;
 use eyot_core::{Field, Limits};
 use std::fs::File;
@@ -68,6 +68,7 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
     let (width, height) = (header.width, header.height);
     let mut field = Field::new(width, height, 0.0);
     let mut missing = Missing::new(width, height, options.nodata);
+    let mut narrowed = Narrowed::default();
     // Fortran's order: column by column.
     let (outer, inner) = if header.fortran { (width, height) } else { (height, width) };
     let size = header.kind.bytes();
@@ -78,20 +79,12 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
             let (x, y) = if header.fortran { (i, j) } else { (j, i) };
             let number = header.kind.number(b, header.order);
             missing.look_at(x, y, number);
-            field.set(x, y, number as f32);
+            field.set(x, y, narrowed.of(number));
         }
     }
     let filled = missing.fill(path, &mut field)?;
     let s = Sidecar::beside(path, &[FORMAT])?.filter(|s| (s.width, s.height) == (width, height)).unwrap_or_default();
-    Ok(Raster {
-        cell_m: s.cell_m(),
-        georeference: s.georeference,
-        filled,
-        name: s.layer,
-        unit: s.unit,
-        meaning: s.meaning,
-        ..Raster::of(field)
-    })
+    Ok(s.describe(Raster { filled, rounded_by: narrowed.by(), ..Raster::of(field) }))
 }
 
 struct Header {

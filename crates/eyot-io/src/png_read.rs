@@ -82,7 +82,8 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
         name: text(key::LAYER),
         unit: text(key::UNIT),
         meaning: text(key::MEANING),
-        scale: (wide == 2).then_some((scale.low, scale.high)),
+        tags: serde_json::from_str(&text(key::TAGS)).unwrap_or_default(),
+        scale: Some((scale.low, scale.high)),
         ..Raster::of(field)
     };
     raster.filled = missing.fill(path, &mut raster.field)?;
@@ -103,7 +104,7 @@ fn value_range(path: &Path, reader: &png::Reader<BufReader<File>>, options: &Rea
         None => Err(Error::format(
             path,
             "the file does not say which heights black and white stand for",
-            "give low_m and high_m in a recipe (generate = \"import\"), or --range LOW,HIGH to eyot convert",
+            "give low_m and high_m in a recipe (generate = \"import\"), or --from-range LOW,HIGH to eyot convert",
         )),
     }
 }

@@ -20,6 +20,7 @@ pub(crate) mod key {
     pub(crate) const CELL_X: &str = "cell_x_m";
     pub(crate) const CELL_Y: &str = "cell_y_m";
     pub(crate) const GEOREFERENCE: &str = "georeference";
+    pub(crate) const TAGS: &str = "tags";
 }
 
 /// Writes the values as numbers from 0 to 65535.
@@ -28,6 +29,7 @@ pub(crate) fn write_png16(path: &Path, rows: &mut dyn Rows, about: &About, optio
     let (w, h) = size_u32(path, width, height)?;
     let scale = Scale::of(path, rows, about, options)?;
     let georeference = about.georeference.as_ref().and_then(|g| serde_json::to_string(g).ok());
+    let tags = if about.tags.is_empty() { None } else { serde_json::to_string(&about.tags).ok() };
     let texts = [
         ("Software", "Eyot".to_owned()),
         (key::LAYER, about.name.clone()),
@@ -39,6 +41,7 @@ pub(crate) fn write_png16(path: &Path, rows: &mut dyn Rows, about: &About, optio
         (key::CELL_X, format!("{:?}", about.cell_m.0)),
         (key::CELL_Y, format!("{:?}", about.cell_m.1)),
         (key::GEOREFERENCE, georeference.unwrap_or_default()),
+        (key::TAGS, tags.unwrap_or_default()),
     ];
     let encode = |out: Watched<'_>| {
         let failed = |e| as_error(path, e);
@@ -72,24 +75,34 @@ pub(crate) fn write_png16(path: &Path, rows: &mut dyn Rows, about: &About, optio
 /// If there are not `width * height` pixels, if a side is 0 or beyond what PNG allows, or if the file cannot be
 /// written.
 pub fn write_rgb_png(path: &Path, width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<()> {
-    write_bytes(path, (width, height), pixels, ColorType::Rgb)
+    if width == 0 || height == 0 || width.checked_mul(height) != Some(pixels.len()) {
+        let problem = format!("{} pixels do not make a picture of {width}x{height}", pixels.len());
+        return Err(Error::format(path, problem, "give width times height pixels"));
+    }
+    write_bytes(path, (width, height), ColorType::Rgb, &mut |first, out: &mut [[u8; 3]]| {
+        out.copy_from_slice(&pixels[first * width..][..out.len()]);
+        Ok(())
+    })
 }
 
+/// Whole rows of pixels from a given row on.
+pub(crate) type Pixels<'a, const N: usize> = dyn FnMut(usize, &mut [[u8; N]]) -> Result<()> + 'a;
+
 /// Writes bytes that are no colours, such as masks: one channel or four, without any gamma.
-pub(crate) fn write_data_png<const N: usize>(path: &Path, size: (usize, usize), pixels: &[[u8; N]]) -> Result<()> {
-    write_bytes(path, size, pixels, if N == 1 { ColorType::Grayscale } else { ColorType::Rgba })
+pub(crate) fn write_data_png<const N: usize>(
+    path: &Path,
+    size: (usize, usize),
+    pixels: &mut Pixels<'_, N>,
+) -> Result<()> {
+    write_bytes(path, size, if N == 1 { ColorType::Grayscale } else { ColorType::Rgba }, pixels)
 }
 
 fn write_bytes<const N: usize>(
     path: &Path,
     (width, height): (usize, usize),
-    pixels: &[[u8; N]],
     colour: ColorType,
+    pixels: &mut Pixels<'_, N>,
 ) -> Result<()> {
-    if width == 0 || height == 0 || width.checked_mul(height) != Some(pixels.len()) {
-        let problem = format!("{} pixels do not make a picture of {width}x{height}", pixels.len());
-        return Err(Error::format(path, problem, "give width times height pixels"));
-    }
     let (w, h) = size_u32(path, width, height)?;
     let encode = |out: Watched<'_>| {
         let failed = |e| as_error(path, e);
@@ -100,7 +113,15 @@ fn write_bytes<const N: usize>(
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         }
         let mut writer = encoder.write_header().map_err(failed)?;
-        writer.write_image_data(pixels.as_flattened()).map_err(failed)?;
+        let mut stream = writer.stream_writer().map_err(failed)?;
+        let per_band = band_rows(width, 1).min(height);
+        let mut band = vec![[0; N]; width * per_band];
+        for first in (0..height).step_by(per_band) {
+            let band = &mut band[..width * per_band.min(height - first)];
+            pixels(first, band)?;
+            stream.write_all(band.as_flattened()).map_err(Error::io(path, "write"))?;
+        }
+        stream.finish().map_err(failed)?;
         writer.finish().map_err(failed)
     };
     write_atomically(path, |file| watched(file, path, encode))

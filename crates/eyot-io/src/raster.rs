@@ -6,12 +6,15 @@ use crate::georef::is_sound;
 use crate::sample::{ByteOrder, RowOrder, Sample};
 use crate::{exr_read, geotiff_read, npy, png_read, raw, zarr};
 use eyot_core::{Field, Georeference, Limits};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
 /// A file this much smaller than its content has lost its data or never had any. Deflate reaches 1032, LZW about 2700.
 const MAX_COMPRESSION: u128 = 4096;
+/// How OpenEXR files begin.
+const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// A raster from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,8 +34,15 @@ pub struct Raster {
     pub unit: String,
     /// What the values mean, or empty.
     pub meaning: String,
-    /// Values of 0 and 65535 if the file holds whole numbers of 16 bits: a file of the same scale holds the same ones.
+    /// What else the file says of itself, by keyword.
+    pub tags: BTreeMap<String, String>,
+    /// Values of the smallest and the largest number if the file holds whole numbers of 8 or 16 bits that stand for others:
+    /// a file of 16 bits and the same scale holds the same ones.
     pub scale: Option<(f64, f64)>,
+    /// How many rasters the file holds one after the other, the last of which this is; 1 but for stores with a time.
+    pub steps: u64,
+    /// The farthest that a value of the file is from the `f32` here; 0 unless the file holds wider numbers.
+    pub rounded_by: f64,
 }
 
 impl Raster {
@@ -46,7 +56,10 @@ impl Raster {
             name: String::new(),
             unit: String::new(),
             meaning: String::new(),
+            tags: BTreeMap::new(),
             scale: None,
+            steps: 1,
+            rounded_by: 0.0,
         }
     }
 
@@ -58,6 +71,7 @@ impl Raster {
             meaning: self.meaning.clone(),
             cell_m: self.cell_m.unwrap_or((1.0, 1.0)),
             georeference: self.georeference.clone(),
+            tags: self.tags.clone(),
             range: None,
         }
     }
@@ -84,6 +98,27 @@ pub struct ReadOptions {
     pub row_order: Option<RowOrder>,
 }
 
+/// True if the folder is a Zarr store, of whatever version.
+pub fn is_zarr(folder: &Path) -> bool {
+    zarr::is_node(folder) || [".zarray", ".zgroup"].iter().any(|f| folder.join(f).exists())
+}
+
+/// The names of the arrays of a Zarr store or of the channels of an EXR that holds several; none for other files.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn layer_names(path: &Path) -> Result<Vec<String>> {
+    if path.is_dir() {
+        return if zarr::is_node(path) { zarr::names(path) } else { Ok(Vec::new()) };
+    }
+    let mut start = [0; 4];
+    let mut file = File::open(path).map_err(Error::io(path, "read"))?;
+    match file.read_exact(&mut start) {
+        Ok(()) if start == EXR => exr_read::names(path, file),
+        _ => Ok(Vec::new()),
+    }
+}
+
 /// Reads a raster. The format is told from the content: TIFF and GeoTIFF (one band of any integer or floating type), grey
 /// PNG of up to 16 bits, OpenEXR, NPY and Zarr v3 (a folder); and, as they have nothing that could tell, headerless files
 /// by the JSON file beside them, by their extension (`.r32`, `.r16`, `.raw`) or by `options.sample`.
@@ -101,7 +136,7 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         if zarr::is_node(path) {
             return checked(path, zarr::read(path, options, limits)?);
         }
-        if [".zarray", ".zgroup"].iter().any(|f| path.join(f).exists()) {
+        if is_zarr(path) {
             let problem = "this is a Zarr store of version 2, this program reads version 3";
             return Err(Error::format(path, problem, "write it again with zarr_format=3"));
         }
@@ -127,7 +162,7 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         }
         b"\x89PNG\r\n\x1a\n" => png_read::read(path, file, metadata.len(), options, limits),
         [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(path, file, metadata.len(), options, limits),
-        [0x76, 0x2f, 0x31, 0x01, ..] => exr_read::read(path, file, metadata.len(), options, limits),
+        start if start.starts_with(&EXR) => exr_read::read(path, file, metadata.len(), options, limits),
         _ => Err(unknown(path, &start)),
     }?;
     checked(path, raster)
@@ -163,7 +198,7 @@ fn unknown(path: &Path, start: &[u8]) -> Error {
         [0xff, 0xd8, ..] => ("this is a JPEG image, which cannot hold heights", "convert it to 16-bit grey PNG"),
         _ => (
             "this is no GeoTIFF, PNG, EXR, NPY, R16 or R32 file",
-            "convert it to GeoTIFF, for example with gdal_translate",
+            "convert it to GeoTIFF, for example with gdal_translate, or say which bare numbers it holds (--from-type)",
         ),
     };
     Error::format(path, problem, remedy)
@@ -180,7 +215,8 @@ fn checked(path: &Path, mut raster: Raster) -> Result<Raster> {
             value,
             x,
             y,
-            remedy: "mark missing cells with a nodata value, for example with gdal_translate -a_nodata nan",
+            remedy: "if it marks missing cells, say so with --nodata (eyot convert), or in the file, for example with \
+                     gdal_translate -a_nodata nan",
         }),
     }
 }

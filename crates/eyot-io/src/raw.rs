@@ -7,7 +7,7 @@ use crate::fill::Missing;
 use crate::format::WriteOptions;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::rows::{Rows, band_rows, each_band, each_band_from_south};
-use crate::sample::{ByteOrder, RowOrder, Sample};
+use crate::sample::{ByteOrder, Narrowed, RowOrder, Sample};
 use crate::scale::Scale;
 use crate::sidecar::{Sidecar, sidecar_path};
 use eyot_core::{Field, Limits};
@@ -105,6 +105,7 @@ pub(crate) fn read_if_known(
     let mut crc = crc32fast::Hasher::new();
     let mut field = Field::new(width, height, 0.0);
     let mut missing = Missing::new(width, height, options.nodata);
+    let mut narrowed = Narrowed::default();
     let mut buffer = vec![0; sample.bytes() * width];
     for i in 0..height {
         input.read_exact(&mut buffer).map_err(Error::io(path, "read"))?;
@@ -113,7 +114,7 @@ pub(crate) fn read_if_known(
         for (x, (v, b)) in field.row_mut(y).iter_mut().zip(buffer.chunks_exact(sample.bytes())).enumerate() {
             let number = sample.number(b, byte_order);
             missing.look_at(x, y, number);
-            *v = scale.map_or(number as f32, |(s, per_step)| s.value(number * per_step));
+            *v = scale.map_or_else(|| narrowed.of(number), |(s, per_step)| s.value(number * per_step));
         }
     }
     let found = format!("{:08x}", crc.finalize());
@@ -121,18 +122,8 @@ pub(crate) fn read_if_known(
         return Err(Error::format(path, "the checksum in its .json does not fit the data", "export the file again"));
     }
     let filled = missing.fill(path, &mut field)?;
-    let cell_m = s.cell_m();
-    let scale = scale.filter(|_| sample == Sample::U16).map(|(s, _)| (s.low, s.high));
-    Ok(Some(Raster {
-        cell_m,
-        georeference: s.georeference,
-        filled,
-        name: s.layer,
-        unit: s.unit,
-        meaning: s.meaning,
-        scale,
-        ..Raster::of(field)
-    }))
+    let scale = scale.map(|(s, _)| (s.low, s.high));
+    Ok(Some(s.describe(Raster { filled, scale, rounded_by: narrowed.by(), ..Raster::of(field) })))
 }
 
 /// Columns and rows: what the options say, or the sidecar, or a square.
@@ -183,11 +174,11 @@ fn scale(path: &Path, sample: Sample, s: &Sidecar, options: &ReadOptions) -> Res
         }
         Some((low, high)) => {
             let problem = format!("0 stands for {low} and {largest} for {high}");
-            Err(Error::format(path, problem, "give finite numbers for low_m and high_m (--range LOW,HIGH)"))
+            Err(Error::format(path, problem, "give finite numbers for low_m and high_m (--from-range LOW,HIGH)"))
         }
         None => {
             let problem = format!("nothing says which heights 0 and {largest} stand for");
-            Err(Error::format(path, problem, "give low_m and high_m (--range LOW,HIGH)"))
+            Err(Error::format(path, problem, "give low_m and high_m (--from-range LOW,HIGH)"))
         }
     }
 }

@@ -93,6 +93,27 @@ impl Sample {
     }
 }
 
+/// Numbers on their way to `f32`, and how far they were rounded.
+#[derive(Default)]
+pub(crate) struct Narrowed(f64);
+
+impl Narrowed {
+    pub(crate) fn of(&mut self, number: f64) -> f32 {
+        let narrow = number as f32;
+        let difference = (number - f64::from(narrow)).abs();
+        // What does not fit at all marks missing cells or is refused elsewhere, with its place.
+        if difference.is_finite() {
+            self.0 = self.0.max(difference);
+        }
+        narrow
+    }
+
+    /// The largest difference.
+    pub(crate) fn by(&self) -> f64 {
+        self.0
+    }
+}
+
 /// A number of IEEE 754's 16-bit format.
 fn half(bits: u16) -> f64 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };

@@ -3,9 +3,11 @@
 use crate::about::About;
 use crate::atomic::{put, write_atomically};
 use crate::error::{Error, Result};
+use crate::raster::Raster;
 use crate::sample::{ByteOrder, RowOrder};
 use eyot_core::Georeference;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +24,9 @@ pub(crate) struct Sidecar {
     pub(crate) cell_x_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) cell_y_m: Option<f64>,
+    /// Coordinates (x, y) of the grid's north-west corner: those of the georeference, or metres from the south-west corner.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) origin: Option<[f64; 2]>,
     #[serde(default)]
     pub(crate) layer: String,
     #[serde(default)]
@@ -46,6 +51,21 @@ pub(crate) struct Sidecar {
     pub(crate) crc32: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) georeference: Option<Georeference>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) tags: BTreeMap<String, String>,
+    /// What the channels of an image of several hold.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) channels: Vec<Channel>,
+}
+
+/// What one of several channels holds.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Channel {
+    pub(crate) layer: String,
+    #[serde(default)]
+    pub(crate) unit: String,
+    #[serde(default)]
+    pub(crate) meaning: String,
 }
 
 impl Sidecar {
@@ -60,13 +80,28 @@ impl Sidecar {
             layer: about.name.clone(),
             unit: about.unit.clone(),
             meaning: about.meaning.clone(),
+            origin: Some([about.transform(size.1)[0], about.transform(size.1)[3]]),
             georeference: about.georeference.clone(),
+            tags: about.tags.clone(),
             ..Self::default()
         }
     }
 
+    /// The raster with what the description says of it.
+    pub(crate) fn describe(self, raster: Raster) -> Raster {
+        Raster {
+            cell_m: self.cell_m(),
+            georeference: self.georeference,
+            name: self.layer,
+            unit: self.unit,
+            meaning: self.meaning,
+            tags: self.tags,
+            ..raster
+        }
+    }
+
     /// The cell size, if it is sound.
-    pub(crate) fn cell_m(&self) -> Option<(f64, f64)> {
+    fn cell_m(&self) -> Option<(f64, f64)> {
         self.cell_x_m.zip(self.cell_y_m).filter(|&(x, y)| x > 0.0 && y > 0.0)
     }
 

@@ -117,7 +117,7 @@ fn damaged_zarr_metadata_end_in_a_raster_or_an_error() {
     let world = world();
     let store = folder.path().join("a.zarr");
     write_layer(&store, &world, &world.layers()[0], RasterFormat::Zarr).unwrap();
-    for file in ["height/zarr.json", "spatial_ref/zarr.json", "x/zarr.json", "height/c/0/0"] {
+    for file in ["height/zarr.json", "spatial_ref/zarr.json", "x/zarr.json", "time/zarr.json", "height/c/0/0/0"] {
         let file = store.join(file);
         let original = std::fs::read(&file).unwrap();
         batter(&original, &file, 5, |_| try_raster(&store));

@@ -14,7 +14,7 @@
 //! let green = vec![[0.1, 0.5, 0.1]; grid.cells()];
 //! let full = terrain(&height, &grid, &green, &MeshOptions::default(), &limits)?;
 //! assert_eq!((full.stride, full.mesh.triangles()), (1, 2 * 64 * 64));
-//! let levels = levels_of_detail(&full.mesh, &[0.25, 0.125]);
+//! let levels = levels_of_detail(&full, &[0.25, 0.125]);
 //! assert!(levels[2].mesh.triangles() < levels[1].mesh.triangles());
 //! # Ok(())
 //! # }
@@ -28,4 +28,4 @@ mod terrain;
 
 pub use error::{Error, Result};
 pub use lod::{Lod, levels_of_detail, levels_of_detail_controlled};
-pub use terrain::{MeshOptions, Terrain, TerrainMesh, terrain, terrain_bytes};
+pub use terrain::{Attribute, MeshOptions, Terrain, TerrainMesh, terrain, terrain_bytes};

@@ -4,8 +4,8 @@ use crate::error::{Error, Result};
 use eyot_core::{Error as CoreError, Field, Grid, Limits};
 use rayon::prelude::*;
 
-/// Bytes that one vertex with its share of triangles takes: position, normal, colour and two triangles.
-const BYTES_PER_VERTEX: u64 = 12 + 12 + 4 + 2 * 3 * 4;
+/// Bytes that one vertex with its share of triangles takes: position, normal, colour, four attributes and two triangles.
+const BYTES_PER_VERTEX: u64 = 12 + 12 + 4 + 16 + 2 * 3 * 4;
 
 /// Triangles with one vertex per sampled cell.
 ///
@@ -18,8 +18,19 @@ pub struct TerrainMesh {
     pub normals: Vec<[f32; 3]>,
     /// Linear (not sRGB) red, green, blue and an alpha of 255.
     pub colours: Vec<[u8; 4]>,
+    /// Numbers of each vertex beside these, such as shares of materials.
+    pub attributes: Vec<Attribute>,
     /// Three per triangle, counter-clockwise seen from above.
     pub indices: Vec<u32>,
+}
+
+/// A number for every vertex.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Attribute {
+    /// What it is.
+    pub name: String,
+    /// As many as there are vertices.
+    pub values: Vec<f32>,
 }
 
 impl TerrainMesh {
@@ -55,6 +66,27 @@ pub struct Terrain {
     /// Every how many cells a vertex stands; 1 if every cell has one. The last row and column always have theirs, so
     /// that the extent is kept.
     pub stride: usize,
+    /// Columns and rows of the grid.
+    pub cells: (usize, usize),
+}
+
+impl Terrain {
+    /// Gives every vertex the value of its cell. `values` are one a cell, row by row from the north.
+    ///
+    /// # Errors
+    /// If there are not as many values as cells.
+    pub fn add_attribute(&mut self, name: &str, values: &[f32]) -> Result<()> {
+        let (w, h) = self.cells;
+        if values.len() != w * h {
+            let what = format!("the attribute `{name}` of a {w}x{h} mesh");
+            return Err(CoreError::Shape { what, expected: w * h, found: values.len() }.into());
+        }
+        let (columns, stride) = (self.columns, self.stride);
+        let cell = |i: usize, n: usize| (i * stride).min(n - 1);
+        let values = collect(self.rows, |row| (0..columns).map(|c| values[cell(row, h) * w + cell(c, w)]).collect());
+        self.mesh.attributes.push(Attribute { name: name.to_owned(), values });
+        Ok(())
+    }
 }
 
 /// Makes a mesh of `height` (m), with a vertex in the middle of every cell.
@@ -106,18 +138,19 @@ pub fn terrain(
     let indices = collect(rows - 1, |row| {
         (0..columns - 1).flat_map(|column| split_quad(&positions, columns, column, row)).collect()
     });
-    Ok(Terrain { mesh: TerrainMesh { positions, normals, colours, indices }, columns, rows, stride })
+    let mesh = TerrainMesh { positions, normals, colours, attributes: Vec::new(), indices };
+    Ok(Terrain { mesh, columns, rows, stride, cells: (w, h) })
 }
 
 /// Bytes that a mesh of `width` x `height` cells and its levels of detail take at most while they are made, beside the
 /// heights and colours.
 ///
 /// Measured with four levels at 2048 x 2048 cells: 291 bytes a vertex, most of them in the search for the first edges to
-/// collapse.
+/// collapse; attributes, their copies in the levels and the flattened positions come on top.
 pub fn terrain_bytes(width: usize, height: usize, options: &MeshOptions, limits: &Limits) -> u128 {
     let (w, h) = (width.max(2), height.max(2));
     let stride = stride_for(w, h, options.max_vertices.min(limits.max_vertices).clamp(4, u64::from(u32::MAX)));
-    320 * samples(w, stride) as u128 * samples(h, stride) as u128
+    380 * samples(w, stride) as u128 * samples(h, stride) as u128
 }
 
 /// Runs `row` for all rows on all cores and joins the results in order.

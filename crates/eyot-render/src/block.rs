@@ -92,7 +92,8 @@ impl Block {
         // The ground below sends light up; the foot of the wall sees less of everything.
         let up = (p[2] - self.base) / (ground - self.base).max(1e-6);
         let ambient = add(scale(s.stage.sky.skylight, 0.55), scale(s.stage.sky.sunlight, 0.07));
-        let light = add(scale(s.stage.sky.sunlight, 0.92 * facing), scale(ambient, 0.62 + 0.38 * smoothstep(0.0, 0.4, up)));
+        let light =
+            add(scale(s.stage.sky.sunlight, 0.92 * facing), scale(ambient, 0.62 + 0.38 * smoothstep(0.0, 0.4, up)));
         if p[2] > ground {
             return Some(self.water_wall(s, p, d, ground, normal, light));
         }

@@ -201,7 +201,9 @@ mod tests {
             let p = path(closed);
             for k in &p.keys {
                 let at = p.pose(k.time / 4.0);
-                assert!((at.azimuth_deg - k.pose.azimuth_deg).abs() < 1e-3 && (at.distance - k.pose.distance).abs() < 1e-5);
+                assert!(
+                    (at.azimuth_deg - k.pose.azimuth_deg).abs() < 1e-3 && (at.distance - k.pose.distance).abs() < 1e-5
+                );
             }
             let n = 4000;
             let a: Vec<f32> = (0..=n).map(|i| p.pose(i as f32 / n as f32).azimuth_deg).collect();

@@ -38,7 +38,8 @@ pub(crate) fn sea(s: &Scene, p: V3, d: V3, footprint: f32) -> V3 {
     let floor_normal = unit([-bottom.rise[0], -bottom.rise[1], 1.0]);
     let tilt = (0.35 + 0.65 * dot(floor_normal, s.stage.sky.sun).max(0.0) / s.stage.sky.sun[2].max(0.1)).min(1.25);
     let wet = scale(bottom.albedo, tilt);
-    let light = add(scale(s.stage.sky.sunlight, here.sun * s.stage.sky.sun[2].max(0.0)), scale(s.stage.sky.skylight, open));
+    let light =
+        add(scale(s.stage.sky.sunlight, here.sun * s.stage.sky.sun[2].max(0.0)), scale(s.stage.sky.skylight, open));
     let body = mul(s.stage.sea_water.upwelling(wet, depth, path), light);
 
     // Waves that are too small to see tilt the mirror away from grazing angles.

@@ -1,27 +1,50 @@
 //! From one file format to another, and to the files of a preset.
 
-use crate::backend::io::{self, About, RasterFormat, ReadOptions, WriteOptions};
+use crate::backend::io::{self, About, ByteOrder, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
 use crate::error::RunError;
-use crate::exports::{self, Job};
+use crate::exports::{self, Job, Layer, Source};
 use crate::import;
-use crate::keys::{Export, ExportFormat, Preset};
+use crate::keys::{Export, ExportFormat, FirstRow, Preset};
 use crate::store;
-use eyot_core::{Control, Limits};
+use eyot_core::{Control, Grid, Limits, World};
+use serde_json::{Map, Value};
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// What a conversion may be told.
+mod misplaced;
+
+/// What a conversion may be told. What cannot have an effect is refused.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConvertOptions {
-    /// What the input leaves open.
+    /// What the input leaves open, but for its layer.
     pub read: ReadOptions,
-    /// What the output leaves open. Its scale is the input's if that holds whole numbers of 16 bits and none is given.
-    pub write: WriteOptions,
+    /// Layers of a run, arrays of a Zarr store or channels of an EXR. By default all where the output holds several, or else
+    /// the height.
+    pub layers: Vec<String>,
+    /// Values that 0 and 65535 stand for in the output; by default those of the input if that holds whole numbers, or the
+    /// lowest and the highest value.
+    pub range: Option<(f64, f64)>,
+    /// Order of the bytes in an output without header; little-endian by default.
+    pub byte_order: Option<ByteOrder>,
+    /// Order of the rows in an output without header; north first by default, in Unity's files south first.
+    pub row_order: Option<RowOrder>,
     /// Size of a cell, m; by default what the input says.
     pub cell_m: Option<(f64, f64)>,
     /// Write the files of this preset into a folder instead.
     pub preset: Option<Preset>,
     /// Vertices along each side for presets that resample.
     pub size: Option<u32>,
+}
+
+impl ConvertOptions {
+    fn write(&self) -> WriteOptions {
+        WriteOptions {
+            scale: self.range,
+            byte_order: self.byte_order.unwrap_or_default(),
+            row_order: self.row_order.unwrap_or_default(),
+            nodata: None,
+        }
+    }
 }
 
 /// What came of a conversion.
@@ -36,14 +59,12 @@ pub struct Converted {
 /// Converts a height map, or layers of a run, into the format that the name of `output` says, or into the files of a preset
 /// in the folder `output`.
 ///
-/// Values change only where the format must: floats stay the same bits, whole numbers of 16 bits the same numbers. Place,
-/// cell size, name and unit survive in all formats that can say them. From a run, `options.read.layer` says which layer; a
-/// store (`.zarr`) or an image of channels (`.exr`) takes all if none is named, other formats the height.
+/// Values change only where the format must: floats of 32 bits stay the same bits, whole numbers of 16 bits the same numbers.
+/// Place, cell size, name, unit and what else a file says of itself survive in all formats.
 ///
 /// # Errors
-/// If the input cannot be read, the output's format is not known, or it cannot be written.
+/// If the input cannot be read, the output's format is not known, an option cannot apply, or the output cannot be written.
 pub fn convert(input: &Path, output: &Path, options: &ConvertOptions, limits: &Limits) -> Result<Converted, RunError> {
-    let is_run = input.extension().is_some_and(|e| e == "eyot") || (input.is_dir() && !io::is_zarr(input));
     // A conversion may take only some of the layers; what it leaves out would be lost.
     if let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize())
         && from == to
@@ -51,22 +72,50 @@ pub fn convert(input: &Path, output: &Path, options: &ConvertOptions, limits: &L
         let message = format!("`{}` would be written over itself; choose another name for the result", input.display());
         return Err(RunError::input(message));
     }
-    let kind = if options.preset.is_some() { Kind::Preset } else { Kind::of(output)? };
-    match kind {
-        Kind::Raster(format) if !is_run => raster(input, output, format, options, limits),
-        _ => world(input, output, kind, options, limits),
+    let job = Conversion { input, output, from: Input::of(input)?, to: Output::of(output, options)?, options, limits };
+    if let Some(message) = job.misplaced() {
+        return Err(RunError::input(message));
+    }
+    if job.from == Input::Run { job.run() } else { job.file() }
+}
+
+/// What is read.
+#[derive(PartialEq)]
+enum Input {
+    /// The folder or the world of a run.
+    Run,
+    /// A file that holds several layers of these names.
+    Layers(Vec<String>),
+    /// A file that holds one.
+    One,
+}
+
+impl Input {
+    fn of(input: &Path) -> Result<Self, RunError> {
+        if input.extension().is_some_and(|e| e == "eyot") || (input.is_dir() && !io::is_zarr(input)) {
+            return Ok(Self::Run);
+        }
+        if input.to_str().is_some_and(|i| i.starts_with("builtin:")) {
+            return Ok(Self::One);
+        }
+        let names = io::layer_names(input).map_err(RunError::input)?;
+        Ok(if names.is_empty() { Self::One } else { Self::Layers(names) })
     }
 }
 
-#[derive(Clone, Copy)]
-enum Kind {
+/// What is written.
+#[derive(Clone, Copy, PartialEq)]
+enum Output {
     Raster(RasterFormat),
     Mesh(ExportFormat),
-    Preset,
+    Preset(Preset),
 }
 
-impl Kind {
-    fn of(output: &Path) -> Result<Self, RunError> {
+impl Output {
+    fn of(output: &Path, options: &ConvertOptions) -> Result<Self, RunError> {
+        if let Some(preset) = options.preset {
+            return Ok(Self::Preset(preset));
+        }
         let extension = output.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         match (extension.as_str(), RasterFormat::from_extension(&extension)) {
             ("glb", _) => Ok(Self::Mesh(ExportFormat::Glb)),
@@ -79,109 +128,193 @@ impl Kind {
             ))),
         }
     }
-}
 
-/// From raster to raster: no step in between that could change anything.
-fn raster(
-    input: &Path,
-    output: &Path,
-    format: RasterFormat,
-    options: &ConvertOptions,
-    limits: &Limits,
-) -> Result<Converted, RunError> {
-    let mut done = Converted::default();
-    let mut raster = import::read(&input.display().to_string(), &options.read, limits).map_err(RunError::input)?;
-    raster.cell_m = options.cell_m.or(raster.cell_m);
-    if raster.cell_m.is_none() {
-        done.notes.push("the input does not say how large its cells are; 1 m is assumed (--cell)".to_owned());
-    }
-    if raster.filled > 0 {
-        done.notes.push(format!("{} cells without a value were filled from their neighbours", raster.filled));
-    }
-    let mut about = raster.about();
-    if about.name.is_empty() {
-        about.name = "height".to_owned();
-        about.unit = "m".to_owned();
-    }
-    let write = WriteOptions { scale: options.write.scale.or(raster.scale), ..options.write.clone() };
-    io::write_rows(output, &mut &raster.field, &about, format, &write).map_err(file)?;
-    done.files.push(output.to_owned());
-    Ok(done)
-}
-
-fn world(
-    input: &Path,
-    output: &Path,
-    kind: Kind,
-    options: &ConvertOptions,
-    limits: &Limits,
-) -> Result<Converted, RunError> {
-    let opened = store::open_with(input, &options.read, limits)?;
-    let mut notes = opened.notes;
-    let mut world = opened.world;
-    if let Some((x, y)) = options.cell_m {
-        (world.grid.cell_x_m, world.grid.cell_y_m) = (x, y);
-        world.grid = world.grid.checked(limits).map_err(file)?;
-        notes.retain(|n| !n.contains("1 m is assumed"));
-    }
-    let name = input.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let more = std::cell::RefCell::new(Vec::new());
-    let mut files = Vec::new();
-    let folder = match kind {
-        Kind::Preset => {
-            std::fs::create_dir_all(output).map_err(|source| RunError::Folder { path: output.to_owned(), source })?;
-            output
+    /// The format that holds several layers in one file.
+    fn together(self) -> Option<ExportFormat> {
+        match self {
+            Self::Raster(RasterFormat::Zarr) => Some(ExportFormat::Zarr),
+            Self::Raster(RasterFormat::Exr) => Some(ExportFormat::Exr),
+            _ => None,
         }
-        _ => output.parent().unwrap_or(Path::new("")),
-    };
-    let control = Control::none();
-    let mut job = Job {
-        world: &world,
-        source: &world,
-        name: &name,
-        out: folder,
-        attributes: exports::origin(&world, &name, None),
-        limits,
-        control: &control,
-        begin: &mut |path: PathBuf| {
-            files.push(path.clone());
-            Ok(path)
-        },
-        note: &|n| more.borrow_mut().push(n),
-    };
-    let wanted = options.read.layer.as_deref();
-    match kind {
-        Kind::Preset => {
-            if let (Some(preset), Some(size)) = (options.preset, options.size)
-                && let Some((problem, help)) = exports::size_problem(preset, size)
-            {
-                return Err(RunError::input(format!("{problem}; {help}")));
+    }
+
+    /// True if several layers can be written.
+    fn takes_several(self) -> bool {
+        self.together().is_some() || self == Self::Preset(Preset::Gis)
+    }
+}
+
+struct Conversion<'a> {
+    input: &'a Path,
+    output: &'a Path,
+    from: Input,
+    to: Output,
+    options: &'a ConvertOptions,
+    limits: &'a Limits,
+}
+
+impl Conversion<'_> {
+    /// From a file: where the output is a raster, no step in between could change anything.
+    fn file(&self) -> Result<Converted, RunError> {
+        let (rasters, mut notes) = self.read()?;
+        let first = &rasters.0[0];
+        match (self.to, self.to.together()) {
+            (Output::Raster(_), Some(format)) => {
+                let attributes = io::store_attributes(self.input).map_err(RunError::input)?;
+                let mut layers: Vec<Layer<'_>> = rasters.0.iter().map(layer).collect();
+                exports::write_together(self.output, &mut layers, format, &attributes)?;
+                Ok(Converted { files: vec![self.output.to_owned()], notes })
             }
-            let layers = vec![wanted.unwrap_or("height").to_owned()];
-            let export = Export { preset: options.preset, size: options.size, layers, ..Export::default() };
-            if export.needs_two_cells() && (world.grid.width < 2 || world.grid.height < 2) {
-                return Err(RunError::input(format!("`{}` has less than 2 x 2 cells", input.display())));
+            (Output::Raster(format), None) => {
+                let write = WriteOptions { scale: self.options.range.or(first.scale), ..self.options.write() };
+                let (about, mut rows) = layer(first);
+                io::write_rows(self.output, &mut *rows, &about, format, &write).map_err(RunError::file)?;
+                Ok(Converted { files: vec![self.output.to_owned()], notes })
             }
-            exports::write(&mut job, &export)?;
-        }
-        Kind::Mesh(format) => exports::write_mesh(&mut job, output, &Export { format, ..Export::default() })?,
-        Kind::Raster(format @ (RasterFormat::Zarr | RasterFormat::Exr)) if wanted.is_none() => {
-            let all: Vec<&str> = world.layers().iter().map(|l| &*l.spec.name).collect();
-            let together = if format == RasterFormat::Zarr { ExportFormat::Zarr } else { ExportFormat::Exr };
-            exports::write_together(&job, output, &all, together)?;
-            files.push(output.to_owned());
-        }
-        Kind::Raster(format) => {
-            let layer = world.layer(wanted.unwrap_or("height")).map_err(RunError::input)?;
-            let about = About::of(&world, layer);
-            io::write_rows(output, &mut &layer.field, &about, format, &options.write).map_err(file)?;
-            files.push(output.to_owned());
+            (Output::Preset(Preset::Gis), _) => {
+                let names = rasters.0.iter().map(|r| r.name.clone()).collect();
+                let (x, y) = first.cell_m.unwrap_or((1.0, 1.0));
+                let (width, height) = (first.field.width(), first.field.height());
+                // Only the layers count.
+                let grid = Grid { width, height, cell_x_m: x, cell_y_m: y, rim: eyot_core::Rim::CLOSED };
+                self.exports(&World::new(grid, 0), &rasters, names, notes)
+            }
+            _ => {
+                // Notes on the raster are those on the world.
+                notes.clear();
+                let Some(raster) = rasters.0.into_iter().next() else { return Ok(Converted::default()) };
+                let opened = store::of_raster(raster, self.input, self.limits)?;
+                self.exports(&opened.world, &opened.world, vec!["height".to_owned()], opened.notes)
+            }
         }
     }
-    notes.extend(more.into_inner());
-    Ok(Converted { files, notes })
+
+    fn read(&self) -> Result<(Rasters, Vec<String>), RunError> {
+        let named = self.options.layers.iter().map(|l| Some(l.clone()));
+        let wanted: Vec<Option<String>> = match &self.from {
+            _ if named.len() > 0 => named.collect(),
+            Input::Layers(all) if self.to.takes_several() => all.iter().map(|l| Some(l.clone())).collect(),
+            _ => vec![None],
+        };
+        let (mut rasters, mut notes) = (Vec::new(), Vec::new());
+        let mut left = *self.limits;
+        for layer in wanted {
+            let read = ReadOptions { layer, ..self.options.read.clone() };
+            let mut raster = import::read(&self.input.display().to_string(), &read, &left).map_err(RunError::input)?;
+            left.max_bytes = left.max_bytes.saturating_sub(raster.field.bytes() as u64);
+            self.check(&raster)?;
+            raster.cell_m = self.options.cell_m.or(raster.cell_m);
+            if raster.name.is_empty() {
+                raster.name = "height".to_owned();
+                if raster.unit.is_empty() {
+                    raster.unit = "m".to_owned();
+                }
+            }
+            notes.extend(store::notes(&raster).into_iter().filter(|n| !notes.contains(n)).collect::<Vec<_>>());
+            rasters.push(raster);
+        }
+        Ok((Rasters(rasters), notes))
+    }
+
+    /// From a run.
+    fn run(&self) -> Result<Converted, RunError> {
+        let opened = store::open(self.input, self.limits)?;
+        let (mut world, notes) = (opened.world, opened.notes);
+        if let Some((x, y)) = self.options.cell_m {
+            (world.grid.cell_x_m, world.grid.cell_y_m) = (x, y);
+            world.grid = world.grid.checked(self.limits).map_err(RunError::input)?;
+        }
+        let mut names = self.options.layers.clone();
+        if names.is_empty() {
+            names = match self.to.takes_several() {
+                true => world.layers().iter().map(|l| l.spec.name.to_string()).collect(),
+                false => vec!["height".to_owned()],
+            };
+        }
+        for name in &names {
+            world.layer(name).map_err(RunError::input)?;
+        }
+        let layers = names.iter().filter_map(|name| Source::layer(&world, name));
+        match (self.to, self.to.together()) {
+            (Output::Raster(_), Some(format)) => {
+                let origin = exports::origin(&world, &self.name(), None);
+                exports::write_together(self.output, &mut layers.collect::<Vec<_>>(), format, &origin)?;
+            }
+            (Output::Raster(format), None) => {
+                for (about, mut rows) in layers {
+                    let write = self.options.write();
+                    io::write_rows(self.output, &mut *rows, &about, format, &write).map_err(RunError::file)?;
+                }
+            }
+            _ => return self.exports(&world, &world, names, notes),
+        }
+        Ok(Converted { files: vec![self.output.to_owned()], notes })
+    }
+
+    fn name(&self) -> String {
+        self.input.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
+    }
+
+    /// A mesh, or the files of a preset.
+    fn exports(
+        &self,
+        world: &World,
+        source: &dyn Source,
+        layers: Vec<String>,
+        notes: Vec<String>,
+    ) -> Result<Converted, RunError> {
+        let (name, notes) = (self.name(), RefCell::new(notes));
+        let mut files = Vec::new();
+        let preset = self.options.preset;
+        let first_row = self.options.row_order.map(|r| match r {
+            RowOrder::NorthFirst => FirstRow::North,
+            RowOrder::SouthFirst => FirstRow::South,
+        });
+        let export = match self.to {
+            Output::Mesh(format) => Export { format, ..Export::default() },
+            _ => Export { preset, size: self.options.size, layers, first_row, ..Export::default() },
+        };
+        if export.needs_two_cells() && (world.grid.width < 2 || world.grid.height < 2) {
+            let message = "less than 2 x 2 cells, which make no triangle; convert it to a raster such as .tif";
+            return Err(RunError::input(format!("`{}` has {message}", self.input.display())));
+        }
+        if preset.is_some() {
+            std::fs::create_dir_all(self.output)
+                .map_err(|source| RunError::Folder { path: self.output.to_owned(), source })?;
+        }
+        let control = Control::none();
+        let mut job = Job {
+            world,
+            source,
+            name: &name,
+            out: if preset.is_some() { self.output } else { self.output.parent().unwrap_or(Path::new("")) },
+            attributes: Map::<String, Value>::new(),
+            limits: self.limits,
+            control: &control,
+            begin: &mut |path: PathBuf| {
+                files.push(path.clone());
+                Ok(path)
+            },
+            note: &|n| notes.borrow_mut().push(n),
+        };
+        match self.to {
+            Output::Mesh(_) => exports::write_mesh(&mut job, self.output, &export)?,
+            _ => exports::write(&mut job, &export)?,
+        }
+        Ok(Converted { files, notes: notes.into_inner() })
+    }
 }
 
-fn file(e: impl std::fmt::Display) -> RunError {
-    RunError::File(e.to_string())
+/// Layers of a file.
+struct Rasters(Vec<Raster>);
+
+impl Source for Rasters {
+    fn layer<'a>(&'a self, name: &str) -> Option<(About, Box<dyn Rows + 'a>)> {
+        self.0.iter().find(|r| r.name == name).map(layer)
+    }
+}
+
+fn layer(raster: &Raster) -> Layer<'_> {
+    let about = About { range: Some(raster.field.min_max()), ..raster.about() };
+    (about, Box::new(&raster.field))
 }

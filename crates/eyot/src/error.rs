@@ -145,6 +145,11 @@ impl RunError {
         }
     }
 
+    /// Errors of files and pictures name the file and the remedy themselves.
+    pub(crate) fn file(e: impl std::fmt::Display) -> Self {
+        Self::File(e.to_string())
+    }
+
     /// What to do about it.
     pub fn help(&self) -> Option<String> {
         use eyot_core::Error as Core;

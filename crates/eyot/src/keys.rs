@@ -178,7 +178,7 @@ pub enum ExportFormat {
     Glb,
     /// Wavefront OBJ: the terrain as a coloured mesh.
     Obj,
-    /// Grey picture of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the materials grass, rock, sand and snow.
+    /// Grey picture of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the shares of grass, rock, sand and snow.
     Mask,
     /// Picture whose red, green, blue and alpha are the shares of grass, rock, sand and snow and sum to 255.
     Splat,
@@ -196,7 +196,7 @@ pub enum Preset {
     Unity,
     /// Godot with Terrain3D: EXR of real heights, one splat map.
     Godot,
-    /// Blender: mesh, EXR of real heights, one mask a material.
+    /// Blender: mesh with the materials as attributes, EXR of real heights, one mask a material.
     Blender,
     /// GIS: Cloud Optimised GeoTIFF of each layer, -9999 for missing cells.
     Gis,
@@ -232,7 +232,7 @@ pub struct Export {
     pub format: ExportFormat,
     /// All files for a program instead of one format: sizes are resampled, scales and orders are the program's.
     pub preset: Option<Preset>,
-    /// The layers, one file each (`zarr` and `exr`: together in one). Meshes, `splat` and presets other than `gis` always show the height and do not need it.
+    /// The layers, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make. Meshes, `splat` and presets other than `gis` always show the height and do not need it.
     #[schemars(length(min = 1))]
     pub layers: Vec<String>,
     /// Start of the file name; the layer's name follows. The layer's name alone if empty.
@@ -245,8 +245,8 @@ pub struct Export {
     pub range: Option<[f64; 2]>,
     /// Order of bytes in `r16` and `r32`.
     pub bytes: Bytes,
-    /// Which row comes first in `r16` and `r32`.
-    pub first_row: FirstRow,
+    /// Which row comes first in `r16` and `r32`: the north if not given. In the preset `unity`, the south if not given, as Unity has it unless "Flip Vertically" is ticked.
+    pub first_row: Option<FirstRow>,
     /// Vertices along each side for the presets `unreal` and `unity`; the program's size that is nearest to the grid's if not given.
     #[schemars(range(min = 33, max = 8129), extend("unit" = "1"))]
     pub size: Option<u32>,
@@ -273,7 +273,7 @@ impl Default for Export {
             levels: 4,
             range: None,
             bytes: Bytes::Little,
-            first_row: FirstRow::North,
+            first_row: None,
             size: None,
             rock_slope: 35.0,
             beach: 3.0,

@@ -71,21 +71,18 @@ pub(crate) fn picture(grid: &Grid, options: &View, subject: Subject<'_>) -> u128
 /// Bytes that an export takes while it is made, beside the world. Rasters are written row by row.
 pub(crate) fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
     let cells = [grid.width, grid.height];
-    if let Some(preset) = export.preset
-        && preset != Preset::Blender
-    {
-        // Heights on other vertices, rows on their way there, and the shares of five materials as numbers and as bytes.
-        let fitted = export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n));
-        return if preset == Preset::Gis { 0 } else { 32 * fitted };
-    }
-    match export.format {
-        ExportFormat::Glb | ExportFormat::Obj => {
-            render::terrain_colours_bytes(cells)
-                + mesh::terrain_bytes(grid.width, grid.height, &mesh::MeshOptions::default(), limits)
-        }
-        // Shares of four materials, and one of them alone.
-        ExportFormat::Splat | ExportFormat::Mask => 5 * grid.cells() as u128,
-        ExportFormat::Map => render::layer_map_bytes(cells, &render::MapOptions::default()),
+    let mesh = || {
+        render::terrain_colours_bytes(cells)
+            + mesh::terrain_bytes(grid.width, grid.height, &mesh::MeshOptions::default(), limits)
+    };
+    match (export.preset, export.format) {
+        (Some(Preset::Gis), _) => 0,
+        // The mesh, and the shares of a material on their way to its vertices.
+        (Some(Preset::Blender), _) => mesh() + 24 * grid.cells() as u128,
+        // Heights on other vertices, rows on their way there, and one band of shares.
+        (Some(_), _) => 16 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
+        (None, ExportFormat::Glb | ExportFormat::Obj) => mesh(),
+        (None, ExportFormat::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
         _ => 0,
     }
 }

@@ -5,7 +5,7 @@ use crate::backend::{self, render};
 use crate::error::RunError;
 use crate::event::Event;
 use crate::exports::{self, Source};
-use crate::keys::{Export, ExportFormat, View};
+use crate::keys::{Export, View};
 use crate::need;
 use crate::recipe::Recipe;
 use crate::state::State;
@@ -67,14 +67,14 @@ impl Outputs<'_> {
             for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
                 let path = self.begin(self.out.join(name), &mut written)?;
                 let picture = draw(world, view, subject, self.limits, self.control).map_err(stopped)?;
-                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
             }
         }
         let path = self.begin(self.out.join(REPORT_FILE), &mut written)?;
         let report = self.report(state, &written);
         let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
         text.push('\n');
-        backend::write_text(&path, &text).map_err(file)?;
+        backend::write_text(&path, &text).map_err(RunError::file)?;
         if state.streamed {
             self.remove(CHECKPOINT_FILE)?;
         }
@@ -93,7 +93,7 @@ impl Outputs<'_> {
         let value = serde_json::to_value(state.without_times()).map_err(|e| RunError::Fault(e.to_string()))?;
         let path = self.begin(self.out.join(WORLD_FILE), written)?;
         let checkpoint = self.out.join(CHECKPOINT_FILE);
-        checkpoint::save(&checkpoint, self.world, &self.recipe.source.text, &value).map_err(file)?;
+        checkpoint::save(&checkpoint, self.world, &self.recipe.source.text, &value).map_err(RunError::file)?;
         self.remove(REPORT_FILE)?;
         std::fs::rename(&checkpoint, &path).map_err(|source| RunError::Folder { path: self.out.to_owned(), source })
     }
@@ -134,15 +134,14 @@ impl Outputs<'_> {
 
     fn export(&self, export: &Export, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
         let (world, recipe) = (self.world, self.recipe);
-        let known =
-            |l: &str| world.get(l).is_some() || (export.format == ExportFormat::Mask && exports::is_material(l));
+        let known = |l: &str| world.get(l).is_some() || export.knows(l);
         for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
             let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
             (self.tell)(Event::Warning { message });
         }
         let what = format!("`{}`", export.files()[0]);
         let bytes = need::export(&world.grid, export, self.limits);
-        need::check(&what, world, bytes, self.limits, need::EXPORT_REMEDY).map_err(file)?;
+        need::check(&what, world, bytes, self.limits, need::EXPORT_REMEDY).map_err(RunError::file)?;
         let mut job = exports::Job {
             world,
             source: self.source,
@@ -248,10 +247,5 @@ pub(crate) fn relief_options(v: &View, size: Option<u32>) -> render::ReliefOptio
 
 /// Errors of work that can be stopped.
 pub(crate) fn stopped(e: Error) -> RunError {
-    if matches!(e, Error::Cancelled(_)) { RunError::Stopped } else { file(e) }
-}
-
-/// Errors of files and pictures name the file and the remedy themselves.
-fn file(e: impl std::fmt::Display) -> RunError {
-    RunError::File(e.to_string())
+    if matches!(e, Error::Cancelled(_)) { RunError::Stopped } else { RunError::file(e) }
 }

@@ -88,19 +88,33 @@ pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Res
         rim: Rim::CLOSED,
     };
     let grid = grid.checked(limits).map_err(RunError::input)?;
-    let mut notes = Vec::new();
-    if raster.cell_m.is_none() {
-        notes.push("the file does not say how large its cells are; 1 m is assumed".to_owned());
-    }
-    if raster.filled > 0 {
-        notes.push(format!("{} cells without a value were filled from their neighbours", raster.filled));
-    }
+    let notes = notes(&raster);
     let mut world = World::new(grid, 0);
     world.georeference = raster.georeference;
     world.put(&known::HEIGHT, raster.field).map_err(RunError::input)?;
     // A bare height map has no sea: far below everything.
     world.sea_level_m = f64::from(known::HEIGHT.range.0);
     Ok(Opened { world, file: path.to_owned(), has_sea: false, notes })
+}
+
+/// What one should know of a height map.
+pub(crate) fn notes(raster: &io::Raster) -> Vec<String> {
+    let mut notes = Vec::new();
+    if raster.cell_m.is_none() {
+        notes
+            .push("the file does not say how large its cells are; 1 m is assumed (eyot convert has --cell)".to_owned());
+    }
+    if raster.filled > 0 {
+        notes.push(format!("{} cells without a value were filled from their neighbours", raster.filled));
+    }
+    if raster.rounded_by > 0.0 {
+        let by = raster.rounded_by;
+        notes.push(format!("the file holds numbers of more than 32 bits; they were rounded, by {by:.1e} at most"));
+    }
+    if raster.steps > 1 {
+        notes.push(format!("the file holds {} steps of time; this is the last", raster.steps));
+    }
+    notes
 }
 
 /// The height of a streamed run from what it exported; `None` if the folder holds no such run.
@@ -185,5 +199,5 @@ pub fn stats(opened: &Opened, limits: &Limits) -> Result<Value, RunError> {
     let height = &world.layer("height").map_err(RunError::input)?.field;
     let sea = opened.has_sea.then_some(world.sea_level_m);
     let stats = analyse::terrain_stats(height, &world.grid, sea, &analyse::TerrainOptions::default(), limits);
-    serde_json::to_value(stats.map_err(|e| RunError::File(e.to_string()))?).map_err(|e| RunError::Fault(e.to_string()))
+    serde_json::to_value(stats.map_err(RunError::file)?).map_err(|e| RunError::Fault(e.to_string()))
 }

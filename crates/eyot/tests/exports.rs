@@ -1,8 +1,10 @@
-//! Exports by recipes, presets and conversions: exact sizes, scales and orders, and nothing lost.
+//! Exports by recipes and presets: exact sizes, scales and orders, and nothing lost.
 
-use eyot::convert::{ConvertOptions, convert};
-use eyot::io::{ByteOrder, ReadOptions, RowOrder, Sample, WriteOptions, read_raster};
-use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, Run, RunOptions};
+mod common;
+
+use common::{json, parse, raster, run};
+use eyot::io::{ReadOptions, read_raster};
+use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, Run, RunOptions, World};
 use serde_json::Value;
 use std::path::Path;
 
@@ -21,23 +23,13 @@ const LAND: &str = r#"
     enabled = false
 "#;
 
-fn recipe(more: &str, presets: &[Preset]) -> Result<Recipe, String> {
-    let source = RecipeSource { name: "hill.toml".into(), text: format!("{LAND}{more}"), folder: ".".into() };
+fn complaints(more: &str) -> String {
+    parse(LAND, &[more], Overrides::default(), &Limits::default()).err().unwrap_or_default()
+}
+
+fn made(out: &Path, exports: &[&str], presets: &[Preset]) -> World {
     let overrides = Overrides { presets: presets.to_vec(), ..Overrides::default() };
-    Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()).map_err(|p| p.to_string())
-}
-
-fn made(out: &Path, more: &str, presets: &[Preset]) -> eyot::World {
-    let options = RunOptions { out: Some(out.to_owned()), ..RunOptions::default() };
-    Run::start(recipe(more, presets).unwrap(), options).unwrap().join().unwrap().world
-}
-
-fn json(path: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
-}
-
-fn raster(path: &Path) -> eyot::io::Raster {
-    read_raster(path, &ReadOptions::default(), &Limits::default()).unwrap()
+    run(parse(LAND, exports, overrides, &Limits::default()).unwrap(), out)
 }
 
 #[test]
@@ -45,9 +37,12 @@ fn every_format_of_a_recipe_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let formats = ["png16", "geotiff", "r32", "r16", "exr", "npy", "zarr", "glb", "obj", "splat", "map"];
-    let mut more: String = formats.iter().map(|f| format!("[[export]]\nformat = \"{f}\"\n")).collect();
-    more += "[[export]]\nformat = \"mask\"\nlayers = [\"grass\", \"rock\"]\n";
-    let world = made(&out, &more, &[]);
+    let mut exports: Vec<String> = formats.iter().map(|f| format!("format = \"{f}\"")).collect();
+    exports.push("format = \"mask\"\nlayers = [\"grass\", \"rock\"]".to_owned());
+    // The shares of the ground as floats, for research.
+    exports.push("format = \"npy\"\nlayers = [\"grass\", \"rock\", \"sand\", \"snow\"]".to_owned());
+    let exports: Vec<&str> = exports.iter().map(String::as_str).collect();
+    let world = made(&out, &exports, &[]);
     let field = world.get("height").unwrap();
     for file in ["height.tif", "height.r32", "height.exr", "height.npy", "world.zarr"] {
         let r = raster(&out.join(file));
@@ -75,14 +70,23 @@ fn every_format_of_a_recipe_is_written() {
     let a = &root["attributes"];
     assert_eq!((a["seed"].as_u64(), a["engine_version"].as_str()), (Some(7), Some(eyot::VERSION)));
     assert!(a["recipe"].as_str().unwrap().contains("name = \"Hill\""));
+    let shares = ["grass", "rock", "sand", "snow"].map(|m| raster(&out.join(format!("{m}.npy"))));
+    assert_eq!((&*shares[1].name, &*shares[1].unit), ("rock", "1"));
+    let options = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), ..ReadOptions::default() };
+    let mask = read_raster(&out.join("rock_mask.png"), &options, &Limits::default()).unwrap().field;
+    for (x, y) in [(0, 0), (150, 100), (299, 199), (20, 77)] {
+        let sum: f32 = shares.iter().map(|s| s.field.get(x, y)).sum();
+        assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+        assert!((mask.get(x, y) - shares[1].field.get(x, y)).abs() < 1.0 / 255.0);
+    }
     // A second run into the same folder replaces the store like any file.
-    made(&out, &more, &[]);
+    made(&out, &exports, &[]);
 }
 
 #[test]
 fn unreal_has_its_sizes_scales_and_orders() {
     let folder = tempfile::tempdir().unwrap();
-    made(folder.path(), "", &[Preset::Unreal]);
+    made(folder.path(), &[], &[Preset::Unreal]);
     let about = json(&folder.path().join("unreal.json"));
     assert_eq!(about["resolution"], serde_json::json!([505, 505]));
     assert_eq!((about["section_size_quads"].as_u64(), about["components"][0].as_u64()), (Some(63), Some(8)));
@@ -122,7 +126,7 @@ fn unreal_has_its_sizes_scales_and_orders() {
 #[test]
 fn unity_has_its_size_and_starts_in_the_south() {
     let folder = tempfile::tempdir().unwrap();
-    let world = made(folder.path(), "[[export]]\npreset = \"unity\"\nsize = 129\n", &[]);
+    let world = made(folder.path(), &["preset = \"unity\"\nsize = 129"], &[]);
     let about = json(&folder.path().join("unity.json"));
     assert_eq!(about["heightmap"]["resolution"], 129);
     let raw = std::fs::read(folder.path().join("unity_height.raw")).unwrap();
@@ -140,17 +144,32 @@ fn unity_has_its_size_and_starts_in_the_south() {
     let r = raster(&folder.path().join("unity_height.raw"));
     assert!((f64::from(r.field.get(0, 128)) - first).abs() < 1e-2);
     assert_eq!(about["splatmap"]["resolution"], 128);
+    // North first on request; then Unity has to flip it.
+    let flipped = tempfile::tempdir().unwrap();
+    made(flipped.path(), &["preset = \"unity\"\nsize = 129\nfirst_row = \"north\""], &[]);
+    let north = std::fs::read(flipped.path().join("unity_height.raw")).unwrap();
+    assert!(north.chunks(258).eq(raw.chunks(258).rev()));
+    let about = json(&flipped.path().join("unity.json"));
+    assert_eq!(about["heightmap"]["flip_vertically"], true);
 }
 
 #[test]
 fn other_presets_write_their_files() {
     let folder = tempfile::tempdir().unwrap();
-    let world = made(folder.path(), "[[export]]\n", &[Preset::Godot, Preset::Blender, Preset::Gis]);
+    let world = made(folder.path(), &[""], &[Preset::Godot, Preset::Blender, Preset::Gis]);
     let field = world.get("height").unwrap();
     assert_eq!(&raster(&folder.path().join("godot_height.exr")).field, field);
     assert_eq!(json(&folder.path().join("godot.json"))["vertex_spacing"], 20.0);
     assert_eq!(&raster(&folder.path().join("blender_height.exr")).field, field);
-    assert!(folder.path().join("blender_terrain.glb").exists());
+    // Blender makes attributes of the mesh of these.
+    let glb = std::fs::read(folder.path().join("blender_terrain.glb")).unwrap();
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let document: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    for mesh in document["meshes"].as_array().unwrap() {
+        for name in ["_GRASS", "_ROCK", "_SAND", "_SNOW"] {
+            assert!(mesh["primitives"][0]["attributes"][name].is_u64(), "{name}");
+        }
+    }
     // The recipe's own export has the plain name.
     let r = raster(&folder.path().join("gis_height.tif"));
     assert_eq!(&r.field, field);
@@ -160,17 +179,19 @@ fn other_presets_write_their_files() {
 #[test]
 fn wrong_exports_are_named_with_their_place() {
     for (more, part) in [
-        ("[[export]]\npreset = \"unreal\"\nsize = 512\n", "choose 505, 1009, 2017, 4033, 8129"),
-        ("[[export]]\npreset = \"godot\"\nsize = 512\n", "keeps the size of the grid"),
-        ("[[export]]\nsize = 505\n", "belongs to presets"),
-        ("[[export]]\npreset = \"unreal\"\nformat = \"r16\"\n", "one too many"),
-        ("[[export]]\npreset = \"unity\"\nbytes = \"big\"\n", "no effect with the preset `unity`"),
-        ("[[export]]\nformat = \"r16\"\nrange = [3.0, 1.0]\n", "lower number first"),
-        ("[[export]]\nformat = \"mask\"\nlayers = [\"gras\"]\n", "no step makes a layer `gras`"),
-        ("[[export]]\nformat = \"exe\"\n", "did you mean \"exr\""),
-        ("[[export]]\npreset = \"unrael\"\n", "did you mean \"unreal\""),
+        ("preset = \"unreal\"\nsize = 512\n", "choose 505, 1009, 2017, 4033, 8129"),
+        ("preset = \"godot\"\nsize = 512\n", "keeps the size of the grid"),
+        ("size = 505\n", "belongs to presets"),
+        ("preset = \"unreal\"\nformat = \"r16\"\n", "one too many"),
+        ("preset = \"unity\"\nbytes = \"big\"\n", "no effect with the preset `unity`"),
+        ("preset = \"unreal\"\nfirst_row = \"south\"\n", "no effect with the preset `unreal`"),
+        ("format = \"map\"\nlayers = [\"rock\"]\n", "no step makes a layer `rock`"),
+        ("format = \"r16\"\nrange = [3.0, 1.0]\n", "lower number first"),
+        ("format = \"mask\"\nlayers = [\"gras\"]\n", "no step makes a layer `gras`"),
+        ("format = \"exe\"\n", "did you mean \"exr\""),
+        ("preset = \"unrael\"\n", "did you mean \"unreal\""),
     ] {
-        let e = recipe(more, &[]).err().unwrap_or_default();
+        let e = complaints(more);
         assert!(e.contains(part), "{more}: {e}");
     }
 }
@@ -208,70 +229,4 @@ fn bare_numbers_are_imported_by_keys() {
     let world = Run::start(recipe.unwrap(), RunOptions::default()).unwrap().join().unwrap().world;
     let field = world.get("height").unwrap();
     assert!((0..64).all(|x| (field.get(x, 17) - x as f32).abs() < 1e-3));
-}
-
-#[test]
-fn conversions_go_around_without_loss() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name);
-    let limits = Limits::default();
-    let real = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif");
-    let original = raster(&real);
-    let go = |from: &Path, to: &Path, o: &ConvertOptions| convert(from, to, o, &limits).unwrap();
-    let d = ConvertOptions::default();
-    // Through every format of floats and back: values and place to the bit.
-    let mut from = real.clone();
-    for name in ["a.exr", "b.npy", "c.zarr", "d.r32", "e.tif", "f.exr"] {
-        go(&from, &at(name), &d);
-        from = at(name);
-    }
-    let back = raster(&at("f.exr"));
-    assert_eq!(back.field, original.field);
-    let (a, b) = (back.georeference.unwrap(), original.georeference.clone().unwrap());
-    assert_eq!((a.epsg, a.geographic, a.nodata), (b.epsg, b.geographic, b.nodata));
-    assert!(a.transform.iter().zip(b.transform).all(|(x, y)| (x - y).abs() < 1e-12));
-    let (x, y) = back.cell_m.unwrap();
-    let (ox, oy) = original.cell_m.unwrap();
-    assert!((x - ox).abs() < 1e-6 && (y - oy).abs() < 1e-6, "{x} {ox}");
-    // Through every format of 16 bits: the numbers stay.
-    go(
-        &real,
-        &at("a.r16"),
-        &ConvertOptions { write: WriteOptions { scale: Some((-100.0, 3000.0)), ..d.write.clone() }, ..d.clone() },
-    );
-    go(&at("a.r16"), &at("b.png"), &d);
-    go(&at("b.png"), &at("c.tif"), &d);
-    let scaled =
-        ConvertOptions { write: WriteOptions { scale: Some((-100.0, 3000.0)), ..d.write.clone() }, ..d.clone() };
-    go(&at("c.tif"), &at("d.r16"), &scaled);
-    go(&at("b.png"), &at("e.r16"), &d);
-    let bytes = |name: &str| std::fs::read(at(name)).unwrap();
-    assert_eq!(bytes("a.r16"), bytes("e.r16"));
-    assert_eq!(bytes("a.r16"), bytes("d.r16"));
-    assert_eq!(raster(&at("e.r16")).georeference.unwrap().epsg, Some(4326));
-    // Other orders, and back by flags alone.
-    let write = WriteOptions { byte_order: ByteOrder::Big, row_order: RowOrder::SouthFirst, ..WriteOptions::default() };
-    go(&at("a.r16"), &at("big.r16"), &ConvertOptions { write, ..d.clone() });
-    assert_ne!(bytes("big.r16"), bytes("a.r16"));
-    std::fs::copy(at("big.r16"), at("bare.bin")).unwrap();
-    let read = ReadOptions {
-        size: Some((403, 344)),
-        sample: Some(Sample::Unsigned(2)),
-        byte_order: Some(ByteOrder::Big),
-        row_order: Some(RowOrder::SouthFirst),
-        low_m: Some(-100.0),
-        high_m: Some(3000.0),
-        ..ReadOptions::default()
-    };
-    go(&at("bare.bin"), &at("g.r16"), &ConvertOptions { read, cell_m: Some((5.0, 5.0)), ..d.clone() });
-    assert_eq!(bytes("g.r16"), bytes("a.r16"));
-    assert_eq!(raster(&at("g.r16")).cell_m, Some((5.0, 5.0)));
-    // Meshes and presets.
-    let done = go(&real, &at("unity"), &ConvertOptions { preset: Some(Preset::Unity), ..d.clone() });
-    assert!(done.notes.iter().any(|n| n.contains("unity takes 513 x 513")), "{:?}", done.notes);
-    assert!(at("unity/unity_height.raw").exists());
-    go(&real, &at("m.obj"), &d);
-    let itself = convert(&at("a.r16"), &at("a.r16"), &d, &limits).unwrap_err().to_string();
-    assert!(itself.contains("over itself"), "{itself}");
-    assert!(convert(&real, &at("m.xyz"), &d, &limits).unwrap_err().to_string().contains(".zarr"));
 }

@@ -1,9 +1,10 @@
 //! Streamed runs: the files of a run in one piece, less memory, and stops that lose nothing.
 
+mod common;
+
+use common::recipe;
 use eyot::store::{self, Subject};
-use eyot::{
-    Command, Event, Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunError, RunOptions, Stream, View,
-};
+use eyot::{Command, Event, Limits, Overrides, Recipe, Registry, Run, RunError, RunOptions, Stream, View};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -20,6 +21,7 @@ const WIDE: &str = r#"
     [[step]]
     generate = "ramp"
     layer = "share"
+    high = 1.0
     [[step]]
     generate = "smooth"
     sigma_m = 60.0
@@ -28,7 +30,7 @@ const WIDE: &str = r#"
     size = [64, 48]
 "#;
 
-const EXPORTS: [&str; 8] = [
+const EXPORTS: [&str; 11] = [
     "format = \"geotiff\"\nlayers = [\"height\", \"share\"]",
     "format = \"zarr\"\nlayers = [\"height\", \"share\"]",
     "format = \"exr\"\nlayers = [\"height\", \"share\"]",
@@ -37,16 +39,13 @@ const EXPORTS: [&str; 8] = [
     "format = \"png16\"",
     "format = \"npy\"",
     "preset = \"gis\"\nprefix = \"gis_\"",
+    "format = \"mask\"\nlayers = [\"share\", \"rock\"]",
+    "format = \"splat\"\nrock_slope = 10.0",
+    "format = \"npy\"\nlayers = [\"sand\"]",
 ];
 
 fn parse(text: &str, exports: &[&str], limits: &Limits) -> Result<Recipe, String> {
-    let more: String = exports.iter().map(|e| format!("[[export]]\n{e}\n")).collect();
-    let source = RecipeSource { name: "wide.toml".into(), text: format!("{text}{more}"), folder: ".".into() };
-    Recipe::parse(source, Overrides::default(), &Registry::standard(), limits).map_err(|p| p.to_string())
-}
-
-fn recipe(text: &str, exports: &[&str]) -> Recipe {
-    parse(text, exports, &Limits::default()).unwrap()
+    common::parse(text, exports, Overrides::default(), limits)
 }
 
 fn options(out: &Path, stream: Stream) -> RunOptions {

@@ -173,9 +173,8 @@ impl Look<'_> {
 
     /// True if the box lies wholly on the outer side of a plane through the eye.
     fn beyond(&self, plane: &[f32; 3], low: &[f32; 3], high: &[f32; 3]) -> bool {
-        let farthest: f32 = (0..3)
-            .map(|k| plane[k] * (if plane[k] > 0.0 { high[k] } else { low[k] } - self.camera.eye[k]))
-            .sum();
+        let farthest: f32 =
+            (0..3).map(|k| plane[k] * (if plane[k] > 0.0 { high[k] } else { low[k] } - self.camera.eye[k])).sum();
         farthest < 0.0
     }
 }

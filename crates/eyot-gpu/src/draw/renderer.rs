@@ -133,14 +133,7 @@ impl Renderer {
     ///
     /// # Errors
     /// If the picture is larger than the device draws, its memory is full, or it is lost.
-    pub fn draw(
-        &mut self,
-        gpu: &Gpu,
-        scene: &Scene,
-        camera: &Camera,
-        size: [u32; 2],
-        time_s: f32,
-    ) -> Result<Picture> {
+    pub fn draw(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2], time_s: f32) -> Result<Picture> {
         check_size(gpu, size)?;
         let format = TextureFormat::Rgba8Unorm;
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
@@ -175,14 +168,7 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Renderer::draw`].
-    pub fn paint(
-        &mut self,
-        gpu: &Gpu,
-        scene: &Scene,
-        camera: &Camera,
-        time_s: f32,
-        canvas: &Canvas<'_>,
-    ) -> Result<()> {
+    pub fn paint(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, time_s: f32, canvas: &Canvas<'_>) -> Result<()> {
         let (size, format) = (canvas.size, canvas.format);
         self.pipelines(gpu, format, SAMPLES)?;
         let targets = match self.canvas.take().filter(|t| t.size == size && t.format == format) {
@@ -351,7 +337,12 @@ impl Targets {
             let kind = Kind { samples: SAMPLES, ..Kind::new(what, size, format, TextureUsages::RENDER_ATTACHMENT) };
             kind.make(gpu).map(|t| t.create_view(&wgpu::TextureViewDescriptor::default()))
         };
-        Ok(Self { size, format, colour: make("colours of a picture", format)?, depth: make("depths of a picture", DEPTH)? })
+        Ok(Self {
+            size,
+            format,
+            colour: make("colours of a picture", format)?,
+            depth: make("depths of a picture", DEPTH)?,
+        })
     }
 }
 

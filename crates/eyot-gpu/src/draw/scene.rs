@@ -67,9 +67,7 @@ impl Scene {
         let world = shrunk(world, coarser, wears.map(|w| w.0))?;
         let stage = Stage::new(&world, options)?;
         let paint = match wears {
-            Some((layer, o)) => {
-                Some(Paint { layer: layer.to_owned(), colours: LayerColours::new(&world, layer, o)? })
-            }
+            Some((layer, o)) => Some(Paint { layer: layer.to_owned(), colours: LayerColours::new(&world, layer, o)? }),
             None => None,
         };
         let flow = stage.fresh().and_then(|_| flow(&world));
@@ -158,7 +156,13 @@ impl Scene {
     /// All textures that a picture reads, in the order of their bindings.
     pub(crate) fn views(maps: &Maps) -> [wgpu::TextureView; 5] {
         let whole = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
-        [texture::mip(&maps.heights, 0), whole(&maps.ground), whole(&maps.relief), whole(&maps.light), whole(&maps.flow)]
+        [
+            texture::mip(&maps.heights, 0),
+            whole(&maps.ground),
+            whole(&maps.relief),
+            whole(&maps.light),
+            whole(&maps.flow),
+        ]
     }
 }
 

@@ -48,11 +48,7 @@ impl Kind {
         if pollster::block_on(scope.pop()).is_some() {
             let bytes = u64::from(self.format.block_copy_size(None).unwrap_or(4));
             let mib = (u64::from(width) * u64::from(height) * u64::from(self.samples) * bytes) >> 20;
-            return Err(GpuError::OutOfMemory {
-                adapter: gpu.name().to_owned(),
-                what: self.what.to_owned(),
-                mib,
-            });
+            return Err(GpuError::OutOfMemory { adapter: gpu.name().to_owned(), what: self.what.to_owned(), mib });
         }
         Ok(texture)
     }

@@ -4,6 +4,7 @@
 //! coarsest overview, and so on up to full resolution. Memory holds one band of tiles for each level.
 
 mod directory;
+pub(crate) mod metadata;
 mod pyramid;
 
 use crate::about::About;
@@ -12,11 +13,12 @@ use crate::error::{Error, Result};
 use crate::format::{WriteOptions, size_u32};
 use crate::rows::{Rows, band_rows, each_band};
 use directory::{Tagged, directory, header, header_bytes};
+use metadata::{GDAL_METADATA, Metadata, TEXTS};
 use pyramid::{Level, Pyramid, TILE};
 use std::path::Path;
 
 /// What GIS users expect where nothing else is said.
-const USUAL_NODATA: f32 = -9999.0;
+pub(crate) const USUAL_NODATA: f32 = -9999.0;
 /// What GDAL may rely on when it reads the file over a network. The number is the length of what follows.
 const GDAL_HINTS: &str = "GDAL_STRUCTURAL_METADATA_SIZE=000140 bytes\n\
 LAYOUT=IFDS_BEFORE_DATA\n\
@@ -31,13 +33,14 @@ pub(crate) fn write(path: &Path, rows: &mut dyn Rows, about: &About, options: &W
     let (width, height) = rows.size();
     size_u32(path, width, height)?;
     let nodata = free_nodata(path, rows, about, options)?;
-    let place = place(about, height);
+    let mut more = place(about, height);
+    more.extend(words(about));
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let spool = |e| Error::io(folder, "write temporary data to")(e);
     write_atomically(path, |file| {
         let mut pyramid = Pyramid::new(width, height, folder).map_err(spool)?;
         each_band(path, rows, TILE, |_, band| pyramid.push(band).map_err(spool))?;
-        let head = head(&pyramid.levels, nodata, &place);
+        let head = head(&pyramid.levels, nodata, &more);
         watched(file, path, |mut out| {
             put(&mut out, path, &head)?;
             pyramid.levels.iter_mut().rev().try_for_each(|level| level.copy_to(path, &mut out))
@@ -45,8 +48,8 @@ pub(crate) fn write(path: &Path, rows: &mut dyn Rows, about: &About, options: &W
     })
 }
 
-/// Everything before the tiles.
-fn head(levels: &[Level], nodata: Option<f32>, place: &[(u16, Tagged)]) -> Vec<u8> {
+/// Everything before the tiles; `more` are tags of the full resolution.
+fn head(levels: &[Level], nodata: Option<f32>, more: &[(u16, Tagged)]) -> Vec<u8> {
     let data: u64 = levels.iter().map(|l| l.spooled).sum();
     let build = |big: bool, data_start: u64| {
         let mut at = header_bytes(big) + GDAL_HINTS.len();
@@ -58,7 +61,7 @@ fn head(levels: &[Level], nodata: Option<f32>, place: &[(u16, Tagged)]) -> Vec<u
         let mut end = data_start + data;
         for (i, level) in levels.iter().enumerate() {
             end -= level.spooled;
-            let tags = tags(level, i > 0, end, nodata, if i == 0 { place } else { &[] });
+            let tags = tags(level, i > 0, end, nodata, if i == 0 { more } else { &[] });
             let bytes = directory(&tags, out.len() as u64, i + 1 == levels.len(), big);
             out.extend(bytes);
         }
@@ -71,7 +74,7 @@ fn head(levels: &[Level], nodata: Option<f32>, place: &[(u16, Tagged)]) -> Vec<u
 }
 
 /// The tags of one level whose tiles begin at `start`, in ascending order.
-fn tags(level: &Level, overview: bool, start: u64, nodata: Option<f32>, place: &[(u16, Tagged)]) -> Vec<(u16, Tagged)> {
+fn tags(level: &Level, overview: bool, start: u64, nodata: Option<f32>, more: &[(u16, Tagged)]) -> Vec<(u16, Tagged)> {
     use Tagged::{Ascii, Long, Offset, Short};
     let mut tags = vec![
         (254, Long(vec![u32::from(overview)])),
@@ -90,11 +93,20 @@ fn tags(level: &Level, overview: bool, start: u64, nodata: Option<f32>, place: &
         (325, Long(level.tiles.iter().map(|t| t.bytes).collect())),
         (339, Short(vec![3])),
     ];
-    tags.extend(place.iter().map(|(tag, value)| (*tag, value.clone())));
+    tags.extend_from_slice(more);
     if let Some(value) = nodata {
         tags.push((42113, Ascii(format!("{:?}", f64::from(value)))));
     }
+    tags.sort_by_key(|(tag, _)| *tag);
     tags
+}
+
+/// The tags that say in words what the raster is.
+fn words(about: &About) -> Vec<(u16, Tagged)> {
+    let texts = TEXTS.iter().filter_map(|(tag, name)| Some((*tag, about.tags.get(*name)?.clone())));
+    // A zero ends a text.
+    let texts = texts.filter(|(_, text)| !text.contains('\0'));
+    texts.chain(Metadata::xml(about).map(|xml| (GDAL_METADATA, xml))).map(|(tag, t)| (tag, Tagged::Ascii(t))).collect()
 }
 
 /// The tags that say where the raster lies.

@@ -1,15 +1,15 @@
 //! Zarr stores, in: one array as a raster.
 
 use super::array::{Array, metadata};
-use super::{METADATA, PLACE};
+use super::{ATTRIBUTES, METADATA, PLACE};
 use crate::error::{Error, Result};
 use crate::fill::Missing;
-use crate::georef::{cell_size_m, is_sound};
+use crate::georef::{cell_size_m, is_nowhere, is_sound};
 use crate::geotiff_read::face_north;
 use crate::raster::{Raster, ReadOptions, check_size};
-use crate::sample::{ByteOrder, Sample};
+use crate::sample::{ByteOrder, Narrowed, Sample};
 use eyot_core::{Field, Georeference, Limits};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
 /// Arrays of a group that are looked at.
@@ -21,7 +21,7 @@ const FREE_BYTES: u128 = 64 << 20;
 const MAX_COMPRESSION: u128 = 1 << 16;
 
 /// True if the folder is a Zarr v3 group or array.
-pub fn is_node(folder: &Path) -> bool {
+pub(crate) fn is_node(folder: &Path) -> bool {
     folder.join(METADATA).is_file()
 }
 
@@ -50,14 +50,15 @@ pub(crate) fn read(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
     let (factor, offset) = (number("scale_factor").unwrap_or(1.0), number("add_offset").unwrap_or(0.0));
     let mut field = Field::new(width, height, 0.0);
     let mut missing = Missing::new(width, height, nodata);
+    let mut narrowed = Narrowed::default();
     values(&array, |y, x, v| {
         missing.look_at(x, y, v);
         // Unscaled values stay as they are to the bit.
-        let value = if (factor, offset) == (1.0, 0.0) { v } else { v * factor + offset };
-        field.set(x, y, value as f32);
+        field.set(x, y, if (factor, offset) == (1.0, 0.0) { narrowed.of(v) } else { (v * factor + offset) as f32 });
     })?;
     let filled = missing.fill(&folder, &mut field)?;
-    let mut raster = Raster { filled, ..Raster::of(field) };
+    let steps = array.shape.iter().rev().skip(2).product();
+    let mut raster = Raster { filled, steps, rounded_by: narrowed.by(), ..Raster::of(field) };
     describe(&array, path, &mut raster, limits);
     Ok(raster)
 }
@@ -68,19 +69,7 @@ fn choose(path: &Path, wanted: Option<&str>) -> Result<PathBuf> {
     if node["node_type"] == "array" {
         return Ok(path.to_owned());
     }
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(path).map_err(Error::io(path, "read the folder"))?.flatten().take(MAX_ARRAYS) {
-        let (folder, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
-        if !is_node(&folder) {
-            continue;
-        }
-        // What cannot be read is named all the same: it may be the one that is meant.
-        let flat = metadata(&folder).is_ok_and(|m| m["shape"].as_array().is_some_and(|s| s.len() < 2));
-        if !flat {
-            names.push(name);
-        }
-    }
-    names.sort();
+    let names = names_of(path)?;
     let there = names.join(", ");
     match (wanted, names.as_slice()) {
         (Some(name), _) if names.iter().any(|n| n == name) => Ok(path.join(name)),
@@ -97,6 +86,42 @@ fn choose(path: &Path, wanted: Option<&str>) -> Result<PathBuf> {
             Err(Error::format(path, problem, "say which one holds the heights (--layer NAME)"))
         }
     }
+}
+
+/// The attributes of the root of a store; none for other files.
+///
+/// # Errors
+/// If the store's metadata cannot be read.
+pub fn store_attributes(path: &Path) -> Result<Map<String, Value>> {
+    if !is_node(path) {
+        return Ok(Map::new());
+    }
+    let node = metadata(path)?;
+    // Those of an array are its own.
+    let of_group = node["attributes"].as_object().filter(|_| node["node_type"] == "group");
+    Ok(of_group.cloned().unwrap_or_default())
+}
+
+/// The names of the arrays of rows and columns, in their order; none if the folder is an array itself.
+pub(crate) fn names(path: &Path) -> Result<Vec<String>> {
+    if metadata(path)?["node_type"] == "array" { Ok(Vec::new()) } else { names_of(path) }
+}
+
+fn names_of(path: &Path) -> Result<Vec<String>> {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(Error::io(path, "read the folder"))?.flatten().take(MAX_ARRAYS) {
+        let (folder, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+        if !is_node(&folder) {
+            continue;
+        }
+        // What cannot be read is named all the same: it may be the one that is meant.
+        let flat = metadata(&folder).is_ok_and(|m| m["shape"].as_array().is_some_and(|s| s.len() < 2));
+        if !flat {
+            names.push(name);
+        }
+    }
+    names.sort();
+    Ok(names)
 }
 
 /// Refuses large arrays of which next to nothing is there.
@@ -204,6 +229,8 @@ fn describe(array: &Array, store: &Path, raster: &mut Raster, limits: &Limits) {
     }
     raster.unit = text("units");
     raster.meaning = text("long_name");
+    let texts = array.attributes.iter().filter(|(key, _)| !ATTRIBUTES.contains(&key.as_str()));
+    raster.tags = texts.filter_map(|(key, v)| Some((key.clone(), v.as_str()?.to_owned()))).collect();
     let beside = |name: &str| {
         let folder = array.folder.parent().map(|p| p.join(name)).filter(|f| is_node(f))?;
         Array::open(&folder, limits).ok()
@@ -235,12 +262,8 @@ fn describe(array: &Array, store: &Path, raster: &mut Raster, limits: &Limits) {
     let measured = georeference.as_ref().or(own.as_ref()).map(|g| cell_size_m(g, width, height, 1.0));
     let usable = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0;
     raster.cell_m = said.or(measured).filter(usable);
-    // The corner at (0, 0) without a code is what Eyot writes for a world that lies nowhere.
-    let somewhere = |g: &Georeference| {
-        g.geographic || (g.transform[0], g.transform[3] + height as f64 * g.transform[5]) != (0.0, 0.0)
-    };
     let foreign = said.is_none();
-    raster.georeference = georeference.or(own.filter(|g| foreign && somewhere(g)));
+    raster.georeference = georeference.or(own.filter(|g| foreign && !is_nowhere(g, height)));
 }
 
 /// What `spatial_ref` says.

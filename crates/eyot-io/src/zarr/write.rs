@@ -1,6 +1,6 @@
 //! Zarr stores, out.
 
-use super::{CHUNK, METADATA, PLACE, SHARD};
+use super::{ATTRIBUTES, CHUNK, METADATA, PLACE, SHARD, STEPS, TIME};
 use crate::about::About;
 use crate::atomic::write_folder_atomically;
 use crate::error::{Error, Result};
@@ -18,9 +18,9 @@ const ABSENT: [u8; 16] = [0xff; 16];
 
 /// Writes layers of the same size and place as the arrays of one Zarr v3 store at the folder `path`.
 ///
-/// Beside the layers stand their coordinates `x` and `y` (metres, or degrees for geographic places) and, if they have a
-/// place on Earth, `spatial_ref` with its code and transform. `attributes` go to the root, beside those of CF. The store
-/// appears whole or not at all; a former store at `path` is replaced.
+/// Beside the layers stand their coordinates `time` (one: the attribute `steps_done`, or 0), `y` and `x` (metres, or degrees
+/// for geographic places) and, if they have a place on Earth, `spatial_ref` with its code and transform. `attributes` go to
+/// the root, beside those of CF. The store appears whole or not at all; a former store at `path` is replaced.
 ///
 /// # Errors
 /// If there is no layer, if layers differ in size, have the same name or one that cannot name a folder, if `rows` fail or
@@ -35,7 +35,11 @@ pub fn write_store(path: &Path, layers: &mut [(&About, &mut dyn Rows)], attribut
     let mut names: Vec<&str> = layers.iter().map(|(a, _)| name_of(a)).collect();
     for (i, name) in names.iter().enumerate() {
         let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
-        if !letters || name.starts_with(['.', '_']) || ["x", "y", PLACE].contains(name) || names[..i].contains(name) {
+        if !letters
+            || name.starts_with(['.', '_'])
+            || ["x", "y", TIME, PLACE].contains(name)
+            || names[..i].contains(name)
+        {
             let problem = format!("`{name}` cannot name an array here");
             return Err(Error::format(path, problem, "use different names of letters, digits and underscores"));
         }
@@ -60,6 +64,11 @@ pub fn write_store(path: &Path, layers: &mut [(&About, &mut dyn Rows)], attribut
             write_metadata(&at, &metadata)?;
             known.insert(name.to_owned(), metadata);
         }
+        let step = attributes.get(STEPS).and_then(Value::as_i64).unwrap_or(0);
+        let at = folder.join(TIME);
+        write_piece(&at.join("c/0"), &step.to_le_bytes())?;
+        write_metadata(&at, &time_metadata())?;
+        known.insert(TIME.to_owned(), time_metadata());
         if let Some(metadata) = place_metadata(&place) {
             let at = folder.join(PLACE);
             write_piece(&at.join("c"), &0i32.to_le_bytes())?;
@@ -87,7 +96,7 @@ fn write_layer(path: &Path, folder: &Path, rows: &mut dyn Rows) -> Result<()> {
     let width = rows.size().0;
     each_band(path, rows, SHARD, |top, band| {
         let down = top / SHARD;
-        let row = folder.join(format!("c/{down}"));
+        let row = folder.join(format!("c/0/{down}"));
         fs::create_dir_all(&row).map_err(Error::io(&row, "make the folder"))?;
         (0..width.div_ceil(SHARD)).into_par_iter().try_for_each(|across| {
             let shard = shard(path, band, width, across * SHARD)?;
@@ -153,6 +162,9 @@ fn layer_metadata(about: &About, (width, height): (usize, usize)) -> Value {
     if about.name == "height" || about.name.is_empty() {
         attributes.insert("standard_name".to_owned(), json!("surface_altitude"));
     }
+    for (key, text) in about.tags.iter().filter(|(key, _)| !ATTRIBUTES.contains(&key.as_str())) {
+        attributes.insert(key.clone(), json!(text));
+    }
     attributes.insert("cell_x_m".to_owned(), json!(about.cell_m.0));
     attributes.insert("cell_y_m".to_owned(), json!(about.cell_m.1));
     if place_metadata(about).is_some() {
@@ -161,19 +173,19 @@ fn layer_metadata(about: &About, (width, height): (usize, usize)) -> Value {
     let little = json!({ "name": "bytes", "configuration": { "endian": "little" } });
     let crc32c = json!({ "name": "crc32c" });
     let sharding = json!({
-        "chunk_shape": [CHUNK, CHUNK],
+        "chunk_shape": [1, CHUNK, CHUNK],
         "codecs": [little, zstd_metadata(), crc32c],
         "index_codecs": [little, crc32c],
         "index_location": "end",
     });
     array(
-        json!([height, width]),
+        json!([1, height, width]),
         "float32",
-        json!([SHARD, SHARD]),
+        json!([1, SHARD, SHARD]),
         json!([{ "name": "sharding_indexed", "configuration": sharding }]),
         json!("NaN"),
         attributes,
-        json!(["y", "x"]),
+        json!([TIME, "y", "x"]),
     )
 }
 
@@ -226,6 +238,13 @@ fn coordinate_metadata(place: &About, name: &str, n: usize) -> Value {
     attributes.insert("standard_name".to_owned(), json!(standard));
     let codecs = json!([{ "name": "bytes", "configuration": { "endian": "little" } }, zstd_metadata()]);
     array(json!([n]), "float64", json!([n]), codecs, json!(0.0), attributes, json!([name]))
+}
+
+fn time_metadata() -> Value {
+    let attributes = json!({ "long_name": "steps of simulation done", "units": "1" });
+    let codecs = json!([{ "name": "bytes", "configuration": { "endian": "little" } }]);
+    let attributes = attributes.as_object().cloned().unwrap_or_default();
+    array(json!([1]), "int64", json!([1]), codecs, json!(0), attributes, json!([TIME]))
 }
 
 fn place_metadata(about: &About) -> Option<Value> {

@@ -42,9 +42,9 @@ pub(super) fn fit(world: &World, layers: &[&str], samples: [Samples; 2], limits:
     let [(sx, x0), (sy, y0)] = [samples[0].step(g.width), samples[1].step(g.height)];
     let (w, h) = (samples[0].count(), samples[1].count());
     let grid = Grid { width: w, height: h, cell_x_m: g.cell_x_m * sx, cell_y_m: g.cell_y_m * sy, rim: g.rim };
-    let grid = grid.checked(limits).map_err(super::file)?;
+    let grid = grid.checked(limits).map_err(RunError::file)?;
     let bytes = (w as u128 * (h as u128 * layers.len() as u128 + g.height as u128)) * 4;
-    limits.check_bytes("the resampled world", bytes).map_err(super::file)?;
+    limits.check_bytes("the resampled world", bytes).map_err(RunError::file)?;
     let mut out = World::new(grid, world.seed);
     out.sea_level_m = world.sea_level_m;
     out.step = world.step;
@@ -54,7 +54,7 @@ pub(super) fn fit(world: &World, layers: &[&str], samples: [Samples; 2], limits:
     for name in layers {
         let Some(layer) = world.layers().iter().find(|l| l.spec.name == *name) else { continue };
         let field = resample(&layer.field, &columns, &rows, layer.spec.range);
-        out.put(&layer.spec, field).map_err(super::file)?;
+        out.put(&layer.spec, field).map_err(RunError::file)?;
     }
     Ok(out)
 }

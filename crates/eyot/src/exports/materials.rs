@@ -6,74 +6,154 @@
 //! - snow = S(l - 100, l + 100, h) of the rest, with l the snow line (`snow_line`);
 //! - sand = S(b, b / 2, h above the sea) of what is left, with b the height of beaches (`beach`), if there is a sea;
 //! - grass is what remains.
+//!
+//! A cell's shares need its neighbours' heights and nothing else, so they are made while they are written.
 
-use crate::backend::io;
-use crate::error::RunError;
+use super::Source;
+use crate::backend::io::{self, About, Rows};
 use crate::keys::Export;
-use eyot_core::{Field, Limits, World};
+use eyot_core::Result;
+use rayon::prelude::*;
 
 /// The materials in the order of red, green, blue and alpha.
 pub(crate) const MATERIALS: [&str; 4] = ["grass", "rock", "sand", "snow"];
 /// Half of the band in which snow fades out, m.
 const SNOW_FADE_M: f32 = 100.0;
 
-type Sized<T> = (Vec<T>, (usize, usize));
-
-/// The shares of all cells, row by row from the north, each of which sums to 255.
-pub(super) fn weights(world: &World, export: &Export, limits: &Limits) -> Result<Sized<[u8; 4]>, RunError> {
-    let height = &world.layer("height").map_err(super::file)?.field;
-    let (w, h) = (height.width(), height.height());
-    limits.check_bytes("the splat map", (w * h) as u128 * 4).map_err(super::file)?;
-    let sea = (f64::from(height.min_max().0) < world.sea_level_m).then_some(world.sea_level_m as f32);
-    let cell = (world.grid.cell_x_m as f32, world.grid.cell_y_m as f32);
-    let mut out = Vec::with_capacity(w * h);
-    for y in 0..h {
-        for x in 0..w {
-            let slope = slope(height, x, y, cell).atan().to_degrees();
-            let z = height.get(x, y);
-            let rock = step(0.8 * export.rock_slope, 1.2 * export.rock_slope, slope);
-            let snow = (1.0 - rock) * step(export.snow_line - SNOW_FADE_M, export.snow_line + SNOW_FADE_M, z);
-            // Under the sea it is sand even where there are no beaches.
-            let shore = sea.map_or(0.0, |s| if z < s { 1.0 } else { step(export.beach, 0.5 * export.beach, z - s) });
-            let sand = (1.0 - rock - snow).max(0.0) * shore;
-            out.push(io::shares([1.0 - rock - snow - sand, rock, sand, snow]));
-        }
-    }
-    Ok((out, (w, h)))
+/// The shares of all materials, row by row.
+pub(super) struct Materials<'a> {
+    height: Box<dyn Rows + 'a>,
+    size: (usize, usize),
+    about: About,
+    ground: Ground,
 }
 
-/// A mask of one material, or of a layer with values from 0 to 1. As in steps with a `mask`, what is less counts as 0 and
-/// what is more as 1; `note` hears of it.
-pub(super) fn mask(
-    world: &World,
+impl<'a> Materials<'a> {
+    /// Of the height of `source`, if there is one.
+    pub(super) fn of(source: &'a dyn Source, sea_level_m: f64, export: &Export) -> Option<Self> {
+        let (about, height) = source.layer("height")?;
+        let under = about.range.is_none_or(|(low, _)| f64::from(low) < sea_level_m);
+        let ground = Ground {
+            cell: (about.cell_m.0 as f32, about.cell_m.1 as f32),
+            sea: under.then_some(sea_level_m as f32),
+            rock_slope: export.rock_slope,
+            beach: export.beach,
+            snow_line: export.snow_line,
+        };
+        Some(Self { size: height.size(), height, about, ground })
+    }
+
+    /// Columns and rows.
+    pub(super) fn size(&self) -> (usize, usize) {
+        self.size
+    }
+
+    /// The shares of whole rows from `first` on, each from 0 to 1; those of a cell sum to 1.
+    pub(super) fn read(&mut self, first: usize, out: &mut [[f32; 4]]) -> Result<()> {
+        let (w, h) = self.size;
+        // One more row on either side.
+        let (from, to) = (first.saturating_sub(1), (first + out.len() / w + 1).min(h));
+        let mut heights = vec![0.0; (to - from) * w];
+        self.height.read(from, &mut heights)?;
+        let ground = self.ground;
+        out.par_chunks_mut(w).enumerate().for_each(|(i, out)| {
+            let row = first + i - from;
+            out.iter_mut().enumerate().for_each(|(x, shares)| *shares = ground.shares(&heights, w, x, row));
+        });
+        Ok(())
+    }
+
+    /// As [`Materials::read`], as bytes that sum to exactly 255.
+    pub(super) fn read_bytes(&mut self, first: usize, out: &mut [[u8; 4]]) -> Result<()> {
+        let mut shares = vec![[0.0; 4]; out.len()];
+        self.read(first, &mut shares)?;
+        out.par_iter_mut().zip(shares).for_each(|(o, s)| *o = io::shares(s));
+        Ok(())
+    }
+}
+
+/// What decides of the shares beside the heights.
+#[derive(Clone, Copy)]
+struct Ground {
+    cell: (f32, f32),
+    sea: Option<f32>,
+    rock_slope: f32,
+    beach: f32,
+    snow_line: f32,
+}
+
+impl Ground {
+    /// The shares of a cell of some rows of `w` heights.
+    fn shares(&self, heights: &[f32], w: usize, x: usize, row: usize) -> [f32; 4] {
+        let z = heights[row * w + x];
+        let slope = self.slope(heights, w, x, row).atan().to_degrees();
+        let rock = step(0.8 * self.rock_slope, 1.2 * self.rock_slope, slope);
+        let snow = (1.0 - rock) * step(self.snow_line - SNOW_FADE_M, self.snow_line + SNOW_FADE_M, z);
+        // Under the sea it is sand even where there are no beaches.
+        let shore = self.sea.map_or(0.0, |s| if z < s { 1.0 } else { step(self.beach, 0.5 * self.beach, z - s) });
+        let sand = (1.0 - rock - snow).max(0.0) * shore;
+        [(1.0 - rock - snow - sand).max(0.0), rock, sand, snow]
+    }
+
+    /// Rise over run by central differences, one-sided on the rim.
+    fn slope(&self, heights: &[f32], w: usize, x: usize, row: usize) -> f32 {
+        let height = |x: usize, y: usize| heights[y * w + x];
+        let (west, east) = (x.saturating_sub(1), (x + 1).min(w - 1));
+        let (north, south) = (row.saturating_sub(1), (row + 1).min(heights.len() / w - 1));
+        let dx = (height(east, row) - height(west, row)) / ((east - west).max(1) as f32 * self.cell.0);
+        let dy = (height(x, south) - height(x, north)) / ((south - north).max(1) as f32 * self.cell.1);
+        (dx * dx + dy * dy).sqrt()
+    }
+}
+
+/// The rows of one material.
+struct Share<'a> {
+    all: Materials<'a>,
+    index: usize,
+    /// In 255ths that sum to 1 over all materials.
+    bytes: bool,
+}
+
+impl Rows for Share<'_> {
+    fn size(&self) -> (usize, usize) {
+        self.all.size()
+    }
+
+    fn read(&mut self, first: usize, out: &mut [f32]) -> Result<()> {
+        if self.bytes {
+            let mut bytes = vec![[0; 4]; out.len()];
+            self.all.read_bytes(first, &mut bytes)?;
+            out.iter_mut().zip(bytes).for_each(|(o, b)| *o = f32::from(b[self.index]) / 255.0);
+        } else {
+            let mut shares = vec![[0.0; 4]; out.len()];
+            self.all.read(first, &mut shares)?;
+            out.iter_mut().zip(shares).for_each(|(o, s)| *o = s[self.index]);
+        }
+        Ok(())
+    }
+}
+
+/// A layer of the source or else a material: exact shares, or those of `bytes`.
+pub(super) fn layer<'a>(
+    source: &'a dyn Source,
     name: &str,
+    sea_level_m: f64,
     export: &Export,
-    limits: &Limits,
-    note: &dyn Fn(String),
-) -> Result<Sized<u8>, RunError> {
-    if let Some(layer) = world.get(name) {
-        let size = (layer.width(), layer.height());
-        limits.check_bytes("the mask", (size.0 * size.1) as u128).map_err(super::file)?;
-        let (low, high) = layer.min_max();
-        if low < 0.0 || high > 1.0 {
-            note(format!(
-                "layer `{name}` holds values from {low} to {high}; in a mask those below 0 are 0 and those above 1 are 1"
-            ));
-        }
-        return Ok((layer.iter().map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8).collect(), size));
+    bytes: bool,
+) -> Option<(About, Box<dyn Rows + 'a>)> {
+    if let Some(found) = source.layer(name) {
+        return Some(found);
     }
-    let (weights, size) = weights(world, export, limits)?;
-    let i = MATERIALS.iter().position(|m| *m == name).unwrap_or(0);
-    Ok((weights.iter().map(|w| w[i]).collect(), size))
-}
-
-/// Rise over run by central differences, one-sided on the rim.
-fn slope(height: &Field, x: usize, y: usize, cell: (f32, f32)) -> f32 {
-    let (west, east) = (x.saturating_sub(1), (x + 1).min(height.width() - 1));
-    let (north, south) = (y.saturating_sub(1), (y + 1).min(height.height() - 1));
-    let dx = (height.get(east, y) - height.get(west, y)) / ((east - west).max(1) as f32 * cell.0);
-    let dy = (height.get(x, south) - height.get(x, north)) / ((south - north).max(1) as f32 * cell.1);
-    (dx * dx + dy * dy).sqrt()
+    let index = MATERIALS.iter().position(|m| *m == name)?;
+    let all = Materials::of(source, sea_level_m, export)?;
+    let about = About {
+        name: name.to_owned(),
+        unit: "1".to_owned(),
+        meaning: format!("Share of the ground that is {name}"),
+        range: Some((0.0, 1.0)),
+        ..all.about.clone()
+    };
+    Some((about, Box::new(Share { all, index, bytes })))
 }
 
 /// The smooth step from 0 at `a` to 1 at `b`; falls if `b` is less. A hard step if both are equal.
@@ -89,7 +169,7 @@ fn step(a: f32, b: f32, x: f32) -> f32 {
 mod tests {
     use super::*;
     use eyot_core::layer::known;
-    use eyot_core::{Grid, Rim};
+    use eyot_core::{Field, Grid, Limits, Rim, World};
 
     #[test]
     fn slopes_beaches_and_peaks_have_their_materials() {
@@ -105,19 +185,32 @@ mod tests {
         };
         world.put(&known::HEIGHT, Field::from_fn(64, 3, |x, _| z(x))).unwrap();
         let export = Export { snow_line: 150.0, ..Export::default() };
-        let (w, size) = weights(&world, &export, &limits).unwrap();
-        assert_eq!(size, (64, 3));
-        assert!(w.iter().all(|w| w.iter().map(|&v| u32::from(v)).sum::<u32>() == 255));
+        let mut materials = Materials::of(&world, 0.0, &export).unwrap();
+        assert_eq!(materials.size(), (64, 3));
+        let mut whole = vec![[0; 4]; 64 * 3];
+        materials.read_bytes(0, &mut whole).unwrap();
+        assert!(whole.iter().all(|w| w.iter().map(|&v| u32::from(v)).sum::<u32>() == 255));
         for (x, material) in [(5, 2), (15, 2), (25, 0), (40, 1), (60, 3)] {
-            assert_eq!(w[64 + x][material], 255, "{x}: {:?}", w[64 + x]);
+            assert_eq!(whole[64 + x][material], 255, "{x}: {:?}", whole[64 + x]);
         }
-        let notes = std::cell::RefCell::new(Vec::new());
-        let mask = |name| mask(&world, name, &export, &limits, &|n| notes.borrow_mut().push(n)).unwrap().0;
-        assert!(mask("rock").iter().zip(&w).all(|(r, w)| *r == w[1]));
-        assert!(notes.borrow().is_empty());
-        // Below the sea, and far above 1 m.
-        let height = mask("height");
-        assert_eq!((height[0], height[40]), (0, 255));
-        assert!(notes.borrow()[0].contains("from -20 to 250"), "{notes:?}");
+        // The same from a row alone, which sees its neighbours all the same.
+        let mut row = vec![[0; 4]; 64];
+        materials.read_bytes(1, &mut row).unwrap();
+        assert_eq!(row, whole[64..128]);
+
+        // A wall of 45 degrees is half rock where rock begins at 45: no multiple of 1/255.
+        let export = Export { rock_slope: 45.0, ..export };
+        let read = |bytes| {
+            let (about, mut rows) = layer(&world, "rock", 0.0, &export, bytes).unwrap();
+            let mut out = vec![0.0; 64 * 3];
+            rows.read(0, &mut out).unwrap();
+            ((about.name, about.unit), out)
+        };
+        let (said, exact) = read(false);
+        let (_, bytes) = read(true);
+        assert_eq!(said, ("rock".to_owned(), "1".to_owned()));
+        assert!((exact[64 + 40] - 0.5).abs() < 1e-6 && (bytes[64 + 40] * 255.0 - 127.5).abs() > 0.4);
+        assert!(exact.iter().zip(&bytes).all(|(e, b)| (e - b).abs() < 1.0 / 255.0));
+        assert!(layer(&world, "moss", 0.0, &export, true).is_none());
     }
 }

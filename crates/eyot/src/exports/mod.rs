@@ -11,7 +11,7 @@ use crate::error::RunError;
 use crate::keys::{Bytes, Export, ExportFormat, FirstRow, Preset};
 use crate::outputs::stopped;
 use eyot_core::{Control, Limits, World};
-use materials::MATERIALS;
+use materials::{MATERIALS, Materials};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
@@ -71,6 +71,7 @@ pub(crate) fn origin(world: &World, name: &str, recipe: Option<&str>) -> Map<Str
     m.insert("title".to_owned(), json!(name));
     m.insert("source".to_owned(), json!(format!("Eyot {}", crate::VERSION)));
     m.insert("engine_version".to_owned(), json!(crate::VERSION));
+    m.insert("backend".to_owned(), json!("cpu"));
     m.insert("seed".to_owned(), json!(world.seed));
     m.insert("steps_done".to_owned(), json!(world.step));
     m.insert("sea_level_m".to_owned(), json!(world.sea_level_m));
@@ -89,6 +90,15 @@ impl Export {
         }
     }
 
+    /// True for layers that only exports know: the shares of materials.
+    pub(crate) fn knows(&self, layer: &str) -> bool {
+        let takes = match self.preset {
+            Some(preset) => preset == Preset::Gis,
+            None => self.format != ExportFormat::Map,
+        };
+        takes && is_material(layer)
+    }
+
     /// True for exports that make triangles or vertices of cells.
     pub(crate) fn needs_two_cells(&self) -> bool {
         match self.preset {
@@ -101,7 +111,7 @@ impl Export {
     pub(crate) fn streams(&self) -> bool {
         match self.preset {
             Some(preset) => preset == Preset::Gis,
-            None => self.format.raster().is_some() || self.format == ExportFormat::Map,
+            None => !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
         }
     }
 
@@ -131,7 +141,7 @@ impl Export {
         WriteOptions {
             scale: self.range.map(|[low, high]| (low, high)),
             byte_order: if self.bytes == Bytes::Big { ByteOrder::Big } else { ByteOrder::Little },
-            row_order: self.first_row.row_order(),
+            row_order: self.first_row.map_or(RowOrder::NorthFirst, FirstRow::row_order),
             nodata: None,
         }
     }
@@ -168,46 +178,55 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
     if let Some(preset) = export.preset {
         return preset::write(job, export, preset);
     }
-    let (world, files) = (job.world, export.files());
+    let (world, source, files) = (job.world, job.source, export.files());
     let present = |l: &String| world.get(l).is_some();
+    let sea_level_m = world.sea_level_m;
     match export.format {
         ExportFormat::Glb | ExportFormat::Obj => write_mesh(job, Path::new(&files[0]), export),
         ExportFormat::Splat => {
             let path = job.file(&files[0])?;
-            let (weights, size) = materials::weights(world, export, job.limits)?;
-            io::write_splat(&path, size, &weights, &MATERIALS).map_err(file)
+            write_splat(job, &path, export)
         }
         ExportFormat::Zarr | ExportFormat::Exr if files.len() < 2 => {
-            let layers: Vec<&str> = export.layers.iter().filter(|l| present(l)).map(String::as_str).collect();
+            let exact = |l: &String| materials::layer(source, l, sea_level_m, export, false);
+            let mut layers: Vec<Layer<'_>> = export.layers.iter().filter_map(exact).collect();
             if layers.is_empty() {
                 return Ok(());
             }
             let path = job.file(&files[0])?;
-            write_together(job, &path, &layers, export.format)
+            write_together(&path, &mut layers, export.format, &job.attributes)
         }
         ExportFormat::Map => {
             for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
                 let path = job.file(name)?;
-                let picture = render::layer_map(world, layer, &render::MapOptions::default()).map_err(file)?;
-                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(file)?;
+                let picture =
+                    render::layer_map(world, layer, &render::MapOptions::default()).map_err(RunError::file)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
             }
             Ok(())
         }
         ExportFormat::Mask => {
             for (name, layer) in files.iter().zip(&export.layers) {
-                if present(layer) || is_material(layer) {
+                if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, true) {
                     let path = job.file(name)?;
-                    let (mask, size) = materials::mask(world, layer, export, job.limits, job.note)?;
-                    io::write_mask(&path, size, &mask).map_err(file)?;
+                    if let Some((low, high)) = about.range.filter(|(low, high)| *low < 0.0 || *high > 1.0) {
+                        (job.note)(format!(
+                            "layer `{layer}` holds values from {low} to {high}; in a mask those below 0 are 0 and those above 1 are 1"
+                        ));
+                    }
+                    io::write_mask(&path, &mut *rows).map_err(RunError::file)?;
                 }
             }
             Ok(())
         }
         other => {
             let Some(format) = other.raster() else { return Ok(()) };
-            for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
-                let path = job.file(name)?;
-                write_layer(job.source, layer, &path, format, &export.write_options())?;
+            for (name, layer) in files.iter().zip(&export.layers) {
+                if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) {
+                    let path = job.file(name)?;
+                    io::write_rows(&path, &mut *rows, &about, format, &export.write_options())
+                        .map_err(RunError::file)?;
+                }
             }
             Ok(())
         }
@@ -216,18 +235,27 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
 
 /// Several layers in one file.
 pub(crate) fn write_together(
-    job: &Job<'_>,
     path: &Path,
-    layers: &[&str],
+    layers: &mut [Layer<'_>],
     format: ExportFormat,
+    attributes: &Map<String, Value>,
 ) -> Result<(), RunError> {
-    let mut found: Vec<(About, Box<dyn Rows + '_>)> = layers.iter().filter_map(|name| job.source.layer(name)).collect();
     let mut rows: Vec<(&About, &mut dyn Rows)> =
-        found.iter_mut().map(|(about, rows)| (&*about, &mut **rows as &mut dyn Rows)).collect();
+        layers.iter_mut().map(|(about, rows)| (&*about, &mut **rows as &mut dyn Rows)).collect();
     match format {
-        ExportFormat::Zarr => io::write_store(path, &mut rows, &job.attributes).map_err(file),
-        _ => io::write_exr(path, &mut rows).map_err(file),
+        ExportFormat::Zarr => io::write_store(path, &mut rows, attributes).map_err(RunError::file),
+        _ => io::write_exr(path, &mut rows).map_err(RunError::file),
     }
+}
+
+/// What a layer is, and its rows.
+pub(crate) type Layer<'a> = (About, Box<dyn Rows + 'a>);
+
+/// The shares of all materials of a job's height.
+fn write_splat(job: &Job<'_>, path: &Path, export: &Export) -> Result<(), RunError> {
+    let Some(mut materials) = Materials::of(job.source, job.world.sea_level_m, export) else { return Ok(()) };
+    io::write_splat(path, materials.size(), &MATERIALS, &mut |first, out| materials.read_bytes(first, out))
+        .map_err(RunError::file)
 }
 
 fn write_layer(
@@ -252,21 +280,24 @@ fn unmade(e: io::Error) -> RunError {
 pub(crate) fn write_mesh(job: &mut Job<'_>, name: &Path, export: &Export) -> Result<(), RunError> {
     let path = job.file(&name.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()))?;
     let world = job.world;
-    let height = &world.layer("height").map_err(file)?.field;
-    let colours = render::terrain_colours(world).map_err(file)?;
-    let terrain =
-        mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), job.limits).map_err(file)?;
+    let height = &world.layer("height").map_err(RunError::file)?.field;
+    let colours = render::terrain_colours(world).map_err(RunError::file)?;
+    let mut terrain = mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), job.limits)
+        .map_err(RunError::file)?;
+    if export.preset == Some(Preset::Blender) {
+        for material in MATERIALS {
+            let found = materials::layer(job.source, material, world.sea_level_m, export, false);
+            let mut shares = vec![0.0; world.grid.cells()];
+            found.map_or(Ok(()), |(_, mut rows)| rows.read(0, &mut shares)).map_err(RunError::file)?;
+            terrain.add_attribute(material, &shares).map_err(RunError::file)?;
+        }
+    }
     if path.extension().is_some_and(|e| e == "obj") {
-        return io::write_terrain_obj(&path, &terrain.mesh, job.name).map_err(file);
+        return io::write_terrain_obj(&path, &terrain.mesh, job.name).map_err(RunError::file);
     }
     // Each level has a quarter of the triangles of the one before: half the detail along each axis.
     let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
     job.control.check().map_err(stopped)?;
-    let levels = mesh::levels_of_detail_controlled(&terrain.mesh, &ratios, job.control).map_err(stopped)?;
-    io::write_terrain_glb(&path, &levels, job.name).map_err(file)
-}
-
-/// Errors of files and pictures name the file and the remedy themselves.
-fn file(e: impl std::fmt::Display) -> RunError {
-    RunError::File(e.to_string())
+    let levels = mesh::levels_of_detail_controlled(&terrain, &ratios, job.control).map_err(stopped)?;
+    io::write_terrain_glb(&path, &levels, job.name).map_err(RunError::file)
 }

@@ -1,11 +1,11 @@
 //! Presets: all files that a program wants, in its own sizes, scales and orders.
 
 use super::fit::{Samples, fit};
-use super::{Job, file, materials, write_layer, write_mesh};
+use super::{Job, materials, write_layer, write_mesh, write_splat};
 use crate::backend;
-use crate::backend::io::{self, ByteOrder, RasterFormat, RowOrder, WriteOptions};
+use crate::backend::io::{self, ByteOrder, RasterFormat, WriteOptions};
 use crate::error::RunError;
-use crate::keys::{Export, Preset};
+use crate::keys::{Export, FirstRow, Preset};
 use eyot_core::{Georeference, World};
 use materials::MATERIALS;
 use serde_json::{Value, json};
@@ -119,7 +119,7 @@ fn fitted(job: &Job<'_>, export: &Export, preset: Preset) -> Result<(World, usiz
 
 /// Lowest and highest value of the height, at least a metre apart so that flat land has a scale, too.
 fn range(world: &World) -> Result<(f64, f64), RunError> {
-    let (low, high) = world.layer("height").map_err(file)?.field.min_max();
+    let (low, high) = world.layer("height").map_err(RunError::file)?.field.min_max();
     let (low, high) = (f64::from(low), f64::from(high));
     Ok((low, if high > low { high } else { low + 1.0 }))
 }
@@ -166,11 +166,12 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     let names = files(Preset::Unity, &export.prefix);
     let (world, n) = fitted(job, export, Preset::Unity)?;
     let (low, high) = range(&world)?;
+    // Unity puts the first row of a RAW at z = 0, unless it is told to flip it; so north becomes +z.
+    let first_row = export.first_row.unwrap_or(FirstRow::South);
     let options = WriteOptions {
         scale: Some((low, high)),
         byte_order: ByteOrder::Little,
-        // The first row of a RAW lies at z = 0; so north becomes +z without flipping.
-        row_order: RowOrder::SouthFirst,
+        row_order: first_row.row_order(),
         nodata: None,
     };
     let path = job.file(&names[0])?;
@@ -178,13 +179,12 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     // Alpha maps have a texel for every quad.
     let path = job.file(&names[1])?;
     let quads = fit(job.world, &["height"], [Samples::Quads(n - 1); 2], job.limits)?;
-    let (weights, size) = materials::weights(&quads, export, job.limits)?;
-    io::write_splat(&path, size, &weights, &MATERIALS).map_err(file)?;
+    write_splat(&job.of(&quads), &path, export)?;
     let about = json!({
         "preset": "unity",
         "heightmap": {
             "file": names[0], "depth": "16 bit", "resolution": n, "byte_order": "Windows",
-            "flip_vertically": false, "row_order": "south to north",
+            "flip_vertically": first_row == FirstRow::North, "row_order": first_row.row_order(),
         },
         "terrain_size_m": {
             "x": world.grid.cell_x_m * (n - 1) as f64,
@@ -218,13 +218,12 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     let path = job.file(&names[0])?;
     write_layer(&world, "height", &path, RasterFormat::Exr, &WriteOptions::default())?;
     let path = job.file(&names[1])?;
-    let (weights, size) = materials::weights(&world, export, job.limits)?;
-    io::write_splat(&path, size, &weights, &MATERIALS).map_err(file)?;
+    write_splat(&job.of(&world), &path, export)?;
     let about = json!({
         "preset": "godot",
         "plugin": "Terrain3D",
         "heightmap": names[0],
-        "resolution": [size.0, size.1],
+        "resolution": size,
         // Heights are metres: no range is needed for EXR.
         "import_scale": 1.0,
         "height_offset": 0.0,
@@ -255,30 +254,32 @@ fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
         "highest_m": high,
         "sea_level_z_m": sea_level(world)?,
         "masks": masks,
+        "mesh_attributes": MATERIALS.map(|m| format!("_{}", m.to_uppercase())),
     });
     describe(job, &names, &about)
 }
 
 fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     let options = WriteOptions { nodata: Some(NODATA), ..WriteOptions::default() };
+    let (source, sea_level_m) = (job.source, job.world.sea_level_m);
     for (name, layer) in export.files().iter().zip(&export.layers) {
-        let Some((mut about, mut rows)) = job.source.layer(layer) else { continue };
+        let Some((mut about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) else { continue };
         let path = job.file(name)?;
         // The preset's nodata, not the source's.
         about.georeference = about.georeference.map(|g| Georeference { nodata: None, ..g });
-        io::write_rows(&path, &mut *rows, &about, RasterFormat::GeoTiff, &options).map_err(file)?;
+        io::write_rows(&path, &mut *rows, &about, RasterFormat::GeoTiff, &options).map_err(RunError::file)?;
     }
     Ok(())
 }
 
 /// Writes a mask of each material and returns what they are.
 fn write_materials(job: &mut Job<'_>, export: &Export, names: &[String]) -> Result<Value, RunError> {
-    let (weights, size) = materials::weights(job.world, export, job.limits)?;
+    let (source, sea_level_m) = (job.source, job.world.sea_level_m);
     let mut list = Vec::new();
-    for (i, (name, material)) in names.iter().zip(MATERIALS).enumerate() {
+    for (name, material) in names.iter().zip(MATERIALS) {
+        let Some((_, mut rows)) = materials::layer(source, material, sea_level_m, export, true) else { continue };
         let path = job.file(name)?;
-        let mask: Vec<u8> = weights.iter().map(|w| w[i]).collect();
-        io::write_mask(&path, size, &mask).map_err(file)?;
+        io::write_mask(&path, &mut *rows).map_err(RunError::file)?;
         list.push(json!({ "material": material, "file": name }));
     }
     Ok(json!(list))
@@ -286,11 +287,11 @@ fn write_materials(job: &mut Job<'_>, export: &Export, names: &[String]) -> Resu
 
 /// The sea's level if some land lies below it.
 fn sea_level(world: &World) -> Result<Option<f64>, RunError> {
-    let (low, _) = world.layer("height").map_err(file)?.field.min_max();
+    let (low, _) = world.layer("height").map_err(RunError::file)?.field.min_max();
     Ok((f64::from(low) < world.sea_level_m).then_some(world.sea_level_m))
 }
 
 fn describe(job: &mut Job<'_>, names: &[String], about: &Value) -> Result<(), RunError> {
     let path = job.file(&names[names.len() - 1])?;
-    backend::write_text(&path, &format!("{about:#}\n")).map_err(file)
+    backend::write_text(&path, &format!("{about:#}\n")).map_err(RunError::file)
 }

@@ -12,6 +12,7 @@ pub(crate) trait Source {
 impl Source for World {
     fn layer<'a>(&'a self, name: &str) -> Option<(About, Box<dyn Rows + 'a>)> {
         let layer = World::layer(self, name).ok()?;
-        Some((About::of(self, layer), Box::new(&layer.field)))
+        let about = About { range: Some(layer.field.min_max()), ..About::of(self, layer) };
+        Some((about, Box::new(&layer.field)))
     }
 }

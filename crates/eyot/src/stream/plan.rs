@@ -46,7 +46,8 @@ pub(crate) fn obstacle(steps: &[Step], exports: &[Export], grid: &Grid) -> Optio
     };
     let of_export = |(i, export): (usize, &Export)| {
         let file = export.files().into_iter().next().unwrap_or_default();
-        let reason = format!("the export `{file}` needs the whole grid in memory");
+        let what = if export.preset.is_some() { "presets other than `gis` resample it" } else { "so does every mesh" };
+        let reason = format!("the export `{file}` needs the whole grid in memory ({what})");
         (!export.streams()).then_some(Obstacle { place: Place::Export(i), reason })
     };
     steps

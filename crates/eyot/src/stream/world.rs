@@ -3,9 +3,10 @@
 use super::stages::Stages;
 use super::survey::{Survey, survey};
 use crate::backend::io::{About, Rows};
-use crate::exports::Source;
+use crate::exports::{self, Source};
 use crate::recipe::Recipe;
 use eyot_core::{Cancel, Control, Error, Georeference, Grid, LayerSpec, Result};
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -45,7 +46,9 @@ impl<'a> StreamedWorld<'a> {
         let exported = recipe.exports.iter().skip(done_exports).filter(|e| e.enabled).flat_map(|e| &e.layers);
         let passes = stages.below_tops().len()
             + layers.len()
-            + exported.filter(|name| layers.iter().any(|l| l.spec.name == **name)).count();
+            + exported
+                .filter(|name| exports::is_material(name) || layers.iter().any(|l| l.spec.name == **name))
+                .count();
         Ok(Self {
             grid: recipe.grid,
             georeference: recipe.georeference.clone(),
@@ -102,6 +105,7 @@ impl Source for StreamedWorld<'_> {
             meaning: layer.spec.meaning.to_string(),
             cell_m: (self.grid.cell_x_m, self.grid.cell_y_m),
             georeference: self.georeference.clone(),
+            tags: BTreeMap::new(),
             range: layer.range,
         };
         Some((about, Box::new(self.rows(layer.stage))))

@@ -5,7 +5,7 @@ use crate::check;
 use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
 use crate::exports;
 use crate::import;
-use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, Preset, View};
+use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View};
 use crate::need;
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step};
@@ -234,7 +234,7 @@ impl Validator<'_> {
                 self.out.push(Diagnostic::at(place("prefix"), message, "this prefix").help(help));
             }
             for (i, layer) in export.layers.iter().enumerate().filter(|_| export.uses_layers()) {
-                let material = export.format == ExportFormat::Mask && exports::is_material(layer);
+                let material = export.knows(layer);
                 if sure && export.enabled && !material && !self.layers.contains(layer) && !self.resting.contains(layer)
                 {
                     let span = item
@@ -297,7 +297,8 @@ impl Validator<'_> {
         if let Some(preset) = export.preset {
             let layers = if preset == Preset::Gis { None } else { Some("layers") };
             let levels = if preset == Preset::Blender { None } else { Some("levels") };
-            for key in ["range", "bytes", "first_row"].into_iter().chain(layers).chain(levels) {
+            let first_row = if preset == Preset::Unity { None } else { Some("first_row") };
+            for key in ["range", "bytes"].into_iter().chain(first_row).chain(layers).chain(levels) {
                 if let Some(at) = span(key) {
                     let message = format!("`{key}` has no effect with the preset `{}`", preset.name());
                     let help = "leave it out: a preset decides this itself; or choose a `format` instead of a preset";
@@ -389,7 +390,7 @@ impl Validator<'_> {
         let span = item.map_or(size, |n| n.span.clone());
         let message = format!("{}, and there is not enough: {e}", obstacle.reason);
         let help = "choose fewer cells, raise the limit with --max-memory, or switch this off: \
-                    a world that is only generated and written as a raster is streamed";
+                    a world that is only generated and written as rasters, masks, splat maps or maps is streamed";
         self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
     }
 
