@@ -13,7 +13,7 @@ use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
-use eyot_reef::community::{Community, Forcing, Plot, Site};
+use eyot_reef::community::{self, Community, Forcing, Plot};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -405,7 +405,7 @@ fn community(options: &BenchOptions) -> Result<BenchReport> {
     let isa = best_isa(options)?;
     let parameters = Community::default();
     let (side, forcing) = (options.size as f64, Forcing::chumbe(&parameters, 1)?);
-    let mut plot = Plot::new(parameters, Site::flat(side, side), forcing, 1)?;
+    let mut plot = Plot::new(parameters, community::Site::flat(side, side), forcing, 1)?;
     // The first year sorts out what was put down at random.
     for _ in 0..12 {
         plot.month()?;

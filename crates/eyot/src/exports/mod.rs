@@ -273,7 +273,7 @@ fn write_layer(
 
 /// A refusal of the system may pass; values that do not fit a format will not, however often one tries.
 fn unmade(e: io::Error) -> RunError {
-    if matches!(e, io::Error::Io { .. }) { file(e) } else { RunError::Export(e.to_string()) }
+    if matches!(e, io::Error::Io { .. }) { RunError::file(e) } else { RunError::Export(e.to_string()) }
 }
 
 /// The terrain as a mesh, in the job's folder under the name at the end of `name`.
