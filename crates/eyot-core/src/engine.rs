@@ -657,6 +657,14 @@ unsafe fn finish_row(row: *mut f32, g: &Grid, spec: &LayerSpec, y: isize) {
 mod tests {
     use super::*;
 
+    #[test]
+    fn the_size_of_a_field_is_known_before_there_is_one() {
+        for (width, height) in [(1, 1), (7, 300), (192, 3), (208, 5), (1000, 2)] {
+            let most = (0..STAGGERS).map(|s| Field::staggered(width, height, 0.0, s).bytes()).max();
+            assert_eq!(most.map(|n| n as u128), Some(Field::bytes_of(width, height)), "{width} x {height}");
+        }
+    }
+
     /// Whether they were made by the world, copied or put in: the buffers of a simulation must not alias each other.
     #[test]
     fn buffers_get_different_staggers_however_the_world_came_about() {
@@ -669,7 +677,7 @@ mod tests {
         }
         let staggers = |w: &World| w.layers().iter().map(|l| l.field.stagger()).collect::<Vec<_>>();
         let before = world.clone();
-        Arena::new(Limits::default(), &mut world).give_back(&mut world);
+        Arena::new(&mut world).give_back(&mut world);
         assert_eq!(world, before);
         let mut found = staggers(&world);
         assert_eq!(found, staggers(&world.clone()), "a copy is as quick as the original");

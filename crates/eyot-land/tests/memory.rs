@@ -62,8 +62,11 @@ fn peak<T>(grid: &Grid, work: impl FnOnce() -> T) -> (f64, T) {
     ((MOST.load(Ordering::Relaxed) - before) as f64 / grid.cells() as f64, result)
 }
 
+/// The height at (column, row).
+type Heights = fn(usize, usize) -> f32;
+
 /// Land that is hard to drain: a plain, on which all is one flat; the most pits that there can be; hills with some of both.
-const LANDS: [(&str, fn(usize, usize) -> f32); 3] = [
+const LANDS: [(&str, Heights); 3] = [
     ("plain", |_, _| 5.0),
     ("pits", |x, y| if x % 2 == 1 && y % 2 == 1 { hashed(x, y) } else { 100.0 + hashed(x, y) }),
     ("hills", |x, y| 0.3 * (x + y) as f32 + (0.1 * hashed(x / 3, y / 3)).floor() - 20.0),
@@ -74,7 +77,7 @@ fn hashed(x: usize, y: usize) -> f32 {
     ((x * 7919 + y * 104_729 + x * y * 31) % 1021) as f32 * 0.25
 }
 
-fn world(land: fn(usize, usize) -> f32) -> World {
+fn world(land: Heights) -> World {
     let grid = Grid::new(515, 521, 20.0, Rim::OPEN, &Limits::default()).unwrap();
     let mut world = World::new(grid, 1);
     world.put(&HEIGHT, Field::from_fn(grid.width, grid.height, land)).unwrap();
@@ -116,7 +119,9 @@ fn actions(found: &mut Findings) {
         let action = process.action().unwrap();
         let most = LANDS.map(|(land, heights)| {
             let mut world = world(heights);
-            process.layers().iter().for_each(|(spec, value)| drop(world.ensure(spec, *value)));
+            for (spec, value) in process.layers() {
+                world.ensure(&spec, value);
+            }
             if name == "streampower" {
                 // Factors that vary take room of their own.
                 for factor in ["uplift", "erodibility"] {
