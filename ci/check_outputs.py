@@ -13,6 +13,7 @@ import argparse
 import json
 import pathlib
 import subprocess
+import tempfile
 import traceback
 import zlib
 
@@ -157,6 +158,11 @@ def inspect_zarr(path):
             check(path, f"{axis}: even steps", data[axis].shape == (n,) and bool(np.allclose(steps, steps[:1])))
         check(path, "north is up", height < 2 or data["y"].values[0] > data["y"].values[-1])
         values = {name: data[name].values[0] for name in layers}
+        corner = data.isel(x=slice(64), y=slice(64))
+        with tempfile.TemporaryDirectory() as folder:
+            corner.to_netcdf(f"{folder}/a.nc")
+            with xarray.open_dataset(f"{folder}/a.nc") as copy:
+                check(path, "goes to netCDF", copy.equals(corner.load()), copy)
     group = zarr.open_group(path, mode="r")
     array = group[layers[0]]
     check(path, "Zarr 3, sharded", array.metadata.zarr_format == 3 and array.shards == (1, 512, 512), array.shards)

@@ -17,7 +17,7 @@ const WIDE: &str = r#"
     cell = 15.0
     [[step]]
     generate = "fbm"
-    octaves = 4
+    octaves = 2
     [[step]]
     generate = "ramp"
     layer = "share"

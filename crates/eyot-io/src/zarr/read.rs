@@ -273,8 +273,8 @@ fn georeference(array: &Array) -> Option<Georeference> {
     let transform: [f64; 6] = numbers.try_into().ok()?;
     let code = text("spatial_ref").or_else(|| text("crs_wkt")).and_then(epsg);
     let wkt = text("crs_wkt").or_else(|| text("spatial_ref")).unwrap_or("");
-    let geographic = match array.attributes.get("geographic").and_then(Value::as_bool) {
-        Some(known) => known,
+    let geographic = match array.attributes.get("geographic").and_then(Value::as_u64) {
+        Some(known) => known == 1,
         None => wkt.starts_with("GEOG") || text("grid_mapping_name") == Some("latitude_longitude"),
     };
     let nodata = array.attributes.get("source_nodata").and_then(Value::as_f64);

@@ -252,7 +252,11 @@ fn place_metadata(about: &About) -> Option<Value> {
     let mut attributes = Map::new();
     // In GDAL's order of the six numbers, with all their digits.
     attributes.insert("GeoTransform".to_owned(), json!(g.transform.map(|v| format!("{v:?}")).join(" ")));
-    attributes.insert("geographic".to_owned(), json!(g.geographic));
+    // A number: netCDF, to which xarray copies attributes, has no truth values.
+    attributes.insert("geographic".to_owned(), json!(u8::from(g.geographic)));
+    if g.geographic {
+        attributes.insert("grid_mapping_name".to_owned(), json!("latitude_longitude"));
+    }
     if let Some(code) = g.epsg {
         attributes.insert("spatial_ref".to_owned(), json!(format!("EPSG:{code}")));
         attributes.insert("epsg".to_owned(), json!(code));
