@@ -70,6 +70,7 @@ mod forcing;
 mod geometry;
 mod grazing;
 mod index;
+mod parallel;
 mod parameters;
 mod plot;
 mod random;

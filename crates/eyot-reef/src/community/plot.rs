@@ -8,16 +8,14 @@ use super::disturbance::{self, Calendar};
 use super::forcing::{Forcing, Heat};
 use super::geometry::{Rays, mean};
 use super::index::{Extent, Index};
+use super::parallel::{map, map_mut};
 use super::parameters::{Community, bad};
 use super::random::{Draws, Stream};
 use super::site::Site;
 use super::turf::TurfGrid;
 use eyot_core::{Control, Field, Limits, Result};
-use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// Individuals that one task looks after: enough that handing out tasks costs nothing.
-const TASK: usize = 64;
 /// Density of aragonite, kg/m3.
 const ARAGONITE: f64 = 2930.0;
 
@@ -197,7 +195,7 @@ impl Plot {
         let (community, month) = (&self.community, self.month);
         let risks: Vec<(f32, f32)> = community.species.iter().map(|s| heat.risks(&community.heat, s)).collect();
         let [bleaching, death] = [Stream::Bleaching, Stream::HeatDeath].map(|s| Draws::new(self.seed, s, month));
-        let fate = |c: &mut Colony| -> bool {
+        let fate = |_: usize, c: &mut Colony| -> bool {
             let (p_bleach, p_death) = risks[usize::from(c.species)];
             let before = c.bleaching;
             if bleaching.chance(c.id, p_bleach) {
@@ -218,7 +216,7 @@ impl Plot {
             };
             true
         };
-        let alive: Vec<bool> = self.colonies.par_iter_mut().with_min_len(TASK * 8).map(fate).collect();
+        let alive = map_mut(&mut self.colonies, fate);
         self.bury(&alive, |d| &mut d.heat);
     }
 
@@ -259,16 +257,10 @@ impl Plot {
 
     /// What everybody's neighbours do to them; nobody changes yet.
     fn compete(&mut self) {
-        let (mut grown, mut verdicts) = (std::mem::take(&mut self.grown), std::mem::take(&mut self.verdicts));
+        let mut grown = std::mem::take(&mut self.grown);
         grown.resize(self.colonies.len(), [0.0; super::RAYS]);
         let neighbours = self.neighbours();
-        self.colonies
-            .par_iter()
-            .with_min_len(TASK)
-            .zip(grown.par_iter_mut())
-            .enumerate()
-            .map(|(i, (c, grown))| neighbours.compete(i, c, grown))
-            .collect_into_vec(&mut verdicts);
+        let verdicts = map_mut(&mut grown, |i, grown| neighbours.compete(i, &self.colonies[i], grown));
         (self.grown, self.verdicts) = (grown, verdicts);
     }
 
@@ -316,15 +308,10 @@ impl Plot {
             rays: &self.rays,
             draws: Shore::stream(self.seed, self.month),
         };
-        let fates: Vec<(bool, bool)> = self
-            .algae
-            .par_iter()
-            .with_min_len(TASK)
-            .map(|a| {
-                let dies = a.age > self.community.algae.max_age || shore.is_displaced(a);
-                (!dies, !dies && shore.is_shaded(a, |_| true))
-            })
-            .collect();
+        let fates = map(&self.algae, |_, a| {
+            let dies = a.age > self.community.algae.max_age || shore.is_displaced(a);
+            (!dies, !dies && shore.is_shaded(a, |_| true))
+        });
         let mut alive: Vec<bool> = fates.iter().map(|f| f.0).collect();
         let order = Draws::new(self.seed, Stream::Order, self.month);
         let mut losers: Vec<usize> = (0..fates.len()).filter(|&i| fates[i].1).collect();

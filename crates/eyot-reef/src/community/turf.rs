@@ -1,10 +1,10 @@
 //! Turf: a film of small algae on the ground, cell by cell.
 
 use super::index::Index;
+use super::parallel::map_mut;
 use super::parameters::{Community, Turf};
 use super::random::Draws;
 use super::site::Site;
-use rayon::prelude::*;
 
 /// Cover of turf on square cells.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl TurfGrid {
     /// Grows for a month under the corals as they stand.
     pub(super) fn grow(&mut self, community: &Community, corals: &Index) {
         let (cell, columns, rules) = (self.cell, self.columns, &community.turf);
-        self.cover.par_iter_mut().with_min_len(256).enumerate().for_each(|(n, cover)| {
+        map_mut(&mut self.cover, |n, cover| {
             let [x, y] = [(n % columns) as f32, (n / columns) as f32].map(|i| (i + 0.5) * cell);
             let (mut growth, mut covered) = (rules.growth, false);
             // Far enough for the corners.

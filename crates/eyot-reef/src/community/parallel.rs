@@ -1,0 +1,24 @@
+//! The same work for many: on all threads if they are enough to be worth it, which never changes a result.
+
+use rayon::prelude::*;
+
+/// Items of one task, enough that handing it out costs little.
+const TASK: usize = 64;
+/// Fewer are done on the spot: waking other threads takes longer.
+const FEW: usize = 512;
+
+/// Results of `f` for all items, in their order; `f` gets number and item.
+pub(super) fn map<T: Sync, R: Send>(items: &[T], f: impl Fn(usize, &T) -> R + Sync) -> Vec<R> {
+    if items.len() < FEW {
+        return items.iter().enumerate().map(|(i, item)| f(i, item)).collect();
+    }
+    items.par_iter().enumerate().with_min_len(TASK).map(|(i, item)| f(i, item)).collect()
+}
+
+/// As [`map`], for items that `f` changes.
+pub(super) fn map_mut<T: Send, R: Send>(items: &mut [T], f: impl Fn(usize, &mut T) -> R + Sync) -> Vec<R> {
+    if items.len() < FEW {
+        return items.iter_mut().enumerate().map(|(i, item)| f(i, item)).collect();
+    }
+    items.par_iter_mut().enumerate().with_min_len(TASK).map(|(i, item)| f(i, item)).collect()
+}
