@@ -3,7 +3,7 @@
 use eyot_gpu::{Choice, Gpu};
 
 /// Any adapter. Where `EYOT_REQUIRE_GPU` is set a missing one fails the test, elsewhere the test is skipped and says so.
-pub fn gpu() -> Option<Gpu> {
+pub(crate) fn gpu() -> Option<Gpu> {
     match Gpu::open(&Choice::Best) {
         Ok(gpu) => Some(gpu),
         Err(e) if std::env::var_os("EYOT_REQUIRE_GPU").is_some() => panic!("{e}"),

@@ -1,4 +1,5 @@
 //! Every process in every variant that has rules of its own; shared by the tests of all engines.
+#![allow(dead_code, reason = "every test binary compiles its own copy and uses a part of it")]
 
 use eyot_core::process::{Process, Scheduled};
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic};
@@ -6,12 +7,12 @@ use eyot_land::simulate::reef::{Light, Limit, Reef};
 use eyot_land::simulate::{Seabed, Thermal, Wetness};
 
 /// A process that runs in every step.
-pub fn one(process: impl Process + 'static) -> Scheduled {
+pub(crate) fn one(process: impl Process + 'static) -> Scheduled {
     Scheduled { name: "test", process: Box::new(process), every: 1 }
 }
 
 /// Name and processes of each.
-pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
+pub(crate) fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
     // A time step that needs two parts on the suite's cells of 2 x 2.5 m.
     let hydraulic = Hydraulic { time_step: 0.2, rain: 0.01, ..Default::default() };
     vec![
@@ -40,7 +41,7 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
 }
 
 /// A plausible value of a layer from a number within 0..1.
-pub fn start(layer: &str, u: f32) -> f32 {
+pub(crate) fn start(layer: &str, u: f32) -> f32 {
     match layer {
         "height" => 12.0 * u - 4.0,
         "water" => (2.0 * u - 0.8).max(0.0),
