@@ -62,7 +62,7 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
     // One chunk after its index.
     let index = [16_u64, 120].map(u64::to_le_bytes).concat();
     let plain = json!([{ "name": "bytes", "configuration": { "endian": "little" } }]);
-    let shard = json!([{ "name": "sharding_indexed", "configuration": { "chunk_shape": [5, 6], "codecs": plain,
+    let shard = json!([{ "name": "sharding_indexed", "configuration": { "chunk_shape": [1, 5, 6], "codecs": plain,
         "index_codecs": plain, "index_location": "start" } }]);
     vec![own.join(BETWEEN), array(&plain, &chunk), array(&shard, &[index, chunk].concat())]
 }
@@ -70,8 +70,8 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
 /// An array without a place and without checksums, which would hide what lies behind them.
 fn array(codecs: &Value, chunk: &[u8]) -> Vec<u8> {
     let metadata = json!({
-        "zarr_format": 3, "node_type": "array", "shape": [5, 6], "data_type": "float32", "fill_value": "NaN",
-        "chunk_grid": { "name": "regular", "configuration": { "chunk_shape": [5, 6] } },
+        "zarr_format": 3, "node_type": "array", "shape": [1, 5, 6], "data_type": "float32", "fill_value": "NaN",
+        "chunk_grid": { "name": "regular", "configuration": { "chunk_shape": [1, 5, 6] } },
         "chunk_key_encoding": { "name": "default" }, "codecs": codecs,
         "attributes": { "scale_factor": 0.5, "missing_value": -1 },
     });

@@ -540,10 +540,10 @@ mod tests {
     #[test]
     fn the_community_reports_its_months() {
         let what = BenchSubject::Community;
-        let r = run(&BenchOptions { what, size: what.usual_size() / 4, seconds: 0.05, ..Default::default() }).unwrap();
+        let r = run(&BenchOptions { what, size: what.usual_size(), seconds: 0.05, ..Default::default() }).unwrap();
         let json = serde_json::to_value(&r).unwrap();
         assert!(json["seconds_per_month"].as_f64().unwrap() > 0.0 && json["colonies"].as_u64().unwrap() > 0);
-        assert_eq!((r.samples, r.what, r.size), (SAMPLES as usize, "community", 10));
+        assert_eq!((r.samples, r.what, r.size), (SAMPLES as usize, "community", 40));
     }
 
     #[test]

@@ -17,7 +17,7 @@ fn go(from: &Path, to: &Path, options: &ConvertOptions) -> Vec<String> {
 
 fn refused(from: &Path, to: &Path, options: &ConvertOptions) -> String {
     match convert(from, to, options, &Limits::default()) {
-        Err(RunError::File(message)) => message,
+        Err(RunError::File(message) | RunError::Input { reason: message, .. }) => message,
         other => panic!("{from:?} -> {to:?}: {other:?}"),
     }
 }

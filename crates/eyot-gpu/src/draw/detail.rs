@@ -193,7 +193,7 @@ mod tests {
             bounds: &bounds,
             step: [1.0; 2],
             camera: &camera,
-            size: [64, 64],
+            size: [512, 512],
             hidden_below: f32::NEG_INFINITY,
             base: None,
         };

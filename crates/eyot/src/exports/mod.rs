@@ -224,8 +224,7 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
             for (name, layer) in files.iter().zip(&export.layers) {
                 if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) {
                     let path = job.file(name)?;
-                    io::write_rows(&path, &mut *rows, &about, format, &export.write_options())
-                        .map_err(RunError::file)?;
+                    io::write_rows(&path, &mut *rows, &about, format, &export.write_options()).map_err(unmade)?;
                 }
             }
             Ok(())
@@ -243,8 +242,8 @@ pub(crate) fn write_together(
     let mut rows: Vec<(&About, &mut dyn Rows)> =
         layers.iter_mut().map(|(about, rows)| (&*about, &mut **rows as &mut dyn Rows)).collect();
     match format {
-        ExportFormat::Zarr => io::write_store(path, &mut rows, attributes).map_err(RunError::file),
-        _ => io::write_exr(path, &mut rows).map_err(RunError::file),
+        ExportFormat::Zarr => io::write_store(path, &mut rows, attributes).map_err(unmade),
+        _ => io::write_exr(path, &mut rows).map_err(unmade),
     }
 }
 
@@ -255,7 +254,7 @@ pub(crate) type Layer<'a> = (About, Box<dyn Rows + 'a>);
 fn write_splat(job: &Job<'_>, path: &Path, export: &Export) -> Result<(), RunError> {
     let Some(mut materials) = Materials::of(job.source, job.world.sea_level_m, export) else { return Ok(()) };
     io::write_splat(path, materials.size(), &MATERIALS, &mut |first, out| materials.read_bytes(first, out))
-        .map_err(RunError::file)
+        .map_err(unmade)
 }
 
 fn write_layer(
