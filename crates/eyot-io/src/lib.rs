@@ -65,7 +65,7 @@ pub use error::{Error, Result};
 pub use exr_write::write_exr;
 pub use format::{RasterFormat, WriteOptions, write_layer, write_rows};
 pub use glb::write_terrain_glb;
-pub use masks::{shares, write_mask, write_splat};
+pub use masks::{Weights, shares, write_mask, write_splat};
 pub use obj::write_terrain_obj;
 pub use png_write::write_rgb_png;
 pub use raster::{Raster, ReadOptions, is_zarr, layer_names, read_raster};

@@ -27,10 +27,11 @@ pub fn write_mask(path: &Path, rows: &mut dyn Rows) -> Result<()> {
     })
 }
 
+/// Puts the weights of whole rows, from the given one (0 is north) on, into a slice.
+pub type Weights<'a> = dyn FnMut(usize, &mut [[u8; 4]]) -> eyot_core::Result<()> + 'a;
+
 /// Writes the weights of up to four materials as the red, green, blue and alpha of a PNG, and their names as JSON beside
 /// it (`PATH.json`). Alpha is a weight like the others: programs must not multiply the colours with it.
-///
-/// `weights(row, out)` puts whole rows into `out`, from the given one (0 is north) on.
 ///
 /// # Errors
 /// If a side is 0, if `weights` fail or do not sum to 255 in a cell, if there are no or more than four names, or if a file
@@ -39,7 +40,7 @@ pub fn write_splat(
     path: &Path,
     (width, height): (usize, usize),
     materials: &[&str],
-    weights: &mut dyn FnMut(usize, &mut [[u8; 4]]) -> eyot_core::Result<()>,
+    weights: &mut Weights<'_>,
 ) -> Result<()> {
     if materials.is_empty() || materials.len() > 4 {
         let problem = format!("{} materials are to be written", materials.len());

@@ -139,9 +139,9 @@ fn island(size: usize) -> eyot_core::Result<(World, Vec<Scheduled>)> {
     world.grid.checked(&Limits::default())?;
     let one = |name, process: Box<dyn Process>| Scheduled { name, process, every: 1 };
     let processes = vec![
-        one("hydraulic", Box::new(Hydraulic::default())),
-        one("thermal", Box::new(Thermal::default())),
-        one("reef", Box::new(Reef::default())),
+        one("hydraulic", Box::<Hydraulic>::default()),
+        one("thermal", Box::<Thermal>::default()),
+        one("reef", Box::<Reef>::default()),
     ];
     Ok((world, processes))
 }

@@ -128,7 +128,7 @@ impl Adapter {
 fn test(adapter: Option<&str>, no_adapters: bool) -> Result<Test, Error> {
     let one = |name, process| Scheduled { name, process, every: 1 };
     let processes =
-        vec![one("hydraulic", Box::new(Hydraulic::default()) as Box<_>), one("thermal", Box::new(Thermal::default()))];
+        vec![one("hydraulic", Box::<Hydraulic>::default() as Box<_>), one("thermal", Box::<Thermal>::default())];
     let start = hills()?;
     let (low, high) = start.layer("height")?.field.min_max();
     let span = Span { from: 0, steps: STEPS };
