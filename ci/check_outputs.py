@@ -3,7 +3,7 @@
 Usage: python check_outputs.py FOLDER [--no-node]
 
 Every .tif is opened with rasterio and checked by rio-cogeo, every .png with Pillow, every .r32, .r16 and .npy with numpy
-by its JSON file, every .exr with OpenEXR, every .zarr with xarray and zarr-python, every .obj with trimesh, every .glb with
+by its JSON file, every .exr with OpenEXR, every .zarr with xarray and zarr-python (recordings, timeline.zarr, too), every .obj and .ply with trimesh, every .glb with
 trimesh and Khronos' validator (node, with `npm install` done in this folder). Files that differ in the extension alone
 hold the same layer: those of floats must then agree bit by bit with R32, PNG and R16 within half a step. Prints each
 failure and at the end "N passed, M failed"; exits with 1 if anything failed or there was nothing to check.
@@ -174,8 +174,83 @@ def inspect_zarr(path):
     return values
 
 
+def inspect_recording(path):
+    """A recorded run: one data set along time, whose last frame is what the run exported."""
+    with xarray.open_zarr(path) as data:
+        check(path, "CF", data.attrs["Conventions"].startswith("CF-"), data.attrs)
+        time = data["time"].values
+        check(path, "time increases", time.dtype == np.int64 and len(time) > 2 and bool((np.diff(time) > 0).all()), time)
+        check(path, "time says that it is", data["time"].attrs.get("axis") == "T", data["time"].attrs)
+        layers = [name for name in data.data_vars if name != "spatial_ref"]
+        width, height = data.sizes["x"], data.sizes["y"]
+        for name in layers:
+            layer = data[name]
+            sizes = {"y": height, "y_face": height + 1, "x": width, "x_face": width + 1}
+            expected = (len(time), *(sizes[d] for d in layer.dims[1:]))
+            check(path, f"{name}: shape", layer.dims[0] == "time" and layer.shape == expected, (layer.dims, layer.shape))
+            check(path, f"{name}: units", "units" in layer.attrs and "long_name" in layer.attrs, layer.attrs)
+            finite = np.isfinite(layer.values)
+            there = finite.all(axis=(1, 2))
+            check(path, f"{name}: frames whole or empty", bool((there == finite.any(axis=(1, 2))).all()))
+            check(path, f"{name}: once there, always there", bool((np.diff(there.astype(int)) >= 0).all() and there[-1]))
+        check(path, "layers that come late", any(np.isnan(data[name].values[0]).all() for name in layers))
+        check(path, "layers on faces", any("x_face" in data[name].dims for name in layers))
+        for axis in ("x", "y"):
+            middles = (data[f"{axis}_face"].values[1:] + data[f"{axis}_face"].values[:-1]) / 2
+            check(path, f"{axis}: faces lie between cells", bool(np.allclose(middles, data[axis].values)))
+        last = {name: data[name].isel(time=-1).values for name in layers}
+        with tempfile.TemporaryDirectory() as folder:
+            data.to_netcdf(f"{folder}/a.nc")
+            with xarray.open_dataset(f"{folder}/a.nc") as copy:
+                check(path, "goes to netCDF", copy.equals(data.load()), copy)
+    exported = [f for f in path.parent.glob("*.tif") if f.stem in last]
+    check(path, "there are exports of its layers", len(exported) > 1, exported)
+    for file in exported:
+        with rasterio.open(file) as tif:
+            same = (tif.read(1).view("u4") == last[file.stem].view("u4")).all()
+            check(file, "is the last frame of the recording, bit by bit", bool(same))
+    array = zarr.open_group(path, mode="r")["height"]
+    check(path, "Zarr 3, a shard a frame", array.metadata.zarr_format == 3 and array.shards == (1, 512, 512), array.shards)
+    own = zarr.open_array(path / "height", mode="r")
+    check(path, "arrays open alone, too", own.shape == array.shape, (own.shape, array.shape))
+
+
+def count_pieces(faces, vertices):
+    """Connected pieces: every vertex takes the lowest number around it, until nothing changes."""
+    lowest = np.arange(vertices)
+    while True:
+        last = lowest.copy()
+        np.minimum.at(lowest, faces.ravel(), np.repeat(lowest[faces].min(axis=1), 3))
+        lowest = lowest[lowest]
+        if (lowest == last).all():
+            return len(np.unique(lowest[faces]))
+
+
+def inspect_bodies(path, mesh, parts=None):
+    """Closed bodies: no hole, all faces outwards, one piece for each node."""
+    check(path, "finite", bool(np.isfinite(mesh.vertices).all()))
+    check(path, "closed", mesh.is_watertight)
+    check(path, "all faces look the same way", mesh.is_winding_consistent)
+    pieces = count_pieces(mesh.faces, len(mesh.vertices))
+    check(path, "one piece for each body", parts is None or pieces == parts, (pieces, parts))
+    check(path, "outwards", mesh.volume > 0, mesh.volume)
+    # Ours are those of the field, trimesh's those of the faces around.
+    straight = (mesh.face_normals * mesh.vertex_normals[mesh.faces[:, 0]]).sum(axis=1)
+    check(path, "normals point out of the faces", bool(np.mean(straight > 0.3) > 0.99), straight.min())
+
+
+def inspect_ply(path):
+    mesh = trimesh.load(path, process=False)
+    check(path, "has triangles", len(mesh.faces) > 0)
+    check(path, "has colours", mesh.visual.kind == "vertex", mesh.visual.kind)
+    inspect_bodies(path, mesh)
+
+
 def inspect_obj(path):
     mesh = trimesh.load(path, process=False, maintain_order=True)
+    if path.read_bytes().startswith(b"# Eyot, bodies"):
+        parts = list(mesh.geometry.values()) if isinstance(mesh, trimesh.Scene) else [mesh]
+        return inspect_bodies(path, trimesh.util.concatenate(parts))
     check(path, "has triangles", len(mesh.faces) > 0)
     check(path, "finite", bool(np.isfinite(mesh.vertices).all()))
     check(path, "all faces look up", bool((mesh.face_normals[:, 1] > 0).all()), mesh.face_normals[:, 1].min())
@@ -214,7 +289,22 @@ def compare(tifs, r32s, pngs):
             check(name, "PNG is within half a step", worst <= step * 0.5001, (worst, step))
 
 
+def inspect_glb_bodies(path, document):
+    scene = trimesh.load(path, process=False)
+    nodes = document["nodes"]
+    check(path, "every node is there", len(scene.graph.nodes_geometry) == len(nodes), len(scene.graph.nodes_geometry))
+    inspect_bodies(path, scene.to_geometry(), len(nodes))
+    check(path, "every mesh has a name and is shown", {n["mesh"] for n in nodes} == set(range(len(document["meshes"]))))
+    for mesh in document["meshes"]:
+        check(path, "every mesh has vertex colours", "COLOR_0" in mesh["primitives"][0]["attributes"], mesh["name"])
+    return sum(len(g.faces) for g in scene.geometry.values())
+
+
 def inspect_glb(path):
+    data = path.read_bytes()
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    if document["scenes"][0].get("extras", {}).get("kind") == "bodies":
+        return inspect_glb_bodies(path, document)
     scene = trimesh.load(path)
     drawn = [scene.graph[node][1] for node in scene.graph.nodes_geometry]
     check(path, "the scene draws one mesh", len(drawn) == 1, drawn)
@@ -225,8 +315,7 @@ def inspect_glb(path):
     colours = mesh.visual.vertex_attributes["color"]
     check(path, "one colour a vertex", colours.shape == (len(mesh.vertices), 4), colours.shape)
     # The levels of detail, too, which the scene does not draw.
-    data = path.read_bytes()
-    levels = len(json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])["meshes"])
+    levels = len(document["meshes"])
     check(path, "every level is there", len(scene.geometry) == levels, (len(scene.geometry), levels))
     for name, level in scene.geometry.items():
         normals = level.face_normals
@@ -262,6 +351,9 @@ def main():
     for name in pngs.keys() & r16s.keys():
         check(name, "PNG and R16 hold the same numbers", np.array_equal(pngs[name][0], r16s[name][0]))
     stores = [f for f in options.folder.rglob("*.zarr") if f.is_dir()]
+    recordings = [f for f in stores if f.name == "timeline.zarr"]
+    each(recordings, inspect_recording)
+    stores = [f for f in stores if f not in recordings]
     kinds = {"NPY": each(of(".npy"), inspect_npy), "EXR": each(of(".exr"), inspect_exr), "Zarr": {}}
     for name, layers in each(stores, inspect_zarr).items():
         # A run's store holds the layers that other files are named after.
@@ -269,6 +361,7 @@ def main():
         kinds["Zarr"].update(named)
     compare_floats(r32s, kinds)
     each(of(".obj"), inspect_obj)
+    each(of(".ply"), inspect_ply)
     each(of(".glb"), inspect_glb)
     if not options.no_node:
         validate_glbs(of(".glb"))

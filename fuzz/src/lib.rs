@@ -6,10 +6,12 @@
 //! something, or that lead somewhere new, are kept in `fuzz/corpus/TARGET` and replayed by `cargo test`.
 
 pub mod corpus;
+mod expressions;
 pub mod mutate;
 mod rasters;
 mod recipes;
 mod stores;
+mod timelines;
 mod worlds;
 
 use eyot::Limits;
@@ -42,8 +44,10 @@ pub const TARGETS: &[Target] = &[
     Target { name: "npy", run: rasters::read_npy, seeds: rasters::npy, words: rasters::NPY_WORDS },
     Target { name: "zarr", run: stores::read, seeds: stores::seeds, words: stores::WORDS },
     Target { name: "checkpoint", run: worlds::read, seeds: worlds::seeds, words: worlds::WORDS },
+    Target { name: "timeline", run: timelines::read, seeds: timelines::seeds, words: timelines::WORDS },
     Target { name: "recipe", run: recipes::read, seeds: recipes::seeds, words: recipes::WORDS },
     Target { name: "set", run: recipes::read_flags, seeds: recipes::flags, words: recipes::WORDS },
+    Target { name: "expression", run: expressions::read, seeds: expressions::seeds, words: expressions::WORDS },
 ];
 
 /// The target of a name.

@@ -213,6 +213,7 @@ pub(crate) fn world(width: usize, height: usize) -> World {
         epsg: Some(32611),
         geographic: false,
         nodata: Some(-1.0),
+        ..Georeference::default()
     });
     let hills = |x: usize, y: usize| ((x * x + 3 * y) % 97) as f32 * 0.5;
     world.put(&known::HEIGHT, Field::from_fn(width, height, hills)).expect("a field of the grid's size");

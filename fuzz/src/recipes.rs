@@ -26,6 +26,12 @@ pub(crate) const WORDS: &[&str] = &[
     "\"wrap\"",
     "format",
     "\"glb\"",
+    "[[layer]]",
+    "[[rule]]",
+    "next",
+    "start",
+    "set.water",
+    "parameters",
     "layers",
     "prefix",
     "true",
@@ -94,6 +100,7 @@ pub(crate) fn flags() -> Vec<Vec<u8>> {
         "grid.size=[64, 32]\ngrid.rim=open\ngrid.cell=2",
         "hydraulic.rain=0.004\nreef.every=3\nthermal.enabled=false",
         "hill.height=300\ncone.radius=0.4\nstep.2.amplitude=7\nstep.hill.layer=\"height\"",
+        "moss.limit=0.5\ndrip.every=4\nlayer.moss.next=\"moss[1, -1]\"\nrule.1.mask=\"moss > 0.5\"",
         "export.1.format=\"r32\"\nview={ enabled = false }\nview.size=[64, 48]",
     ];
     lines.iter().map(|l| l.as_bytes().to_vec()).collect()
@@ -119,9 +126,22 @@ mask = "height"
 [[step]]
 generate = "constant"
 layer = "springs"
+[[layer]]
+name = "moss"
+unit = "1"
+range = [0, 1]
+start = "0.1 * random()"
+next = "clamp(0.9 * moss + step(0.01, water), 0, limit)"
+mask = "height > sea_level"
+parameters = { limit = 0.9 }
+[[rule]]
+name = "drip"
+set.water = "water + 0.001 * mean4(moss)"
+every = 2
 [[step]]
 name = "rain"
-simulate = ["hydraulic", "thermal", "seabed", "wetness", "reef"]
+simulate = ["hydraulic", "thermal", "seabed", "wetness", "reef", "moss", "drip"]
+moss.limit = 0.8
 steps = 100
 thermal.every = 3
 reef.sea_level_curve = [[0.0, 0.0], [100.0, 2.0]]

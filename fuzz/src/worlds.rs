@@ -24,7 +24,7 @@ pub(crate) fn read(bytes: &[u8]) -> bool {
 }
 
 /// The layout is explained in `eyot-io`: 8 bytes, a version, the length of the header, the header, its checksum.
-fn with_checksum(bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn with_checksum(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     let length = bytes.get(12..20).and_then(|b| usize::try_from(u64::from_le_bytes(b.try_into().ok()?)).ok());
     let Some(end) =
@@ -37,13 +37,18 @@ fn with_checksum(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-pub(crate) fn seeds() -> Vec<Vec<u8>> {
+/// A world with a layer in cells, one on faces, and a ledger.
+pub(crate) fn world() -> World {
     let grid = Grid::new(5, 3, 10.0, Rim::OPEN, &Limits::default()).expect("a sound grid");
     let mut world = World::new(grid, 1);
     world.ensure(&known::HEIGHT, 2.5);
     world.ensure(&LayerSpec::new("flux_x", "m", "Flow to the east", (f32::MIN, f32::MAX)).on(Stagger::FaceX), 0.5);
     world.ledger.add("water.rain", 0.1, "m3", "Rain", 1);
-    let path = scratch("seed.eyot");
+    world
+}
+
+pub(crate) fn seeds() -> Vec<Vec<u8>> {
+    let (path, world) = (scratch("seed.eyot"), world());
     let state = serde_json::json!({ "done_steps": 1, "journal": [] });
     checkpoint::save(&path, &world, "seed = 7", &state).expect("a sound world");
     vec![std::fs::read(path).expect("the world")]

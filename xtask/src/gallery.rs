@@ -1,5 +1,5 @@
-//! A picture of what each generator makes, for the book: sources as they are, filters before and after, masks beside the land
-//! that they were made of.
+//! A picture of what each generator makes, for the book: sources as they are, filters before and after or with the depth
+//! of their change, masks beside the land that they were made of.
 
 use crate::palette;
 use eyot::render::{self, Picture, ReliefOptions, Setting, ViewOptions};
@@ -20,8 +20,20 @@ enum Show {
     Source(String),
     /// The land before and after.
     Filter(String),
+    /// The land, and beside it how deep it is changed.
+    Depth(String),
     /// A layer beside the land.
     Mask(String),
+}
+
+/// Choices that each have a picture of their own, beside that of the default.
+const CHOICES: [(&str, &str); 3] = [("fbm", "basis"), ("worley", "distance"), ("smooth", "kernel")];
+
+/// The same with another choice.
+fn varied(name: &str, key: &str, choice: &str) -> Show {
+    let step = format!("[[step]]\ngenerate = \"{name}\"\n{key} = \"{choice}\"\n");
+    // One pass of three by three cells shows nothing.
+    if name == "smooth" { Show::Filter(format!("{step}passes = 12\n")) } else { Show::Source(step) }
 }
 
 /// The step that shows the generator at its best: its defaults, unless these show nothing.
@@ -38,6 +50,8 @@ fn shown(name: &str, filter: bool) -> Show {
             "{plain}layer = \"mask\"\n[[step]]\ngenerate = \"remap\"\nlayer = \"mask\"\n\
              from = [0.0, 4e5]\nto = [0.0, 1.0]\npoints = [[0.0, 0.0], [0.03, 0.45], [1.0, 1.0]]\n"
         )),
+        // What they do to hollows shows in no view.
+        "fill" | "breach" => Show::Depth(plain),
         "crater" => Show::Filter(format!("{plain}level = 0.55\ncrest_m = 40.0\n")),
         _ if name.starts_with("mask_") => Show::Mask(format!("{plain}layer = \"mask\"\n")),
         _ if filter => Show::Filter(plain),
@@ -74,21 +88,35 @@ fn pair(a: &Picture, b: &Picture) -> Picture {
     both
 }
 
+/// The land from above, and beside it shares from 0, black, to 1, white.
+fn beside(land: &World, shares: &[f32]) -> Result<Picture> {
+    let relief = ReliefOptions { min_size: 240, max_size: 240, sea: false, ..ReliefOptions::default() };
+    let grey = shares.iter().map(|v| [(255.0 * v.clamp(0.0, 1.0)).round() as u8; 3]).collect();
+    let shares = Picture { width: land.grid.width, height: land.grid.height, pixels: grey };
+    Ok(pair(&render::relief(land, &relief)?, &shares))
+}
+
 /// The picture of one generator.
-fn picture(name: &str, filter: bool) -> Result<Picture> {
-    match shown(name, filter) {
+fn picture(show: Show) -> Result<Picture> {
+    match show {
         Show::Source(step) => view(&world(&step)?, 384, 240),
         Show::Filter(step) => {
             let after = world(&format!("{LAND}{step}"))?;
             Ok(pair(&view(&world(LAND)?, 240, 180)?, &view(&after, 240, 180)?))
         }
+        Show::Depth(step) => {
+            let (before, after) = (world(LAND)?, world(&format!("{LAND}{step}"))?);
+            let changes = before.layer("height")?.field.iter().zip(after.layer("height")?.field.iter());
+            let changes: Vec<f32> = changes.map(|(a, b)| (b - a).abs()).collect();
+            let most = changes.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+            // The root shows shallow places, too.
+            let share: Vec<f32> = changes.iter().map(|d| (d / most).sqrt()).collect();
+            beside(&before, &share)
+        }
         Show::Mask(step) => {
             let world = world(&format!("{LAND}{step}"))?;
-            let relief = ReliefOptions { min_size: 240, max_size: 240, sea: false, ..ReliefOptions::default() };
-            let mask = &world.layer("mask")?.field;
-            let grey = mask.iter().map(|v| [(255.0 * v.clamp(0.0, 1.0)).round() as u8; 3]).collect();
-            let mask = Picture { width: mask.width(), height: mask.height(), pixels: grey };
-            Ok(pair(&render::relief(&world, &relief)?, &mask))
+            let mask: Vec<f32> = world.layer("mask")?.field.iter().collect();
+            beside(&world, &mask)
         }
     }
 }
@@ -99,10 +127,21 @@ pub(crate) fn write() -> Result<()> {
     std::fs::create_dir_all(&folder)?;
     for entry in Registry::standard().generators() {
         let generator = (entry.make)((entry.defaults)())?;
-        let picture = picture(entry.name, generator.is_filter())?;
-        let path = folder.join(format!("{}.png", entry.name));
-        palette::write(&path, &picture)?;
-        println!("{:20} {:4} kB", entry.name, std::fs::metadata(&path)?.len() / 1024);
+        draw(&folder, entry.name, shown(entry.name, generator.is_filter()))?;
     }
+    for (name, key) in CHOICES {
+        let about = eyot::describe(name, &Registry::standard())?;
+        let parameter = about.parameters.iter().find(|p| p.name == key).ok_or("no such parameter")?;
+        for choice in parameter.choices.iter().filter(|c| parameter.default != c.value.as_str()) {
+            draw(&folder, &format!("{name}-{}", choice.value), varied(name, key, &choice.value))?;
+        }
+    }
+    Ok(())
+}
+
+fn draw(folder: &Path, name: &str, show: Show) -> Result<()> {
+    let path = folder.join(format!("{name}.png"));
+    palette::write(&path, &picture(show)?)?;
+    println!("{name:20} {:4} kB", std::fs::metadata(&path)?.len() / 1024);
     Ok(())
 }

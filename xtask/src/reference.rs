@@ -10,9 +10,12 @@ use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
 use std::fmt::Write;
 
 /// Tables of a recipe in the order of the reference, with what they are.
-const TABLES: [(&str, &str); 7] = [
+const TABLES: [(&str, &str); 10] = [
     ("recipe", "The head of the document"),
     ("grid", "`[grid]`"),
+    ("layer", "`[[layer]]`"),
+    ("rule", "`[[rule]]`"),
+    ("expressions", "Expressions of layers and rules"),
     ("generate", "`[[step]]` that generates"),
     ("simulate", "`[[step]]` that simulates"),
     ("schedule", "A process in a step"),
@@ -121,6 +124,13 @@ impl Maker {
         let mut out = format!("# {name}\n\n{}\n\n", paragraphs(&d));
         if crate::root().join(format!("docs/gallery/{name}.png")).exists() {
             writeln!(out, "![What `{name}` does](../../gallery/{name}.png)\n")?;
+        }
+        // Pictures of other choices, such as `fbm-value.png`.
+        for (parameter, choice) in d.parameters.iter().flat_map(|p| p.choices.iter().map(move |c| (p, c))) {
+            let file = format!("{name}-{}.png", choice.value);
+            if crate::root().join("docs/gallery").join(&file).exists() {
+                writeln!(out, "`{} = \"{}\"`:\n\n![{file}](../../gallery/{file})\n", parameter.name, choice.value)?;
+            }
         }
         writeln!(out, "## Parameters\n\n{}", parameters(&d.parameters, 3)?)?;
         if d.kind == "process" {

@@ -85,13 +85,20 @@ fn land_does_no_io_and_its_rooms_are_apart() {
 }
 
 #[test]
-fn the_reef_stands_on_the_core_and_does_no_io() {
-    let manifest = fs::read_to_string(root().join("crates/eyot-reef/Cargo.toml")).unwrap();
-    assert!(
-        !manifest.lines().any(|l| l.starts_with("eyot") && !l.starts_with("eyot-core")),
-        "eyot-reef needs the core alone"
-    );
-    assert_absent("crates/eyot-reef/src", &["std::fs", "std::net", "File::"], &[]);
+fn the_small_crates_stand_on_the_core_and_do_no_io() {
+    for krate in ["eyot-climate", "eyot-plates", "eyot-reef", "eyot-rules"] {
+        let manifest = fs::read_to_string(root().join("crates").join(krate).join("Cargo.toml")).unwrap();
+        // Tests may use more.
+        let needed = manifest.split("[dev-dependencies]").next().unwrap();
+        assert!(
+            !needed.lines().any(|l| {
+                let of_reef = krate == "eyot-reef" && l.starts_with("eyot-mesh");
+                l.starts_with("eyot") && !l.starts_with("eyot-core") && !of_reef
+            }),
+            "{krate} needs the core alone, the reef also meshes"
+        );
+        assert_absent(&format!("crates/{krate}/src"), &["std::fs", "std::net", "File::"], &[]);
+    }
 }
 
 #[test]
@@ -113,7 +120,18 @@ fn only_the_gpu_crate_names_wgpu() {
 #[test]
 fn front_ends_use_the_facade() {
     let manifest = fs::read_to_string(root().join("apps/eyot-cli/Cargo.toml")).unwrap();
-    for below in ["eyot-core", "eyot-land", "eyot-gpu", "eyot-io", "eyot-mesh", "eyot-reef", "eyot-render"] {
+    for below in [
+        "eyot-core",
+        "eyot-climate",
+        "eyot-land",
+        "eyot-gpu",
+        "eyot-io",
+        "eyot-mesh",
+        "eyot-plates",
+        "eyot-reef",
+        "eyot-render",
+        "eyot-rules",
+    ] {
         assert!(!manifest.lines().any(|l| l.starts_with(below)), "the command line depends on {below}");
     }
 }

@@ -1,12 +1,13 @@
 //! What the command line takes.
 
+use crate::{Failure, report};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use eyot::Preset;
 use eyot::Stream;
 use eyot::bench::BenchSubject;
 use eyot::core::isa::Isa;
 use eyot::io::{ByteOrder, RowOrder, Sample};
-use eyot::{EngineChoice, EngineOptions};
+use eyot::{EngineChoice, EngineOptions, View};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -26,6 +27,9 @@ Exit codes of all commands:
   2    refused: wrong usage, recipe or input; nothing was begun
   130  stopped by Ctrl-C; a run is then ready to resume";
 
+/// Flags of pictures that no camera takes.
+const FLAT: [&str; 2] = ["relief", "layer"];
+
 /// Natural landscapes, from plates to polyps.
 #[derive(Parser)]
 #[command(name = "eyot", version, about, after_help = EXAMPLES, arg_required_else_help = true)]
@@ -40,6 +44,12 @@ pub(crate) enum Verb {
     Run(Run),
     /// Continue a run that was stopped
     Resume(Resume),
+    /// List the frames of a recorded run
+    Timeline(Timeline),
+    /// Set a recorded run back, to be resumed from there
+    Rewind(Rewind),
+    /// Begin another run at a moment of a recorded one
+    Branch(Branch),
     /// List built-in recipes, generators and processes
     List(List),
     /// Write a recipe file to start from
@@ -54,6 +64,8 @@ pub(crate) enum Verb {
     Schema,
     /// Draw a picture of a finished run or of a height map
     Render(Render),
+    /// Film a finished run or a height map: pictures along a camera's path, and a video
+    Film(crate::film::Film),
     /// Print statistics of a finished run or of a height map
     Stats(Stats),
     /// Convert a height map, or a layer of a run, into another format
@@ -71,7 +83,7 @@ Examples:
   eyot run mine.toml --out results --set hydraulic.rain=0.004 --set step.2.enabled=false
   eyot run island --size 1024 --threads 4 --json > events.jsonl
 
---set changes the recipe before it is checked. Keys start with a key of the recipe (seed, sea_level, grid.cell, view.azimuth),
+--set changes the recipe before it is checked. Keys start with a key of the recipe (seed, sea_level, grid.cell, view.azimuth), \
 a process (hydraulic.rain), the name of a step (volcano.height), a generator (cone.height) or step.NUMBER.")]
 pub(crate) struct Run {
     /// A recipe file, or the name of a built-in recipe
@@ -136,11 +148,17 @@ pub(crate) struct Work {
     /// Seconds between two checkpoints
     #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) checkpoint_seconds: f64,
+    /// Record the run: a frame of everything each so many steps, in timeline.zarr in the folder for the results
+    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) record: Option<u64>,
+    /// Bytes that the recording may take, such as 2GiB or 500M; old frames thin out
+    #[arg(long, value_name = "BYTES", requires = "record", default_value = "2GiB", value_parser = bytes)]
+    pub(crate) record_limit: u64,
 }
 
 #[derive(Args)]
 #[command(after_help = "\
-Runs the same erosion on the processor and on the graphics card that --engine gpu would take, and compares the results.
+Runs the same erosion on the processor and on the graphics card that --engine gpu would take, and compares the results. \
 The exit code is 0 only if they agree; where there is no graphics card, the processor is compared with itself.")]
 pub(crate) struct Doctor {
     /// The graphics card to test, by a part of its name
@@ -163,6 +181,33 @@ pub(crate) struct Engine {
     pub(crate) adapter: Option<String>,
 }
 
+/// What draws views.
+#[derive(Args)]
+pub(crate) struct Draws {
+    /// What draws views: cpu with rays, gpu with a graphics card or its software stand-in, auto with a graphics card if there is
+    /// one; maps and reliefs are always drawn by the processor
+    #[arg(long, value_name = "WHICH", value_enum, default_value = "cpu")]
+    pub(crate) engine: EngineName,
+    /// The graphics card to use, by a part of its name; `eyot doctor` lists them
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+}
+
+impl Draws {
+    pub(crate) fn options(&self) -> EngineOptions {
+        engine_options(self.engine, &self.adapter)
+    }
+}
+
+fn engine_options(name: EngineName, adapter: &Option<String>) -> EngineOptions {
+    let choice = match name {
+        EngineName::Auto => EngineChoice::Auto,
+        EngineName::Cpu => EngineChoice::Cpu,
+        EngineName::Gpu => EngineChoice::Gpu,
+    };
+    EngineOptions { choice, adapter: adapter.clone(), ..EngineOptions::default() }
+}
+
 /// What to measure; `None` is the island.
 #[derive(Clone, Copy)]
 pub(crate) struct Measured(pub(crate) Option<BenchSubject>);
@@ -176,12 +221,7 @@ pub(crate) enum EngineName {
 
 impl Engine {
     pub(crate) fn options(&self) -> EngineOptions {
-        let choice = match self.engine {
-            EngineName::Auto => EngineChoice::Auto,
-            EngineName::Cpu => EngineChoice::Cpu,
-            EngineName::Gpu => EngineChoice::Gpu,
-        };
-        EngineOptions { choice, adapter: self.adapter.clone(), ..EngineOptions::default() }
+        engine_options(self.engine, &self.adapter)
     }
 }
 
@@ -194,6 +234,83 @@ pub(crate) struct Resume {
     /// Memory that the run may use, such as 8G or 500M
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) max_memory: Option<u64>,
+}
+
+#[derive(Args)]
+pub(crate) struct Timeline {
+    /// The folder of a recorded run; it may be at work
+    pub(crate) folder: PathBuf,
+    /// As JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot run island --record 50                  record a run
+  eyot timeline island                         see what there is
+  eyot rewind island --to 600
+  eyot resume island                           the same bytes as the first time
+
+Later frames are dropped. Results of a finished run stay until the run has been resumed to its end.")]
+pub(crate) struct Rewind {
+    /// The folder of a recorded run that is not at work
+    pub(crate) folder: PathBuf,
+    #[command(flatten)]
+    pub(crate) moment: Moment,
+    /// Drop later changes by hand; else they will be made again at their steps
+    #[arg(long)]
+    pub(crate) forget: bool,
+    /// As JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot branch island --to 600 --out wetter --set hydraulic.rain=0.004
+  eyot resume wetter")]
+pub(crate) struct Branch {
+    /// The folder of a recorded run that is not at work; it stays as it is
+    pub(crate) folder: PathBuf,
+    #[command(flatten)]
+    pub(crate) moment: Moment,
+    /// A new folder for the other run
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Change a key of the recipe from there on; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Drop later changes by hand; else they will be made again at their steps
+    #[arg(long)]
+    pub(crate) forget: bool,
+    /// As JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// A recorded moment.
+#[derive(Args)]
+#[group(required = true, multiple = false)]
+pub(crate) struct Moment {
+    /// The last frame that has at most so many steps of simulation done
+    #[arg(long, value_name = "STEP")]
+    to: Option<u64>,
+    /// The frame of this number, as `eyot timeline` lists them
+    #[arg(long, value_name = "N")]
+    frame: Option<usize>,
+}
+
+impl Moment {
+    pub(crate) fn get(&self) -> eyot::timeline::Moment {
+        match self.frame {
+            Some(n) => eyot::timeline::Moment::Frame(n),
+            // One of both is there.
+            None => eyot::timeline::Moment::Step(self.to.unwrap_or_default()),
+        }
+    }
 }
 
 #[derive(Args)]
@@ -214,7 +331,7 @@ pub(crate) struct New {
 
 #[derive(Args)]
 #[command(after_help = "\
-It refuses what `eyot run` would refuse before its first step, and reads imported files for it. It does not look at the folder
+It refuses what `eyot run` would refuse before its first step, and reads imported files for it. It does not look at the folder \
 for the results, nor at --replay.")]
 pub(crate) struct Check {
     /// A recipe file, or the name of a built-in recipe
@@ -263,6 +380,7 @@ Examples:
   eyot render island
   eyot render island --azimuth 120 --elevation 20 --size 1920x1080 --out south-east.png
   eyot render island --layer water
+  eyot render island --drape water --engine gpu
   eyot render map.tif --relief")]
 pub(crate) struct Render {
     /// Folder of a run, or a height map
@@ -276,30 +394,73 @@ pub(crate) struct Render {
     /// From above, with shaded relief
     #[arg(long)]
     pub(crate) relief: bool,
+    /// Draw the land in the colours of this layer, with a legend
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["relief", "layer"])]
+    pub(crate) drape: Option<String>,
+    #[command(flatten)]
+    pub(crate) engine: Draws,
     /// Width x height of a view in pixels; the longer side of a relief
     #[arg(long, value_name = "WxH", conflicts_with = "layer", allow_negative_numbers = true, value_parser = size)]
     pub(crate) size: Option<(u32, Option<u32>)>,
+    #[command(flatten)]
+    pub(crate) look: Look,
+}
+
+/// Camera and sun.
+#[derive(Args)]
+pub(crate) struct Look {
     /// Where the camera stands, degrees clockwise from north
+    #[arg(conflicts_with_all = FLAT)]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, -360.0, 360.0))]
     pub(crate) azimuth: Option<f32>,
     /// How high the camera stands, degrees over the horizon
+    #[arg(conflicts_with_all = FLAT)]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 1.0, 89.0))]
     pub(crate) elevation: Option<f32>,
     /// Distance of the camera, in lengths of the land's longer side
+    #[arg(conflicts_with_all = FLAT)]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| number(s, 0.05, 50.0))]
     pub(crate) distance: Option<f32>,
     /// Angle of view from bottom to top, degrees
+    #[arg(conflicts_with_all = FLAT)]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 5.0, 120.0))]
     pub(crate) field_of_view: Option<f32>,
     /// Factor on heights
+    #[arg(conflicts_with = "layer")]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| number(s, 0.01, 100.0))]
     pub(crate) exaggeration: Option<f32>,
     /// Where the sun stands, degrees clockwise from north
+    #[arg(conflicts_with = "layer")]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, -360.0, 360.0))]
     pub(crate) sun_azimuth: Option<f32>,
     /// How high the sun stands, degrees over the horizon
+    #[arg(conflicts_with = "layer")]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 1.0, 89.0))]
     pub(crate) sun_elevation: Option<f32>,
+}
+
+impl Look {
+    /// The view in a picture of `size`.
+    pub(crate) fn view(&self, size: [u32; 2]) -> Result<View, Failure> {
+        if !size.iter().all(|n| (16..=16384).contains(n)) {
+            return Err(report::usage(
+                &format!("a picture of {}x{} pixels", size[0], size[1]),
+                "choose 16 to 16384 pixels along each side",
+            ));
+        }
+        Ok(View {
+            enabled: true,
+            from_above: false,
+            size,
+            azimuth: self.azimuth,
+            elevation: self.elevation,
+            distance: self.distance,
+            field_of_view: self.field_of_view,
+            vertical_exaggeration: self.exaggeration,
+            sun_azimuth: self.sun_azimuth,
+            sun_elevation: self.sun_elevation,
+        })
+    }
 }
 
 #[derive(Args)]
@@ -317,10 +478,10 @@ Examples:
   eyot convert map.tif map.exr
   eyot convert island island.zarr                       all layers of a run
   eyot convert island water.tif --layer water
-  eyot convert terrain.raw terrain.tif --from-size 1025x1025 --from-type u16le --from-range 0,600 --cell 2
+  eyot convert map.raw map.tif --from-size 1025 --from-type u16le --from-range 0,600 --cell 2
   eyot convert map.tif unreal --preset unreal           into the folder `unreal`
 
-Formats by name: .tif .png .r16 .raw .r32 .exr .npy .zarr, and meshes .glb .obj. Floats of 32 bits keep their bits and whole
+Formats by name: .tif .png .r16 .raw .r32 .exr .npy .zarr, and meshes .glb .obj. Floats of 32 bits keep their bits and whole \
 numbers of 16 bits their values; georeference, cell size and what else a file says of itself go along.")]
 pub(crate) struct Convert {
     /// A height map, a Zarr store, or the folder of a run
@@ -375,7 +536,7 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, noise, reef, drainage, streampower or community; on a graphics card also island,
+    /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, world or plates; on a graphics card also island,
     /// which is hydraulic, thermal and reef together
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,
@@ -468,7 +629,7 @@ fn cell(text: &str) -> Result<(f64, f64), String> {
     metres(x).zip(metres(y)).ok_or_else(|| "write metres such as 10, or 10x12.5".to_owned())
 }
 
-fn size(text: &str) -> Result<(u32, Option<u32>), String> {
+pub(crate) fn size(text: &str) -> Result<(u32, Option<u32>), String> {
     let side = |s: &str| match s.trim().parse::<u32>() {
         Ok(n) if n > 0 => Ok(n),
         _ => Err("write a whole number such as 512, or columns x rows such as 512x256".to_owned()),
@@ -501,7 +662,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-fn number(text: &str, low: f32, high: f32) -> Result<f32, String> {
+pub(crate) fn number(text: &str, low: f32, high: f32) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(x) if (low..=high).contains(&x) => Ok(x),
         _ => Err(format!("write a number from {low} to {high}")),
@@ -516,6 +677,19 @@ mod tests {
     #[test]
     fn the_command_is_sound() {
         Cli::command().debug_assert();
+    }
+
+    /// Help is wrapped to the terminal, at most 100 columns: lines that are broken by hand would be broken twice.
+    #[test]
+    fn paragraphs_of_help_stand_on_one_line() {
+        for verb in Cli::command().get_subcommands() {
+            let text = verb.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let lines: Vec<&str> = text.lines().collect();
+            for (line, next) in lines.iter().zip(lines.iter().skip(1).chain([&""])) {
+                let whole = line.is_empty() || line.ends_with(':') || next.is_empty() || next.starts_with(' ');
+                assert!(whole && (!line.starts_with(' ') || line.len() <= 100), "{}: {line}", verb.get_name());
+            }
+        }
     }
 
     /// The page of the book that lists the command's verbs and flags is written by hand.

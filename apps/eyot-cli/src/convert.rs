@@ -12,11 +12,11 @@ pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {
             low_m: args.from_range.map(|r| r.0),
             high_m: args.from_range.map(|r| r.1),
             nodata: args.nodata,
-            layer: None,
             size: args.from_size.map(|(w, h)| (w as usize, h.unwrap_or(w) as usize)),
             sample: args.from_type.map(|t| t.0),
             byte_order: args.from_type.map(|t| t.1),
             row_order: args.from_rows,
+            ..ReadOptions::default()
         },
         layers: args.layer.clone(),
         range: args.range,

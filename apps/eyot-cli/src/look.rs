@@ -3,8 +3,9 @@
 use crate::args::{Bench, EngineName, Measured, Render, Stats};
 use crate::{Failure, print, report};
 use eyot::store::Subject;
-use eyot::{Limits, View, bench, bench_gpu, store};
+use eyot::{Limits, Scenery, View, bench, bench_gpu, store};
 use serde_json::Value;
+use std::path::Path;
 
 /// Draws a picture of a run or a height map.
 pub(crate) fn render(args: &Render) -> Result<(), Failure> {
@@ -16,32 +17,15 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         Some((w, None)) if args.relief => [w, w],
         Some((w, None)) => [w, (w * 5 / 8).max(1)],
     };
-    if !size.iter().all(|n| (16..=16384).contains(n)) {
-        return Err(report::usage(
-            &format!("a picture of {}x{} pixels", size[0], size[1]),
-            "choose 16 to 16384 pixels along each side",
-        ));
+    let view = args.look.view(size)?;
+    for (flag, layer) in [("layer", &args.layer), ("drape", &args.drape)] {
+        if let Some(layer) = layer {
+            known(&opened, &args.from, flag, layer)?;
+        }
     }
-    let view = View {
-        enabled: true,
-        size,
-        azimuth: args.azimuth,
-        elevation: args.elevation,
-        distance: args.distance,
-        field_of_view: args.field_of_view,
-        vertical_exaggeration: args.exaggeration,
-        sun_azimuth: args.sun_azimuth,
-        sun_elevation: args.sun_elevation,
-    };
-    if let Some(layer) = &args.layer
-        && opened.world.get(layer).is_none()
-    {
-        let known: Vec<&str> = opened.world.layers().iter().map(|l| &*l.spec.name).collect();
-        let help = match eyot::nearest(layer, known.iter().copied()) {
-            Some(n) => format!("did you mean --layer {n}?"),
-            None => format!("there is: {}", known.join(", ")),
-        };
-        return Err(report::usage(&format!("`{}` has no layer `{layer}`", args.from.display()), &help));
+    if args.engine.engine == EngineName::Gpu && (args.layer.is_some() || args.relief) {
+        let help = "leave out --engine gpu, or look at the layer on the land with --drape";
+        return Err(report::usage("maps and reliefs are drawn by the processor", help));
     }
     let subject = match &args.layer {
         Some(layer) => Subject::Layer(layer),
@@ -50,14 +34,34 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     };
     let out = args.out.clone().unwrap_or_else(|| {
         let name = match subject {
-            Subject::View => "render.png".to_owned(),
+            Subject::View => args.drape.as_ref().map_or("render.png".to_owned(), |l| format!("render_{l}.png")),
             Subject::Relief | Subject::ReliefAt(_) => "render_relief.png".to_owned(),
             Subject::Layer(l) => format!("{l}_map.png"),
         };
         if args.from.is_dir() { args.from.join(name) } else { args.from.with_extension(format!("eyot.{name}")) }
     });
-    store::draw(&opened.world, &view, subject, &out, &Limits::default()).map_err(|e| report::run(&e))?;
+    let limits = Limits::default();
+    if subject == Subject::View {
+        let scenery = Scenery { view, drape: args.drape.clone(), engine: args.engine.options() };
+        let drawn = eyot::draw_view(&opened.world, &scenery, &out, &limits).map_err(|e| report::run(&e))?;
+        drawn.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+        return print::line(&format!("wrote {}, drawn by {}", out.display(), drawn.engine));
+    }
+    store::draw(&opened.world, &view, subject, &out, &limits).map_err(|e| report::run(&e))?;
     print::line(&format!("wrote {}", out.display()))
+}
+
+/// Fails if there is no such layer.
+pub(crate) fn known(opened: &store::Opened, from: &Path, flag: &str, layer: &str) -> Result<(), Failure> {
+    if opened.world.get(layer).is_some() {
+        return Ok(());
+    }
+    let known: Vec<&str> = opened.world.layers().iter().map(|l| &*l.spec.name).collect();
+    let help = match eyot::nearest(layer, known.iter().copied()) {
+        Some(n) => format!("did you mean --{flag} {n}?"),
+        None => format!("there is: {}", known.join(", ")),
+    };
+    Err(report::usage(&format!("`{}` has no layer `{layer}`", from.display()), &help))
 }
 
 /// Prints statistics of a run or a height map.
@@ -194,7 +198,7 @@ fn measure_gpu(args: &Bench) -> Result<(), Failure> {
     ))
 }
 
-fn open(path: &std::path::Path) -> Result<store::Opened, Failure> {
+pub(crate) fn open(path: &Path) -> Result<store::Opened, Failure> {
     let opened = store::open(path, &Limits::default()).map_err(|e| report::run(&e))?;
     opened.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
     Ok(opened)

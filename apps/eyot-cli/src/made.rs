@@ -30,11 +30,15 @@ pub(crate) fn new(args: &New) -> Result<(), Failure> {
         if e.kind() == std::io::ErrorKind::AlreadyExists {
             return report::usage(&message, "choose another name, or remove the file first: nothing is overwritten");
         }
-        let help = "choose a place that exists and that you may write to";
+        let help = "choose a place that exists, that you may write to, and that has room";
         Failure::Failed(report::plain(&message, Some(help.to_owned())))
     };
     let mut file = std::fs::OpenOptions::new().write(true).create_new(true).open(&path).map_err(refuse)?;
-    file.write_all(from.text.as_bytes()).and_then(|()| file.sync_all()).map_err(refuse)?;
+    if let Err(e) = file.write_all(from.text.as_bytes()).and_then(|()| file.sync_all()) {
+        // The name must be free again when there is room; what else can be done about a file that cannot be removed?
+        let _ = std::fs::remove_file(&path);
+        return Err(refuse(e));
+    }
     print::line(&format!("wrote {}; run it with: eyot run {}", path.display(), eyot::shell_word(&path)))
 }
 
@@ -59,7 +63,7 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
         let what = match &step.work {
             Work::Generate(g) => format!("generate {} -> {}", g.entry.name, g.layer),
             Work::Simulate(s) => {
-                let names: Vec<&str> = s.processes.iter().filter(|p| p.enabled).map(|p| p.entry.name).collect();
+                let names: Vec<&str> = s.processes.iter().filter(|p| p.enabled).map(|p| p.actor.name()).collect();
                 format!("simulate {} for {} steps", names.join(", "), s.steps)
             }
         };

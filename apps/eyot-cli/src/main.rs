@@ -7,12 +7,14 @@ mod args;
 mod convert;
 mod doctor;
 mod excerpt;
+mod film;
 mod look;
 mod made;
 mod print;
 mod progress;
 mod report;
 mod runs;
+mod timeline;
 mod words;
 
 use args::{Cli, Verb};
@@ -103,6 +105,9 @@ fn work(verb: Verb) -> Result<(), Failure> {
     match verb {
         Verb::Run(a) => runs::run(&a),
         Verb::Resume(a) => runs::resume(&a),
+        Verb::Timeline(a) => timeline::list(&a),
+        Verb::Rewind(a) => timeline::rewind(&a),
+        Verb::Branch(a) => timeline::branch(&a),
         Verb::List(a) => words::list(&a),
         Verb::New(a) => made::new(&a),
         Verb::Check(a) => made::check(&a),
@@ -110,6 +115,7 @@ fn work(verb: Verb) -> Result<(), Failure> {
         Verb::Cite(a) => made::cite(&a),
         Verb::Schema => words::schema(),
         Verb::Render(a) => look::render(&a),
+        Verb::Film(a) => film::film(&a),
         Verb::Stats(a) => look::stats(&a),
         Verb::Convert(a) => convert::convert(&a),
         Verb::Bench(a) => look::measure(&a),

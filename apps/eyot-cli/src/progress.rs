@@ -65,11 +65,12 @@ impl Bars {
                     (r, Some(eta)) if r > 0.0 => format!("{} steps/s, {} left", rate(r), time(eta)),
                     _ => String::new(),
                 };
+                let comma = if speed.is_empty() { "" } else { ", " };
                 if !self.terminal {
                     if self.last_line.elapsed() >= LINE_TIME {
                         self.last_line = Instant::now();
                         self.say(&format!(
-                            "  {title}: {} of {} {speed} ({:.0} % of all)",
+                            "  {title}: {} of {}{comma}{speed} ({:.0} % of all)",
                             p.step,
                             p.total,
                             p.overall * 100.0
@@ -107,6 +108,10 @@ impl Bars {
             }
             Event::Paused { recipe_step, step } => {
                 self.say(&format!("  paused in step {recipe_step} after {step} steps"))
+            }
+            Event::Rewound { steps_done, .. } => self.say(&format!("  back at {steps_done} steps")),
+            Event::Branched { out, steps_done } => {
+                self.say(&format!("  {} begins at {steps_done} steps", out.display()));
             }
             Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set, e.step)),
             Event::Warning { message } => self.say(&format!("warning: {message}")),
@@ -147,7 +152,7 @@ impl Drop for Bars {
     }
 }
 
-fn bar(template: &str, length: u64) -> ProgressBar {
+pub(crate) fn bar(template: &str, length: u64) -> ProgressBar {
     // A template that does not parse would be a slip in this file; the plain bar shows as much.
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(length).with_style(style)
@@ -157,7 +162,7 @@ fn rate(r: f64) -> String {
     if r >= 100.0 { format!("{r:.0}") } else { format!("{r:.1}") }
 }
 
-fn time(seconds: f64) -> String {
+pub(crate) fn time(seconds: f64) -> String {
     match seconds {
         s if s < 0.0995 => format!("{:.0} ms", s * 1e3),
         s if s < 60.0 => format!("{s:.1} s"),

@@ -37,7 +37,7 @@ pub(crate) fn usage(message: &str, help: &str) -> Failure {
 
 /// Everything that is wrong with a recipe, drawn one after the other.
 pub(crate) fn recipe(problems: &Problems) -> Failure {
-    let all: Vec<One> = problems
+    let mut all: Vec<One> = problems
         .diagnostics
         .iter()
         .map(|d| {
@@ -60,8 +60,10 @@ pub(crate) fn recipe(problems: &Problems) -> Failure {
     let name = problems.sources.first().map_or("the recipe", |s| s.name.as_str());
     let message = match all.len() {
         1 => format!("{name} cannot be run"),
-        n => format!("{name} cannot be run: {n} problems"),
+        n if problems.more == 0 => format!("{name} cannot be run: {n} problems"),
+        n => format!("{name} cannot be run: {n} problems and more"),
     };
+    all.extend(problems.rest().map(|message| One { message, help: None, label: None, source: None }));
     Failure::Usage(Report::new(Many { message, all }))
 }
 

@@ -3,7 +3,7 @@
 use crate::args::{Resume, Run, Work};
 use crate::progress::Bars;
 use crate::{Failure, made, print, report};
-use eyot::{Command, Handle, JournalEntry, Registry, Remote, RunOptions};
+use eyot::{Command, Handle, JournalEntry, Record, Registry, Remote, RunOptions};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
@@ -47,6 +47,7 @@ fn options(work: &Work) -> RunOptions {
         threads: work.threads.map(usize::from),
         checkpoint_every: Duration::from_secs_f64(work.checkpoint_seconds),
         engine: work.engine.options(),
+        record: work.record.map(|every| Record { every, max_bytes: work.record_limit }),
         ..RunOptions::default()
     }
 }

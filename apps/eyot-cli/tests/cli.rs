@@ -168,7 +168,7 @@ fn a_place_that_cannot_be_written_is_named() {
 #[test]
 fn new_recipes_are_sound_and_nothing_is_overwritten() {
     let folder = tempfile::tempdir().unwrap();
-    for from in ["island", "atoll", "real", "alps", "canyon"] {
+    for from in eyot::RECIPES.iter().map(|r| r.name) {
         said(folder.path(), &["new", from, "--from", from], 0, &[]);
         said(folder.path(), &["check", &format!("{from}.toml")], 0, &[]);
     }
@@ -202,6 +202,28 @@ fn sources_follow_the_recipe_and_come_once() {
     let items: serde_json::Value = json(here, &["cite", "real", "--format", "json"]);
     assert_eq!((&items[0]["id"], &items[0]["type"]), (&"eyot".into(), &"software".into()));
     assert_eq!(items[1]["author"][0]["literal"], "NASA");
+}
+
+/// Thousands of mistakes are told in a few lines, and found in no time.
+#[test]
+fn very_many_mistakes_are_not_all_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    let head = "[grid]\nsize = 8\n[[step]]\ngenerate = \"fbm\"\n";
+    let keys: String = (0..20_000).map(|i| format!("k{i} = 1\n")).collect();
+    let steps = "[[step]]\ngenerate = \"nope\"\n".repeat(20_000);
+    let list = format!("[[step]]\ngenerate = \"remap\"\npoints = [{}]\n", "1, ".repeat(20_000));
+    for (text, answer) in [
+        (head.to_owned() + &keys, "`fbm` has no key"),
+        (head.to_owned() + &steps, "`nope`"),
+        (head.to_owned() + &list, "remap"),
+    ] {
+        std::fs::write(f.join("many.toml"), text).unwrap();
+        let begun = std::time::Instant::now();
+        let text = said(f, &["check", "many.toml"], 2, &[answer, "more; mend these first"]);
+        assert!(text.len() < 40_000, "{} characters", text.len());
+        assert!(begun.elapsed().as_secs() < 20, "{:?}", begun.elapsed());
+    }
 }
 
 #[test]
@@ -248,6 +270,9 @@ const SILENT_PNG: &[u8] = &[
     65, 0, 0, 0, 0, 73, 69, 78, 68, 174, 66, 96, 130,
 ];
 
+/// What its pixels hold.
+const SILENT_PNG_GREYS: &[u8] = &[0, 16, 32, 255, 128, 64];
+
 #[test]
 fn a_picture_without_heights_gives_a_grid_and_the_right_remedy() {
     let folder = tempfile::tempdir().unwrap();
@@ -258,9 +283,72 @@ fn a_picture_without_heights_gives_a_grid_and_the_right_remedy() {
     std::fs::write(f.join("told.toml"), format!("{recipe}low_m = 0.0\nhigh_m = 90.0\n")).unwrap();
     said(f, &["check", "told.toml"], 0, &["3 x 2 cells of 10 m"]);
     said(f, &["run", "told.toml"], 0, &[]);
-    for args in [["check", "bare.toml"], ["run", "bare.toml"], ["stats", "grey.png"], ["render", "grey.png"]] {
+    for args in [["check", "bare.toml"], ["run", "bare.toml"]] {
         said(f, &args, 2, &["low_m and high_m in a recipe (generate = \"import\")"]);
     }
+    said(f, &["convert", "grey.png", "grey.tif"], 2, &["--from-range"]);
+    // To look at it needs no heights.
+    said(f, &["render", "grey.png", "--relief"], 0, &["metres are assumed"]);
+    said(f, &["stats", "grey.png"], 0, &["metres are assumed"]);
+    let (low, high) = (SILENT_PNG_GREYS.iter().min().unwrap(), SILENT_PNG_GREYS.iter().max().unwrap());
+    let stats = json(f, &["stats", "grey.png", "--json"]);
+    let found = |key: &str| stats[key].as_f64().unwrap();
+    assert_eq!((found("min_m"), found("max_m")), (f64::from(*low), f64::from(*high)));
+}
+
+/// Help that is given leads on; what cannot have an effect is refused, with the code of a refusal.
+#[test]
+fn remedies_fit_and_refusals_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    let npy = |name: &str, descr: &str, bytes: &[u8]| {
+        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': (2, 2), }}");
+        let all = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), bytes].concat();
+        std::fs::write(f.join(name), all).unwrap();
+    };
+    npy("good.npy", "<f4", &[0; 16]);
+    npy("nan.npy", "<f4", &[f32::NAN.to_le_bytes(); 4].concat());
+    npy("huge.npy", "<f8", &[1e300f64.to_le_bytes(); 4].concat());
+    assert!(!said(f, &["stats", "nan.npy"], 2, &["--nodata"]).contains("give the --out folder"));
+    said(f, &["convert", "huge.npy", "a.tif"], 2, &["do not fit the 32 bits"]);
+    std::fs::create_dir(f.join("plain.zarr")).unwrap();
+    assert!(!said(f, &["convert", "good.npy", "plain.zarr"], 1, &["holds no zarr.json"]).contains("other files"));
+    said(f, &["convert", "good.npy", "a.tif", "--cell", "5"], 0, &[]);
+    said(f, &["convert", "good.npy", "a.tif", "--from-range", "0,1"], 2, &["leave out --from-range"]);
+    for name in ["a.zarr", "x.TIF", "x.glb"] {
+        said(f, &["convert", "good.npy", name, "--preset", "unity"], 2, &["would be a folder", "another name"]);
+        assert!(!f.join(name).exists());
+    }
+    for flag in [["--azimuth", "5"], ["--elevation", "5"], ["--distance", "2"], ["--field-of-view", "30"]] {
+        said(f, &["render", "good.npy", "--relief", flag[0], flag[1]], 2, &["cannot be used with"]);
+        said(f, &["render", "good.npy", "--layer", "height", flag[0], flag[1]], 2, &["cannot be used with"]);
+    }
+    said(f, &["render", "good.npy", "--layer", "height", "--sun-azimuth", "9"], 2, &["cannot be used with"]);
+    said(f, &["render", "good.npy", "--relief", "--sun-azimuth", "9"], 0, &[]);
+}
+
+/// A saved world that somebody has forged, with its checksums right, writes nothing outside its folder.
+#[test]
+fn a_forged_world_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("small.toml"), SMALL).unwrap();
+    said(f, &["run", "small.toml"], 0, &[]);
+    let saved = eyot::io::checkpoint::load(&f.join("small/world.eyot"), &eyot::Limits::default()).unwrap();
+    let mut world = saved.world;
+    let spec = eyot::core::LayerSpec { name: "../../../x".into(), ..eyot::core::layer::known::WATER };
+    world.ensure(&spec, 1.0);
+    eyot::io::checkpoint::save(&f.join("small/world.eyot"), &world, &saved.recipe_toml, &saved.state).unwrap();
+    std::fs::remove_file(f.join("small/run.json")).unwrap();
+    for args in [
+        &["resume", "small"][..],
+        &["stats", "small"],
+        &["render", "small", "--layer", "../../../x"],
+        &["convert", "small", "deep/g", "--preset", "gis"],
+    ] {
+        said(f, args, 2, &["a layer is called"]);
+    }
+    assert!(!f.join("deep").exists());
 }
 
 #[test]

@@ -187,6 +187,22 @@ fn a_full_disk_is_called_one_and_the_run_goes_on_when_there_is_room() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn a_full_disk_is_left_as_it_was() {
+    let folder = place();
+    let script = r#"dd if=/dev/zero of=disk/fill bs=4096 2> /dev/null
+        "$1" new disk/n; echo "rc $?"
+        "$1" run a.toml --out disk; echo "rc $?"
+        "$1" convert builtin:jacksboro.tif disk/gis --preset gis; echo "rc $?"
+        "$1" convert builtin:jacksboro.tif disk/a.zarr; echo "rc $?"
+        ls -A disk"#;
+    let Some(o) = on_a_disk(folder.path(), "size=256k", script) else { return };
+    assert_eq!(String::from_utf8_lossy(&o.stdout), "rc 1\nrc 1\nrc 1\nrc 1\nfill\n", "{}", common::text(&o));
+    let told = common::text(&o);
+    assert!(told.contains("disk/a.zarr/") && !told.contains(".eyot-"), "{told}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn a_read_only_folder_is_called_one() {
     let folder = place();
     let Some(o) = on_a_disk(folder.path(), "ro", r#""$1" run a.toml --out disk/out"#) else { return };

@@ -29,6 +29,7 @@ use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Tally, TallyUni
 use crate::schedule::{Buffer, Schedule};
 use crate::world::World;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Columns kept valid beyond each end of a row: rules may be evaluated at column -1 and look [`MAX_REACH`] further.
 const HALO: usize = MAX_REACH + 1;
@@ -134,6 +135,20 @@ impl CpuEngine {
         outcome
     }
 
+    /// Runs the passes of a plan once, outside of any step.
+    ///
+    /// # Errors
+    /// If memory would exceed the limits or a pass names a layer that is not there; then nothing has changed.
+    pub fn apply(&self, world: &mut World, plan: &Plan) -> Result<()> {
+        let fields = world.layers().len() + plan.scratch_layers().len() + plan.doubled_layers().len();
+        let need = Need { fields, action_bytes_per_cell: 0 };
+        self.limits.check_bytes("the start values of a layer", need.bytes(&world.grid))?;
+        let mut arena = Arena::new(world);
+        let outcome = arena.run(self, plan, &world.ledger);
+        arena.give_back(world);
+        outcome
+    }
+
     /// One step in which some process acts on the whole world. On an error the world is as it was before the step.
     fn acting_step(
         &self,
@@ -188,6 +203,7 @@ impl CpuEngine {
 struct Saved {
     fields: Vec<Field>,
     ledger: Ledger,
+    features: BTreeMap<String, Vec<f64>>,
 }
 
 /// Buffers of a simulation: two copies of each layer as needed, scratch layers, sums.
@@ -370,7 +386,11 @@ impl Arena {
     /// What [`Arena::restore`] needs.
     fn save(&mut self, world: &mut World) -> Saved {
         self.settle(world);
-        Saved { fields: self.world_fields().cloned().collect(), ledger: world.ledger.clone() }
+        Saved {
+            fields: self.world_fields().cloned().collect(),
+            ledger: world.ledger.clone(),
+            features: world.features.clone(),
+        }
     }
 
     /// Takes back everything since `saved`.
@@ -380,7 +400,7 @@ impl Arena {
             self.fields[l][self.current[l]] = Some(field);
         }
         self.accounts.clear();
-        world.ledger = saved.ledger;
+        (world.ledger, world.features) = (saved.ledger, saved.features);
     }
 
     /// The current copies of the world's layers.

@@ -4,7 +4,6 @@
 //! which the tests use to show that it means what the rule means, bit by bit.
 
 use crate::real::{Bits, Real};
-use crate::rng;
 use crate::rule::{Cell, ParamSet, Rule, Side, Slot};
 use std::any::TypeId;
 use std::cell::RefCell;
@@ -76,7 +75,7 @@ pub struct Graph {
     /// Operations; operands come before their users.
     pub nodes: Vec<Op>,
     /// Names of the parameters.
-    pub params: &'static [&'static str],
+    pub params: Vec<&'static str>,
     /// Layers read.
     pub reads: Vec<&'static str>,
     /// Layers written.
@@ -204,7 +203,9 @@ impl Bits for BitsNode {
     }
 }
 
-struct Recorder;
+/// A cell on which a rule leaves its graph; see [`Graph::record`].
+#[derive(Clone, Copy, Debug)]
+pub struct Recorder(());
 
 impl Cell<Node> for Recorder {
     fn at(&self, slot: Slot, dx: isize, dy: isize) -> Node {
@@ -230,14 +231,15 @@ impl Graph {
             next += 1;
             Node(push(Op::Param(next - 1)))
         });
-        let (out, sums) = U::cell(&params, &Recorder);
+        let (out, sums) = U::cell(&params, &Recorder(()));
         let ids = |nodes: &[Node]| nodes.iter().map(|n| n.0).collect();
-        let leaving = Side::ALL.map(|side| U::leaving(&params, &Recorder, side).map_or(vec![], |s| ids(s.as_ref())));
+        let leaving =
+            Side::ALL.map(|side| U::leaving(&params, &Recorder(()), side).map_or(vec![], |s| ids(s.as_ref())));
         let builder = BUILDER.with_borrow_mut(std::mem::take);
         let mut graph = Self {
             name: U::NAME,
             nodes: builder.nodes,
-            params: U::Params::NAMES,
+            params: U::Params::NAMES.to_vec(),
             reads: U::READS.iter().map(|r| r.layer).collect(),
             writes: U::WRITES.to_vec(),
             outputs: ids(out.as_ref()),
@@ -247,6 +249,62 @@ impl Graph {
         };
         graph.drop_unused();
         graph
+    }
+
+    /// Records what `rule` does with a cell and the parameters: new values of `writes`, and summands.
+    pub fn record(
+        name: &'static str,
+        params: Vec<&'static str>,
+        reads: Vec<&'static str>,
+        writes: Vec<&'static str>,
+        rule: impl FnOnce(&Recorder, &[Node]) -> (Vec<Node>, Vec<Node>),
+    ) -> Self {
+        BUILDER.with_borrow_mut(|b| *b = Builder::default());
+        let values: Vec<Node> = (0..params.len()).map(|i| Node(push(Op::Param(i as u32)))).collect();
+        let (outputs, sums) = rule(&Recorder(()), &values);
+        let builder = BUILDER.with_borrow_mut(std::mem::take);
+        let ids = |nodes: Vec<Node>| nodes.into_iter().map(|n| n.0).collect();
+        let (outputs, sums) = (ids(outputs), ids(sums));
+        let leaving = Default::default();
+        let mut graph =
+            Self { name, nodes: builder.nodes, params, reads, writes, outputs, sums, leaving, names: builder.names };
+        graph.drop_unused();
+        graph
+    }
+
+    /// Computes what depends on constants alone, and drops what nothing needs any more.
+    pub(crate) fn fold(&mut self) {
+        let mut known: HashMap<Op, Id> = HashMap::new();
+        let (mut nodes, mut renamed) = (Vec::<Op>::new(), Vec::<Id>::with_capacity(self.nodes.len()));
+        for &op in &self.nodes {
+            let op = map_operands(op, |o| renamed[o as usize]);
+            let of = operands(op);
+            let constant = |id: Id| match nodes[id as usize] {
+                Op::Const(c) | Op::BitsConst(c) => Some(c),
+                _ => None,
+            };
+            let fixed = of[0].is_some() && of.into_iter().flatten().all(|id| constant(id).is_some());
+            let op = if fixed {
+                let bits = |id: Id| constant(id).unwrap_or_default();
+                let value = apply(op, |id| f32::from_bits(bits(id)), bits);
+                match value {
+                    Value::Real(v) => Op::Const(v.to_bits()),
+                    Value::Bits(v) => Op::BitsConst(v),
+                }
+            } else {
+                op
+            };
+            let id = *known.entry(op).or_insert_with(|| {
+                nodes.push(op);
+                nodes.len() as Id - 1
+            });
+            renamed.push(id);
+        }
+        self.nodes = nodes;
+        let leaving = self.leaving.iter_mut().flatten();
+        self.outputs.iter_mut().chain(&mut self.sums).chain(leaving).for_each(|id| *id = renamed[*id as usize]);
+        self.names.iter_mut().for_each(|(id, _)| *id = renamed[*id as usize]);
+        self.drop_unused();
     }
 
     /// Removes nodes that nothing needs.
@@ -301,58 +359,88 @@ impl Graph {
         self.nodes.iter().map(far).max().unwrap_or(0)
     }
 
-    /// Evaluates the graph for one cell: new values and sums.
-    pub fn evaluate(
-        &self,
-        params: &[f32],
-        x: f32,
-        y: f32,
-        read: impl Fn(Slot, isize, isize) -> f32,
-        key: impl Fn(u32) -> u32,
-    ) -> (Vec<f32>, Vec<f32>) {
-        let mut v: Vec<u32> = Vec::with_capacity(self.nodes.len());
+    /// The bits of each node that is the same for all cells, because it needs nothing but constants and parameters.
+    pub(crate) fn uniforms(&self, params: &[f32]) -> Vec<Option<u32>> {
+        let mut values: Vec<Option<u32>> = Vec::with_capacity(self.nodes.len());
         for &op in &self.nodes {
-            let f = |i: Id| f32::from_bits(v[i as usize]);
-            let b = |i: Id| v[i as usize];
-            let r = |f: f32| f.to_bits();
+            let bits = |id: Id| values[id as usize].unwrap_or_default();
             let value = match op {
-                Op::Const(c) | Op::BitsConst(c) => c,
-                Op::Param(i) => r(params[i as usize]),
-                Op::Read(s, dx, dy) => r(read(s as usize, dx as isize, dy as isize)),
-                Op::X => r(x),
-                Op::Y => r(y),
-                Op::Uniform(stream) => r(rng::unit::<f32>(key(stream))),
-                Op::Add(a, c) => r(f(a) + f(c)),
-                Op::Sub(a, c) => r(f(a) - f(c)),
-                Op::Mul(a, c) => r(f(a) * f(c)),
-                Op::Div(a, c) => r(f(a) / f(c)),
-                Op::Neg(a) => r(-f(a)),
-                Op::Sqrt(a) => r(f(a).sqrt()),
-                Op::Abs(a) => r(f(a).abs()),
-                Op::Floor(a) => r(f(a).floor()),
-                Op::SelectLt(a, c, p, q) => {
-                    if f(a) < f(c) {
-                        b(p)
-                    } else {
-                        b(q)
-                    }
-                }
-                Op::FromBits(a) | Op::ToBits(a) => b(a),
-                Op::ToReal(a) => r(Bits::to_real(b(a))),
-                Op::Whole(a) => Real::whole(f(a)),
-                Op::BitsAdd(a, c) => b(a).wrapping_add(b(c)),
-                Op::BitsMul(a, c) => b(a).wrapping_mul(b(c)),
-                Op::BitsXor(a, c) => b(a) ^ b(c),
-                Op::BitsAnd(a, c) => b(a) & b(c),
-                Op::BitsOr(a, c) => b(a) | b(c),
-                Op::Shl(a, n) => b(a) << n,
-                Op::Shr(a, n) => b(a) >> n,
+                Op::Param(i) => Some(params[i as usize].to_bits()),
+                Op::Read(..) | Op::X | Op::Y | Op::Uniform(_) => None,
+                _ if operands(op).into_iter().flatten().any(|o| values[o as usize].is_none()) => None,
+                _ => match apply(op, |id| f32::from_bits(bits(id)), bits) {
+                    Value::Real(v) => Some(v.to_bits()),
+                    Value::Bits(v) => Some(v),
+                },
             };
-            v.push(value);
+            values.push(value);
         }
-        let pick = |ids: &[Id]| ids.iter().map(|&i| f32::from_bits(v[i as usize])).collect();
+        values
+    }
+
+    /// Evaluates the graph for one cell: new values and sums.
+    pub fn evaluate<R: Real>(&self, params: &[R], cell: &impl Cell<R>) -> (Vec<R>, Vec<R>) {
+        // One of the two is meant, as [`Op::is_bits`] says.
+        let (mut reals, mut bits) = (Vec::<R>::new(), Vec::<R::Bits>::new());
+        for &op in &self.nodes {
+            let value = match op {
+                Op::Param(i) => Value::Real(params[i as usize]),
+                Op::Read(s, dx, dy) => Value::Real(cell.at(s as usize, dx as isize, dy as isize)),
+                Op::X => Value::Real(cell.x()),
+                Op::Y => Value::Real(cell.y()),
+                Op::Uniform(stream) => Value::Real(cell.uniform(stream)),
+                _ => apply(op, |id| reals[id as usize], |id| bits[id as usize]),
+            };
+            let (real, integer) = match value {
+                Value::Real(v) => (v, R::Bits::of(0)),
+                Value::Bits(v) => (R::of(0.0), v),
+            };
+            reals.push(real);
+            bits.push(integer);
+        }
+        let pick = |ids: &[Id]| ids.iter().map(|&i| reals[i as usize]).collect();
         (pick(&self.outputs), pick(&self.sums))
     }
+}
+
+/// What an operation gives.
+enum Value<R: Real> {
+    Real(R),
+    Bits(R::Bits),
+}
+
+/// The operation on values that are known. Reads, coordinates and parameters are none of its own, and give 0.
+fn apply<R: Real>(op: Op, f: impl Fn(Id) -> R, b: impl Fn(Id) -> R::Bits) -> Value<R> {
+    use Value::{Bits as B, Real as V};
+    match op {
+        Op::Param(_) | Op::Read(..) | Op::X | Op::Y | Op::Uniform(_) => V(R::of(0.0)),
+        Op::Const(c) => V(R::of(f32::from_bits(c))),
+        Op::Add(a, c) => V(f(a) + f(c)),
+        Op::Sub(a, c) => V(f(a) - f(c)),
+        Op::Mul(a, c) => V(f(a) * f(c)),
+        Op::Div(a, c) => V(f(a) / f(c)),
+        Op::Neg(a) => V(-f(a)),
+        Op::Sqrt(a) => V(f(a).sqrt()),
+        Op::Abs(a) => V(f(a).abs()),
+        Op::Floor(a) => V(f(a).floor()),
+        Op::SelectLt(a, c, p, q) => V(R::select_lt(f(a), f(c), f(p), f(q))),
+        Op::FromBits(a) => V(R::from_bits(b(a))),
+        Op::ToReal(a) => V(real_of(b(a))),
+        Op::BitsConst(c) => B(R::Bits::of(c)),
+        Op::ToBits(a) => B(f(a).to_bits()),
+        Op::Whole(a) => B(f(a).whole()),
+        Op::BitsAdd(a, c) => B(b(a).add(b(c))),
+        Op::BitsMul(a, c) => B(b(a).mul(b(c))),
+        Op::BitsXor(a, c) => B(b(a).xor(b(c))),
+        Op::BitsAnd(a, c) => B(b(a).and(b(c))),
+        Op::BitsOr(a, c) => B(b(a).or(b(c))),
+        Op::Shl(a, n) => B(b(a).shl(n)),
+        Op::Shr(a, n) => B(b(a).shr(n)),
+    }
+}
+
+fn real_of<B: Bits>(bits: B) -> B::Real {
+    bits.to_real()
 }
 
 /// Records a rule once per type and compares what it does with what it declares.
@@ -383,12 +471,12 @@ pub(crate) fn check<U: Rule>() {
     };
     let params = || U::Params::build(|_| Node(push(Op::Param(0))));
     record(&|| {
-        let (out, sums) = U::cell(&params(), &Recorder);
+        let (out, sums) = U::cell(&params(), &Recorder(()));
         [out.as_ref().len(), sums.as_ref().len()]
     });
     for side in Side::ALL {
         record(&|| {
-            let sums = U::leaving(&params(), &Recorder, side);
+            let sums = U::leaving(&params(), &Recorder(()), side);
             [U::WRITES.len(), sums.map_or(U::TALLIES.len(), |s| s.as_ref().len())]
         });
     }

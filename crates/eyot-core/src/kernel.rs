@@ -129,7 +129,8 @@ fn lanes_body<L: LaneBlock, U: Rule>(params: &<U::Params as ParamSet>::Of<f32>, 
     }
 }
 
-struct ScalarCell<'a> {
+/// One cell of a row.
+pub(crate) struct ScalarCell<'a> {
     rows: &'a [[*const f32; ROWS]; MAX_READS],
     x: isize,
     y: isize,
@@ -161,7 +162,7 @@ impl Cell<f32> for ScalarCell<'_> {
 }
 
 impl RowJob {
-    fn cell(&self, x: isize) -> ScalarCell<'_> {
+    pub(crate) fn cell(&self, x: isize) -> ScalarCell<'_> {
         ScalarCell { rows: &self.rows, x, y: self.y, width: self.width, seed: self.seed, step: self.step }
     }
 }

@@ -26,6 +26,20 @@ pub enum Beyond {
     Zero,
 }
 
+/// A class of a layer that holds numbers of classes: the number is its place in a table of these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Class {
+    /// What people call it.
+    pub name: &'static str,
+    /// Its colour on maps, sRGB.
+    pub colour: [u8; 3],
+}
+
+/// Shorthand for [`Class`].
+pub const fn class(name: &'static str, colour: [u8; 3]) -> Class {
+    Class { name, colour }
+}
+
 /// What a layer is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LayerSpec {
@@ -57,6 +71,13 @@ impl LayerSpec {
             beyond_closed: Beyond::Nearest,
             beyond_open: Beyond::Nearest,
         }
+    }
+
+    /// True for what can name a layer: up to 64 lower-case letters, digits and underscores, no digit first. Names become parts
+    /// of file names.
+    pub fn is_name(name: &str) -> bool {
+        let plain = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_';
+        (1..=64).contains(&name.len()) && !name.as_bytes()[0].is_ascii_digit() && name.bytes().all(plain)
     }
 
     /// The same layer on a face.

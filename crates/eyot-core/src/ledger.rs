@@ -3,6 +3,25 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Accounts that several processes keep: what one of them lets in, another may let out.
+pub mod known {
+    use crate::rule::{Tally, TallyUnit};
+
+    const fn thickness(account: &'static str, sign: i8, meaning: &'static str) -> Tally {
+        Tally { account, unit: TallyUnit::Thickness, sign, meaning }
+    }
+
+    /// Rain.
+    pub const RAIN: Tally = thickness("water.rain", 1, "Rain that fell");
+    /// Water that dried.
+    pub const EVAPORATED: Tally = thickness("water.evaporated", -1, "Water that evaporated");
+    /// Water that left.
+    pub const DRAINED: Tally = thickness("water.drained", -1, "Water that reached the sea or left over an open rim");
+    /// Water out of nothing.
+    pub const WATER_CLAMPED: Tally =
+        thickness("water.clamped", 1, "Water added where rounding had made a depth negative");
+}
+
 /// Accounts by name, for example `water.rain` (m3) or `hydraulic.dig_limited` (m3).
 ///
 /// Amounts are volumes in m3 unless the account's unit says otherwise. An account's name starts with what it belongs to.

@@ -4,11 +4,13 @@ use crate::graph::{self, Graph};
 use crate::isa::Isa;
 use crate::kernel::{self, RowJob};
 use crate::layer::LayerSpec;
+use crate::program::{Bound, Program};
 use crate::real::Real;
 use crate::rng::Key;
 use crate::rule::{Cell, MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, ParamSet, Read, Rule, Side, Slot, Tally};
 use std::any::TypeId;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// Rules with their parameters, in the order in which they run.
 #[derive(Default)]
@@ -48,6 +50,15 @@ impl Plan {
         self.passes.push(Pass { rule: Box::new(Typed::<U> { params, rule: PhantomData }), step: self.step });
     }
 
+    /// Adds a pass of a rule that came as a text, with values for the parameters of its graph.
+    ///
+    /// # Panics
+    /// If there are more or fewer values than parameters.
+    pub fn push_program(&mut self, program: &Arc<Program>, params: Vec<f32>) {
+        assert_eq!(params.len(), program.graph().params.len(), "parameters of `{}`", program.graph().name);
+        self.passes.push(Pass { rule: Box::new(Bound::new(program, params)), step: self.step });
+    }
+
     /// Declares a layer that lives only between the passes of a step and is never seen outside.
     pub fn scratch(&mut self, spec: &LayerSpec) {
         if !self.scratch.iter().any(|s| s.name == spec.name) {
@@ -76,17 +87,26 @@ impl Plan {
     }
 }
 
+/// Which rule a pass runs. Passes of one kind differ in their parameters and their step alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RuleKind {
+    /// A rule that is a type.
+    Type(TypeId),
+    /// A [`Program`], by its number.
+    Program(u64),
+}
+
 impl Pass {
     /// Name of the rule.
     pub fn name(&self) -> &'static str {
         self.rule.name()
     }
     /// Layers read.
-    pub fn reads(&self) -> &'static [Read] {
+    pub fn reads(&self) -> &[Read] {
         self.rule.reads()
     }
     /// Layers written.
-    pub fn writes(&self) -> &'static [&'static str] {
+    pub fn writes(&self) -> &[&'static str] {
         self.rule.writes()
     }
     /// Expression graph of the rule.
@@ -94,11 +114,11 @@ impl Pass {
         self.rule.graph()
     }
     /// Sums kept.
-    pub fn tallies(&self) -> &'static [Tally] {
+    pub fn tallies(&self) -> &[Tally] {
         self.rule.tallies()
     }
     /// Which rule it is.
-    pub fn kind(&self) -> TypeId {
+    pub fn kind(&self) -> RuleKind {
         self.rule.kind()
     }
     /// What all cells of a stream of random numbers share; the stream itself is still to be mixed in.
@@ -113,11 +133,11 @@ impl Pass {
 
 /// A rule whose type has been forgotten.
 pub(crate) trait ErasedRule: Send + Sync {
-    fn kind(&self) -> TypeId;
+    fn kind(&self) -> RuleKind;
     fn name(&self) -> &'static str;
-    fn reads(&self) -> &'static [Read];
-    fn writes(&self) -> &'static [&'static str];
-    fn tallies(&self) -> &'static [Tally];
+    fn reads(&self) -> &[Read];
+    fn writes(&self) -> &[&'static str];
+    fn tallies(&self) -> &[Tally];
     fn params(&self) -> Vec<f32>;
     fn graph(&self) -> Graph;
     /// Evaluates one row; see [`kernel`].
@@ -139,19 +159,19 @@ impl<U: Rule> ErasedRule for Typed<U>
 where
     <U::Params as ParamSet>::Of<f32>: Send + Sync,
 {
-    fn kind(&self) -> TypeId {
-        TypeId::of::<U>()
+    fn kind(&self) -> RuleKind {
+        RuleKind::Type(TypeId::of::<U>())
     }
     fn name(&self) -> &'static str {
         U::NAME
     }
-    fn reads(&self) -> &'static [Read] {
+    fn reads(&self) -> &[Read] {
         U::READS
     }
-    fn writes(&self) -> &'static [&'static str] {
+    fn writes(&self) -> &[&'static str] {
         U::WRITES
     }
-    fn tallies(&self) -> &'static [Tally] {
+    fn tallies(&self) -> &[Tally] {
         U::TALLIES
     }
     fn params(&self) -> Vec<f32> {

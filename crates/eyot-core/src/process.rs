@@ -1,6 +1,7 @@
 //! What generators and processes are to the rest of the program: parameters with a schema, and something to run.
 
 use crate::control::Control;
+use crate::engine::CpuEngine;
 use crate::error::{Error, Result};
 use crate::field::Field;
 use crate::grid::{Edge, Grid};
@@ -31,6 +32,10 @@ pub struct Moment {
 pub trait Process: Send + Sync {
     /// Layers that the process reads or writes, with the value that a missing one starts from.
     fn layers(&self) -> Vec<(LayerSpec, f32)>;
+
+    /// Adds passes that give the layer `name` of [`Process::layers`] its first values, where a constant will not do. They may
+    /// read what is there before this process and the layers that it lists before this one.
+    fn start(&self, _name: &str, _moment: &Moment, _plan: &mut Plan) {}
 
     /// Layers that it reads and cannot make itself: something before it has to.
     fn needs(&self) -> Vec<&'static str> {
@@ -403,11 +408,26 @@ pub fn prepare(world: &mut World, processes: &[Scheduled], limits: &Limits) -> R
     for s in processes {
         s.process.needs().into_iter().try_for_each(|name| world.layer(name).map(|_| ()))?;
         for (spec, value) in s.process.layers() {
+            let missing = world.get(&spec.name).is_none();
             world.ensure(&spec, value);
+            if missing {
+                start(world, &*s.process, &spec.name, limits)?;
+            }
         }
         s.process.prepare(world)?;
     }
     Ok(())
+}
+
+/// Gives a layer that was made just now its first values.
+fn start(world: &mut World, process: &dyn Process, name: &str, limits: &Limits) -> Result<()> {
+    let moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+    let mut plan = Plan { step: world.step, ..Plan::default() };
+    process.start(name, &moment, &mut plan);
+    if plan.passes().is_empty() {
+        return Ok(());
+    }
+    CpuEngine { limits: *limits, ..CpuEngine::default() }.apply(world, &plan)
 }
 
 /// Span of steps to run.

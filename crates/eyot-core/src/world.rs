@@ -6,6 +6,7 @@ use crate::grid::Grid;
 use crate::layer::{Layer, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Where on Earth (or elsewhere) a grid lies; kept from an imported file to the exported one.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -19,6 +20,26 @@ pub struct Georeference {
     pub geographic: bool,
     /// Value that marks missing cells in the source file.
     pub nodata: Option<f64>,
+    /// What the code does not say of the coordinate system, in the words of the source file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub system: Option<CoordinateSystem>,
+}
+
+/// A coordinate system that no EPSG code says, or not all of it, as a file had it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CoordinateSystem {
+    /// The keys of a GeoTIFF (OGC 19-008r4).
+    GeoKeys {
+        /// Numbers of the key directory, four a key after a head of four.
+        directory: Vec<u16>,
+        /// Numbers that keys refer to.
+        doubles: Vec<f64>,
+        /// Texts that keys refer to.
+        ascii: String,
+    },
+    /// Well-known text, or the name and code of another authority than EPSG.
+    Text(String),
 }
 
 /// Everything that a run changes.
@@ -36,6 +57,10 @@ pub struct World {
     pub georeference: Option<Georeference>,
     /// What entered, left, moved and was clamped.
     pub ledger: Ledger,
+    /// What processes keep that is no layer, such as colonies or plates: by the process's name its numbers, in an order of its
+    /// own. Checkpoints hold them and [`World::fingerprint`] covers them, so that a run goes on from exactly here. Whoever reads
+    /// them takes them for a stranger's: they may come from a damaged file.
+    pub features: BTreeMap<String, Vec<f64>>,
     layers: Vec<Layer>,
 }
 
@@ -49,6 +74,7 @@ impl World {
             step: 0,
             georeference: None,
             ledger: Ledger::default(),
+            features: BTreeMap::new(),
             layers: Vec::new(),
         }
     }
@@ -147,6 +173,10 @@ impl World {
             if l.spec.stagger != Stagger::Cell {
                 print.values(&l.field.outer_faces());
             }
+        }
+        for (name, numbers) in &self.features {
+            print.begin_layer(name);
+            numbers.iter().for_each(|n| print.add(n.to_bits()));
         }
         print.value()
     }

@@ -271,6 +271,24 @@ impl Rule for Repeats {
     }
 }
 
+/// Layers of nothing but 3 and 4.
+struct ThreeAndFour;
+
+impl Cell<f32> for ThreeAndFour {
+    fn at(&self, slot: usize, _: isize, _: isize) -> f32 {
+        [3.0, 4.0][slot]
+    }
+    fn x(&self) -> f32 {
+        0.0
+    }
+    fn y(&self) -> f32 {
+        0.0
+    }
+    fn uniform(&self, _: u32) -> f32 {
+        0.0
+    }
+}
+
 #[test]
 fn repeated_expressions_are_one_node() {
     let g = Graph::of::<Repeats>();
@@ -283,6 +301,6 @@ fn repeated_expressions_are_one_node() {
         assert_eq!(g.nodes.iter().position(|&o| o == op), Some(i), "no node twice");
     }
     assert_eq!((g.reach(0), g.reach(1)), (1, 0));
-    let (out, sums) = g.evaluate(&[4.0, 0.0], 0.0, 0.0, |slot, _, _| [3.0, 4.0][slot], |_| 0);
+    let (out, sums) = g.evaluate(&[4.0, 0.0], &ThreeAndFour);
     assert_eq!((out, sums), (vec![10.0, 10.0], vec![]));
 }

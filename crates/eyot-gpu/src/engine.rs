@@ -15,11 +15,10 @@ use crate::reduce::Reducer;
 use crate::shader::{self, Setting};
 use eyot_core::control::Control;
 use eyot_core::graph::Graph;
-use eyot_core::plan::{Pass, Plan};
+use eyot_core::plan::{Pass, Plan, RuleKind};
 use eyot_core::process::{self, Moment, Scheduled, Span, acts, plan_step};
 use eyot_core::rule::{Tally, TallyUnit};
 use eyot_core::{Edge, Error, Field, Grid, LayerSpec, Ledger, Limits, Stagger, World};
-use std::any::TypeId;
 use std::borrow::Cow;
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
@@ -106,7 +105,7 @@ struct Resident {
     posted: Vec<f64>,
     seed: u64,
     kernels: HashMap<Group, Arc<Kernel>>,
-    graphs: HashMap<TypeId, Arc<Graph>>,
+    graphs: HashMap<RuleKind, Arc<Graph>>,
     /// Step and sea level of the world's own copies.
     synced: (u64, f64),
 }

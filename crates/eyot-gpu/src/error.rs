@@ -55,7 +55,9 @@ pub enum GpuError {
         limit: u32,
     },
     /// The device has not enough memory left.
-    #[error("`{adapter}` has not enough memory for {what} ({mib} MiB); choose a smaller grid or --engine cpu")]
+    #[error(
+        "`{adapter}` has not enough memory for {what} ({mib} MiB); choose a smaller grid or picture, or --engine cpu"
+    )]
     OutOfMemory {
         /// Name of the adapter.
         adapter: String,

@@ -8,9 +8,8 @@
 //! A group never overwrites what another workgroup may still have to read: a layer that any stage reads beyond its own cell is
 //! stored to the layer's other copy.
 
-use eyot_core::plan::Pass;
+use eyot_core::plan::{Pass, RuleKind};
 use eyot_core::{Edge, LayerSpec, Rim, Stagger};
-use std::any::TypeId;
 
 /// Columns and rows of a tile.
 pub(crate) const TILE: [usize; 2] = [32, 16];
@@ -55,7 +54,7 @@ pub(crate) struct Target {
 /// One pass of a group.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Stage {
-    pub(crate) rule: TypeId,
+    pub(crate) rule: RuleKind,
     /// Layer and source of each read.
     pub(crate) reads: Vec<(usize, Source)>,
     pub(crate) writes: Vec<Target>,

@@ -1,4 +1,4 @@
-//! The GPU engine of Eyot.
+//! The GPU engine of Eyot and its drawing.
 //!
 //! Nothing here decides what a rule does: rules come from the core as expression graphs, which [`shaders`] prints as WGSL. This
 //! crate is the only one that names `wgpu`.
@@ -7,6 +7,7 @@ mod arena;
 mod bandwidth;
 mod cache;
 pub mod device;
+pub mod draw;
 mod engine;
 mod error;
 mod group;

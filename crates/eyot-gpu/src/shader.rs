@@ -515,7 +515,9 @@ impl Names {
             }
             _ => (format!("n{id}"), String::new()),
         };
-        let name = if self.taken.insert(name.clone()) { name } else { format!("{name}_{id}") };
+        // Words of the language itself can be no names.
+        let free = !naga::keywords::wgsl::RESERVED.contains(&name.as_str()) && self.taken.insert(name.clone());
+        let name = if free { name } else { format!("{name}_{id}") };
         self.of[id as usize] = Some(name.clone());
         (name, comment)
     }

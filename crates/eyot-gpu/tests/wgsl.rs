@@ -1,5 +1,6 @@
 //! The shaders of every rule, without a GPU: valid on every rim, alone and in groups, and readable.
 
+use climate_variants::climate_variants;
 use eyot_core::conformance::rims;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Scheduled, plan_step};
@@ -7,6 +8,8 @@ use eyot_core::{Grid, LayerSpec, Limits, Rim};
 use eyot_gpu::shaders;
 use variants::variants;
 
+#[path = "../../eyot-climate/tests/climate_variants/mod.rs"]
+mod climate_variants;
 #[path = "../../eyot-land/tests/variants/mod.rs"]
 mod variants;
 
@@ -49,7 +52,7 @@ fn validate(names: &[&str], source: &str) {
 fn every_group_prints_as_valid_wgsl() {
     let mut seen = Vec::new();
     let mut longest = 0;
-    for (_, processes) in variants() {
+    for (_, processes) in variants().into_iter().chain(climate_variants()) {
         for rim in rims() {
             for most_passes in [1, 4, 8] {
                 let (plan, specs, world_layers) = plan(&processes, rim, 3);
@@ -67,7 +70,7 @@ fn every_group_prints_as_valid_wgsl() {
     }
     seen.sort_unstable();
     seen.dedup();
-    assert_eq!(seen.len(), 13, "{seen:?}");
+    assert_eq!(seen.len(), 24, "{seen:?}");
     // More than one step of a process that has two passes.
     assert!(longest > 4, "the longest group has {longest} passes");
 }

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     cell_y_m: y,
                     rim: Rim::CLOSED,
                 };
-                let mut world = World::new(grid, raster.filled as u64);
+                let mut world = World::new(grid, raster.filled() as u64);
                 world.georeference = raster.georeference;
                 world.put(&known::HEIGHT, raster.field)?;
                 write_layer(&beside("read.r32"), &world, &world.layers()[0], RasterFormat::R32)?;

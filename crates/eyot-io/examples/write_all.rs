@@ -4,10 +4,13 @@
 
 use eyot_core::{Field, Georeference, Grid, LayerSpec, Limits, Rim, World, layer::known};
 use eyot_io::{
-    About, RasterFormat, ReadOptions, Rows, checkpoint, read_raster, shares, write_exr, write_layer, write_mask,
-    write_rgb_png, write_splat, write_store, write_terrain_glb, write_terrain_obj,
+    About, RasterFormat, ReadOptions, Rows, Scene, SceneMaterial, SceneMesh, SceneNode, checkpoint, read_raster,
+    shares, write_exr, write_layer, write_mask, write_rgb_png, write_scene_glb, write_scene_obj, write_scene_ply,
+    write_splat, write_store, write_terrain_glb, write_terrain_obj,
 };
-use eyot_mesh::{MeshOptions, levels_of_detail, terrain};
+use eyot_mesh::{
+    Blend, Blobs, Kernel, Lattice, MeshOptions, MeshingOptions, Primitive, levels_of_detail, mesh_field, terrain,
+};
 use std::path::{Path, PathBuf};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
@@ -37,7 +40,71 @@ fn main() -> Result<()> {
             mesh(&folder, name, &world, &limits)?;
         }
     }
-    Ok(())
+    bodies(&folder, &limits)
+}
+
+/// Two bodies, of which one stands in three places.
+fn bodies(folder: &Path, limits: &Limits) -> Result<()> {
+    let shapes = [
+        vec![Primitive::ball([0.0, 0.5, 0.0], 0.6), Primitive::cone([0.0; 3], [0.6, 1.2, 0.1], [0.4, 0.2])],
+        vec![Primitive::cylinder([0.0; 3], [0.0, 0.8, 0.0], 0.2), Primitive::cylinder([0.0; 3], [0.4, 0.7, 0.3], 0.15)],
+    ];
+    let mesh = |primitives: &Vec<Primitive>| -> Result<eyot_mesh::Solid> {
+        let field = Blobs::new(primitives, Kernel::Muraki, Blend::Normalised, limits)?;
+        let lattice = Lattice::over([-1.0; 3], [1.5; 3], 0.06, limits)?;
+        Ok(mesh_field(&field, &lattice, &MeshingOptions::default(), limits)?)
+    };
+    let solids = shapes.iter().map(mesh).collect::<Result<Vec<_>>>()?;
+    let colours: Vec<Vec<[u8; 4]>> = solids
+        .iter()
+        .map(|s| s.positions.iter().map(|p| [200, (120.0 * p[1].max(0.0)) as u8, 60, 255]).collect())
+        .collect();
+    let texture: Vec<Vec<[f32; 2]>> =
+        solids.iter().map(|s| s.positions.iter().map(|p| [p[0], p[2]]).collect()).collect();
+    let meshes: Vec<SceneMesh> = (0..2)
+        .map(|i| SceneMesh {
+            name: ["boulder", "finger \"a\""][i],
+            positions: &solids[i].positions,
+            normals: &solids[i].normals,
+            colours: &colours[i],
+            texture: if i == 0 { &texture[0] } else { &[] },
+            indices: &solids[i].indices,
+            material: i,
+        })
+        .collect();
+    let node = |name: &str, mesh: usize, place: [f32; 3], turn: f32, size: f32, extras: serde_json::Value| SceneNode {
+        name: name.into(),
+        mesh,
+        place,
+        turn,
+        size,
+        extras,
+    };
+    let null = serde_json::Value::Null;
+    let scene = Scene {
+        name: "bodies",
+        meshes,
+        materials: vec![
+            SceneMaterial { name: "Porites lobata", colour: [1.0; 3] },
+            SceneMaterial { name: "alga", colour: [0.8, 1.0, 0.8] },
+        ],
+        nodes: vec![
+            node(
+                "colony 1",
+                0,
+                [0.0; 3],
+                0.0,
+                1.0,
+                serde_json::json!({"species": "Porites lobata", "age_months": 240}),
+            ),
+            node("alga 2", 1, [3.0, 0.0, 0.0], 0.0, 1.0, null.clone()),
+            node("alga 3", 1, [3.0, 0.2, 2.0], 1.0, 0.5, null.clone()),
+            node("alga 4", 1, [-3.0, 0.0, 1.0], -2.0, 1.5, null),
+        ],
+    };
+    write_scene_glb(&folder.join("bodies.glb"), &scene)?;
+    write_scene_obj(&folder.join("bodies.obj"), &scene)?;
+    Ok(write_scene_ply(&folder.join("bodies.ply"), &scene)?)
 }
 
 fn mesh(folder: &Path, name: &str, world: &World, limits: &Limits) -> Result<()> {
@@ -98,6 +165,7 @@ fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {
         epsg: Some(32611),
         geographic: false,
         nodata: Some(-32768.0),
+        ..Georeference::default()
     };
     let raster = read_raster(
         &Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif"),

@@ -87,7 +87,7 @@ pub(crate) fn write_folder_atomically(path: &Path, mark: &str, write: impl FnOnc
     // Tells `remove_leftovers` that somebody is at work in it.
     let lock = File::open(temporary.path()).ok();
     let _ = lock.as_ref().map(File::try_lock);
-    write(temporary.path())?;
+    write(temporary.path()).map_err(|e| e.moved(temporary.path(), path))?;
     // A folder cannot be renamed onto another one: the former steps aside for a moment.
     let aside = match former {
         true => {
@@ -321,6 +321,17 @@ mod tests {
             assert!(e.contains("no ordinary file"), "{e}");
             assert!(write_atomically(Path::new("/"), |_| Ok(())).is_err());
         }
+    }
+
+    #[test]
+    fn what_fails_in_a_temporary_folder_is_named_by_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.zarr");
+        let e = write_folder_atomically(&path, "mark", |temporary| {
+            Err(Error::io(&temporary.join("height/c"), "write")(io::ErrorKind::StorageFull.into()))
+        });
+        assert_eq!(e.unwrap_err().path(), path.join("height/c"));
+        assert_eq!(names(folder.path()), [""; 0]);
     }
 
     /// `/dev/full` fails every write like a full disk; the wording is what users see.

@@ -65,6 +65,18 @@ impl Error {
         }
     }
 
+    /// The same error of a file that was to be moved from below `from` to the same place below `to`.
+    pub(crate) fn moved(mut self, from: &Path, to: &Path) -> Self {
+        let (Self::Io { path, .. }
+        | Self::Format { path, .. }
+        | Self::NotFinite { path, .. }
+        | Self::Core { path, .. }) = &mut self;
+        if let Ok(rest) = path.strip_prefix(from) {
+            *path = if rest.as_os_str().is_empty() { to.to_owned() } else { to.join(rest) };
+        }
+        self
+    }
+
     pub(crate) fn format(path: &Path, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self::Format { path: path.to_owned(), problem: problem.into(), remedy: remedy.into() }
     }
@@ -72,6 +84,19 @@ impl Error {
     /// For `map_err` on operations of the system.
     pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::Io { path: path.to_owned(), action, source }
+    }
+
+    /// For `map_err` on limits that the content of a file exceeds.
+    pub(crate) fn beyond(path: &Path) -> impl FnOnce(eyot_core::Error) -> Self {
+        use eyot_core::Error::Limit;
+        const REMEDY: &str = "is the file damaged? If not, make it smaller with another program, or raise the limit \
+                              with --max-memory";
+        move |e| {
+            Self::core(path)(match e {
+                Limit { what, needed, limit, .. } => Limit { what, needed, limit, remedy: REMEDY },
+                other => other,
+            })
+        }
     }
 
     /// For `map_err` on checks of the core.

@@ -58,11 +58,11 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
     if lines != width * height {
         return Err(Error::format(path, "the EXR ends too early", "it is truncated: copy or export it again"));
     }
-    let filled = missing.fill(path, &mut field)?;
+    let missing = missing.fill(path, &mut field)?;
     let s = description(&header, (width, height));
     let name = header.channels.list[channel].name.to_string();
     let own = s.channels.iter().find(|c| c.layer == name).cloned();
-    let mut raster = s.describe(Raster { filled, ..Raster::of(field) });
+    let mut raster = s.describe(Raster { missing, ..Raster::of(field) });
     if name != "Y" {
         raster.name = name;
         // Of foreign channels nothing is known; the description is that of the height.
@@ -152,7 +152,7 @@ fn check(path: &Path, all: &[Header], h: &Header, channel: usize, bytes: u64, li
     // Compressed, decompressed and sorted.
     limits
         .check_bytes("a block of the image", 3 * pixels * h.channels.bytes_per_pixel as u128)
-        .map_err(Error::core(path))
+        .map_err(Error::beyond(path))
 }
 
 fn description(h: &Header, size: (usize, usize)) -> Sidecar {

@@ -52,13 +52,13 @@ impl Missing {
         }
     }
 
-    /// Fills what was marked and returns how many cells that were.
-    pub(crate) fn fill(self, path: &Path, field: &mut Field) -> Result<usize> {
-        match self.marks {
-            None => Ok(0),
-            Some(marks) => fill(field, &marks)
-                .ok_or_else(|| Error::format(path, "every cell is marked as missing", "check the nodata value")),
+    /// Fills what was marked and returns the marks.
+    pub(crate) fn fill(self, path: &Path, field: &mut Field) -> Result<Option<Vec<bool>>> {
+        if let Some(marks) = &self.marks {
+            fill(field, marks)
+                .ok_or_else(|| Error::format(path, "every cell is marked as missing", "check the nodata value"))?;
         }
+        Ok(self.marks)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::about::About;
 use crate::error::{Error, Result};
+use crate::raster::SCALE_TAG;
 use crate::rows::Rows;
 use crate::sample::{ByteOrder, RowOrder, Sample};
 use crate::{exr_write, geotiff, npy, png_write, raw, zarr};
@@ -127,6 +128,10 @@ pub fn write_rows(
             "both sides must be at least 1",
         ));
     }
+    // A file of whole numbers says its own scale.
+    let mut own = about.clone();
+    own.tags.retain(|key, _| key != SCALE_TAG || !format.is_quantised());
+    let about = &own;
     match format {
         RasterFormat::Png16 => png_write::write_png16(path, rows, about, options),
         RasterFormat::GeoTiff => geotiff::write(path, rows, about, options),

@@ -1,6 +1,8 @@
 //! What a georeference says: if it is of use, and cell sizes in metres.
 
-use eyot_core::Georeference;
+use crate::format::RasterFormat;
+use crate::geotiff::keys::exceeds_code;
+use eyot_core::{CoordinateSystem, Georeference};
 
 /// True if all of it is finite and neither a column nor a row is a step of no length.
 pub(crate) fn is_sound(g: &Georeference) -> bool {
@@ -12,7 +14,26 @@ pub(crate) fn is_sound(g: &Georeference) -> bool {
 pub(crate) fn is_nowhere(g: &Georeference, height: usize) -> bool {
     let t = &g.transform;
     let corner = (t[0], t[3] + height as f64 * t[5]);
-    !g.geographic && g.epsg.is_none() && (t[2], t[4]) == (0.0, 0.0) && corner == (0.0, 0.0)
+    !g.geographic && g.epsg.is_none() && g.system.is_none() && (t[2], t[4]) == (0.0, 0.0) && corner == (0.0, 0.0)
+}
+
+/// What other programs will not find of the coordinate system in a file of this format, as a sentence.
+pub fn unsaid(g: &Georeference, format: RasterFormat) -> Option<&'static str> {
+    let fits = g.epsg.is_some_and(|code| u16::try_from(code).is_ok());
+    match (format, &g.system) {
+        (RasterFormat::GeoTiff, Some(CoordinateSystem::GeoKeys { .. })) => None,
+        (RasterFormat::GeoTiff, system) if !fits && (system.is_some() || g.epsg.is_some()) => {
+            Some("the coordinate system has no EPSG code that a GeoTIFF could hold, and is lost; its transform is kept")
+        }
+        (RasterFormat::Zarr, Some(system @ CoordinateSystem::GeoKeys { .. })) => match g.epsg {
+            None => Some("the coordinate system has no EPSG code; the store keeps it where only Eyot finds it"),
+            Some(_) if exceeds_code(system) => Some(
+                "the EPSG code is not all of the coordinate system; the store keeps the rest where only Eyot finds it",
+            ),
+            Some(_) => None,
+        },
+        _ => None,
+    }
 }
 
 /// Metres per degree of longitude and latitude on the WGS 84 ellipsoid at `latitude` degrees.

@@ -3,10 +3,10 @@
 use crate::error::{Error, Result};
 use crate::fill::fill;
 use crate::georef::{cell_size_m, is_nowhere, is_sound};
-use crate::geotiff::USUAL_NODATA;
 use crate::geotiff::metadata::{GDAL_METADATA, Metadata, TEXTS};
+use crate::geotiff::{USUAL_NODATA, keys};
 use crate::raster::{Raster, ReadOptions, check_compression, check_size};
-use crate::sample::Narrowed;
+use crate::sample::{Narrowed, Sample};
 use eyot_core::{Field, Georeference, Limits};
 use geotiff_reader::crs::ModelType;
 use geotiff_reader::{Error as GeoError, GeoTiffFile};
@@ -16,6 +16,10 @@ use tiff_reader::{Ifd, OpenOptions, ParseBudgets, RasterLayout, TagValue, TiffFi
 const GDAL_NODATA: u16 = 42113;
 /// Length units of projected coordinates, GeoKey 3076; metres if absent.
 const PROJECTED_LINEAR_UNITS: u16 = 3076;
+/// The same of heights.
+const VERTICAL_UNITS: u16 = 4099;
+const FOOT: u16 = 9002;
+const SURVEY_FOOT: u16 = 9003;
 
 pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
     let open = open_options(limits);
@@ -39,20 +43,27 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
 
     let nodata = options.nodata.or_else(|| nodata_of(ifd));
     let Metadata { name, mut unit, meaning, tags, scale, offset } = metadata(ifd);
-    let (mut field, missing, rounded_by) = decode(path, tiff, ifd, &layout, nodata)?;
+    let (mut field, mut missing, rounded_by) = decode(path, tiff, ifd, &layout, nodata)?;
     let (factor, offset) = (scale.unwrap_or(1.0), offset.unwrap_or(0.0));
     if (factor, offset) != (1.0, 0.0) {
         // Missing cells, too: they are filled from the others.
         field.rows_mut().flatten().for_each(|v| *v = (f64::from(*v) * factor + offset) as f32);
     }
-    let filled = match &missing {
-        Some(missing) => fill(&mut field, missing)
-            .ok_or_else(|| Error::format(path, "every cell is marked as missing", "check the file's nodata value"))?,
-        None => 0,
+    let bytes = usize::from(layout.bits_per_sample).div_ceil(8);
+    let scale = match layout.sample_format {
+        1 => Sample::Unsigned(bytes).scale(),
+        2 => Sample::Signed(bytes).scale(),
+        _ => None,
     };
-    let mut georeference = geo.as_ref().and_then(|g| georeference(g, nodata));
+    let scale =
+        scale.map(|(low, high)| (low * factor + offset, high * factor + offset)).filter(|(low, high)| low < high);
+    if let Some(missing) = &missing {
+        fill(&mut field, missing)
+            .ok_or_else(|| Error::format(path, "every cell is marked as missing", "check the file's nodata value"))?;
+    }
+    let mut georeference = geo.as_ref().and_then(|g| georeference(g, ifd, nodata));
     if let Some(g) = &mut georeference {
-        face_north(&mut field, g);
+        face_north(&mut field, &mut missing, g);
     }
     let per_unit = geo.as_ref().map_or(1.0, metres_per_unit);
     // Absurd coordinates can overflow; a grid could not use such a size.
@@ -60,12 +71,14 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     let cell_m = georeference.as_ref().map(|g| cell_size_m(g, layout.width, layout.height, per_unit)).filter(usable);
     if unit == "metre" {
         unit = "m".to_owned();
+    } else if unit.is_empty() {
+        unit = geo.as_ref().and_then(vertical_unit).unwrap_or_default().to_owned();
     }
     // What the writer says of a grid without a place; its cells are known now.
     let no_more =
         |g: &Georeference| is_nowhere(g, layout.height) && g.nodata.is_none_or(|n| n == f64::from(USUAL_NODATA));
     georeference = georeference.filter(|g| !no_more(g));
-    Ok(Raster { cell_m, georeference, filled, name, unit, meaning, tags, rounded_by, ..Raster::of(field) })
+    Ok(Raster { cell_m, georeference, missing, name, unit, meaning, tags, scale, rounded_by, ..Raster::of(field) })
 }
 
 /// What the file says in words.
@@ -108,7 +121,7 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
     // Filling takes a copy of the values, a mark for each, and both again in coarser levels.
     let fill = 7 * cells;
     let image = cells * layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
-    limits.check_bytes("the decoded image", image + fill + field).map_err(Error::core(path))?;
+    limits.check_bytes("the decoded image", image + fill + field).map_err(Error::beyond(path))?;
     if layout.samples_per_pixel != 1 {
         let problem = format!("the file has {} bands or colours, heights need one", layout.samples_per_pixel);
         return Err(Error::format(path, problem, "extract one, for example with gdal_translate -b 1"));
@@ -222,27 +235,37 @@ fn nodata_of(ifd: &Ifd) -> Option<f64> {
     text.trim_matches(|c: char| c.is_whitespace() || c == '\0').parse().ok()
 }
 
-fn georeference(geo: &GeoTiffFile, nodata: Option<f64>) -> Option<Georeference> {
+fn georeference(geo: &GeoTiffFile, ifd: &Ifd, nodata: Option<f64>) -> Option<Georeference> {
     let t = geo.transform()?;
     let transform = [t.origin_x, t.pixel_width, t.skew_x, t.origin_y, t.skew_y, t.pixel_height];
     // A degenerate transform says nothing, nor does the identity, which writers use for images without a place.
-    if transform == [0.0, 1.0, 0.0, 0.0, 0.0, 1.0] && geo.epsg().is_none() {
+    let (epsg, system) = (geo.epsg(), keys::read(ifd, geo.epsg()));
+    if transform == [0.0, 1.0, 0.0, 0.0, 0.0, 1.0] && epsg.is_none() && system.is_none() {
         return None;
     }
     let geographic = geo.crs().model_type_enum() == ModelType::Geographic;
-    Some(Georeference { transform, epsg: geo.epsg(), geographic, nodata }).filter(is_sound)
+    Some(Georeference { transform, epsg, geographic, nodata, system }).filter(is_sound)
 }
 
 fn metres_per_unit(geo: &GeoTiffFile) -> f64 {
     match geo.geokeys().get_short(PROJECTED_LINEAR_UNITS) {
-        Some(9002) => 0.3048,
-        Some(9003) => 1200.0 / 3937.0,
+        Some(FOOT) => 0.3048,
+        Some(SURVEY_FOOT) => 1200.0 / 3937.0,
         _ => 1.0,
     }
 }
 
+/// The unit of heights in feet, which a file may say of its vertical datum instead of its band.
+fn vertical_unit(geo: &GeoTiffFile) -> Option<&'static str> {
+    match geo.geokeys().get_short(VERTICAL_UNITS)? {
+        FOOT => Some("ft"),
+        SURVEY_FOOT => Some("US survey foot"),
+        _ => None,
+    }
+}
+
 /// Turns a raster over that starts in the south or in the east, so that row 0 is north and column 0 west.
-pub(crate) fn face_north(field: &mut Field, g: &mut Georeference) {
+pub(crate) fn face_north(field: &mut Field, missing: &mut Option<Vec<bool>>, g: &mut Georeference) {
     let t = &mut g.transform;
     if (t[2], t[4]) != (0.0, 0.0) {
         return;
@@ -256,11 +279,15 @@ pub(crate) fn face_north(field: &mut Field, g: &mut Georeference) {
             field.row_mut(north).copy_from_slice(&other);
             field.row_mut(south).copy_from_slice(&row);
         }
+        if let Some(missing) = missing {
+            *missing = missing.chunks_exact(width).rev().flatten().copied().collect();
+        }
         t[3] += height as f64 * t[5];
         t[5] = -t[5];
     }
     if t[1] < 0.0 {
         field.rows_mut().for_each(<[f32]>::reverse);
+        missing.iter_mut().for_each(|m| m.chunks_exact_mut(width).for_each(<[bool]>::reverse));
         t[0] += width as f64 * t[1];
         t[1] = -t[1];
     }

@@ -1,7 +1,8 @@
-//! Binary glTF 2.0 (GLB), out: a terrain with its levels of detail.
+//! Binary glTF 2.0 (GLB), out: a terrain with its levels of detail, or a scene of bodies.
 
 use crate::atomic::{put, write_atomically};
 use crate::error::{Error, Result};
+use crate::scene::{Scene, SceneNode};
 use eyot_mesh::{Lod, TerrainMesh};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -32,47 +33,57 @@ pub fn write_terrain_glb(path: &Path, levels: &[Lod], name: &str) -> Result<()> 
         return Err(Error::format(path, "a terrain needs at least one level, each with triangles", remedy));
     }
     let mut document = Document::default();
-    levels.iter().enumerate().for_each(|(i, level)| document.add(level, i, name));
-    let binary_bytes = document.offset;
-    let mut text = document.finish(levels.len()).to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let total = 12 + 8 + text.len() as u64 + 8 + binary_bytes;
-    let too_large = || {
-        let problem = format!("the terrain needs {total} bytes, GLB holds at most 4 GiB");
-        Error::format(path, problem, "lower max_vertices or write fewer levels")
-    };
-    let total = u32::try_from(total).map_err(|_| too_large())?;
+    levels.iter().enumerate().for_each(|(i, level)| document.add_level(level, i, name));
+    document.root["scenes"] = json!([{"nodes": [0]}]);
+    document.root["materials"] = json!([material("ground", [1.0; 3])]);
+    if levels.len() > 1 {
+        let last = levels.len() as i32 - 1;
+        let coverage = |i: i32| if i == last { 0.0 } else { FIRST_SCREEN_COVERAGE * 0.5f64.powi(i) };
+        let coverage: Vec<f64> = (0..=last).map(coverage).collect();
+        document.nodes[0]["extensions"] = json!({"MSFT_lod": {"ids": (1..levels.len()).collect::<Vec<_>>()}});
+        document.nodes[0]["extras"] = json!({"MSFT_screencoverage": coverage});
+        document.root["extensionsUsed"] = json!(["MSFT_lod"]);
+    }
+    document.write(path, "lower max_vertices or write fewer levels")
+}
 
-    write_atomically(path, |file| {
-        let word = |v: u32| v.to_le_bytes();
-        put(file, path, &[*b"glTF", word(2), word(total), word(text.len() as u32), *b"JSON"].concat())?;
-        put(file, path, &text)?;
-        put(file, path, &[word(binary_bytes as u32), *b"BIN\0"].concat())?;
-        let mut buffer = Vec::new();
-        for level in levels {
-            // In the order in which `Document::add` lays the views out; all are multiples of 4 bytes.
-            let m = &level.mesh;
-            for vectors in [&m.positions, &m.normals] {
-                for part in vectors.chunks(1 << 16) {
-                    buffer.clear();
-                    buffer.extend(part.iter().flatten().flat_map(|v| v.to_le_bytes()));
-                    put(file, path, &buffer)?;
-                }
-            }
-            put(file, path, m.colours.as_flattened())?;
-            for part in m.attributes.iter().flat_map(|a| a.values.chunks(1 << 16)) {
-                buffer.clear();
-                buffer.extend(part.iter().flat_map(|v| v.to_le_bytes()));
-                put(file, path, &buffer)?;
-            }
-            for part in m.indices.chunks(1 << 16) {
-                buffer.clear();
-                buffer.extend(part.iter().flat_map(|v| v.to_le_bytes()));
-                put(file, path, &buffer)?;
-            }
-        }
-        Ok(())
-    })
+/// Writes bodies as GLB: a mesh for each, nodes that show them at their places, names, materials, vertex colours and, where there
+/// are some, texture coordinates. Several nodes may show the same mesh.
+///
+/// # Errors
+/// If the scene contradicts itself, if the file would exceed 4 GiB (the format's bound), or if it cannot be written.
+pub fn write_scene_glb(path: &Path, scene: &Scene<'_>) -> Result<()> {
+    scene.check(path)?;
+    let mut document = Document::default();
+    for mesh in &scene.meshes {
+        let attributes = document.attributes(mesh.positions, mesh.normals, mesh.colours, mesh.texture);
+        document.add_mesh(mesh.name, attributes, mesh.indices, mesh.material, json!({}));
+    }
+    document.nodes.extend(scene.nodes.iter().map(node));
+    let all: Vec<usize> = (0..scene.nodes.len()).collect();
+    document.root["scenes"] = json!([{"name": scene.name, "nodes": all, "extras": {"kind": "bodies"}}]);
+    document.root["materials"] = scene.materials.iter().map(|m| material(m.name, m.colour)).collect();
+    document.write(path, "write fewer bodies or choose longer voxels")
+}
+
+fn material(name: &str, [r, g, b]: [f32; 3]) -> Value {
+    let surface = json!({"baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0});
+    json!({"name": name, "pbrMetallicRoughness": surface})
+}
+
+fn node(n: &SceneNode) -> Value {
+    let mut node = json!({"name": n.name, "mesh": n.mesh, "translation": n.place});
+    if n.turn != 0.0 {
+        let (sin, cos) = (0.5 * n.turn).sin_cos();
+        node["rotation"] = json!([0.0, sin, 0.0, cos]);
+    }
+    if n.size != 1.0 {
+        node["scale"] = json!([n.size, n.size, n.size]);
+    }
+    if !n.extras.is_null() {
+        node["extras"] = n.extras.clone();
+    }
+    node
 }
 
 fn consistent(m: &TerrainMesh) -> bool {
@@ -84,95 +95,145 @@ fn consistent(m: &TerrainMesh) -> bool {
         && m.indices.iter().all(|&i| (i as usize) < n)
 }
 
-/// The JSON part while it grows.
-#[derive(Default)]
-struct Document {
+/// What a view of the binary part holds; all are multiples of 4 bytes.
+#[derive(Clone, Copy)]
+enum Data<'a> {
+    Vectors(&'a [[f32; 3]]),
+    Pairs(&'a [[f32; 2]]),
+    Colours(&'a [[u8; 4]]),
+    Scalars(&'a [f32]),
+    Indices(&'a [u32]),
+}
+
+impl Data<'_> {
+    fn bytes(self) -> usize {
+        match self {
+            Self::Vectors(v) => size_of_val(v),
+            Self::Pairs(v) => size_of_val(v),
+            Self::Colours(v) => size_of_val(v),
+            Self::Scalars(v) => size_of_val(v),
+            Self::Indices(v) => size_of_val(v),
+        }
+    }
+
+    /// Hands the bytes on, part by part.
+    fn write(self, mut put: impl FnMut(&[u8]) -> Result<()>) -> Result<()> {
+        const PART: usize = 1 << 16;
+        let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+        match self {
+            Self::Vectors(v) => v.chunks(PART).try_for_each(|part| put(&floats(part.as_flattened()))),
+            Self::Pairs(v) => v.chunks(PART).try_for_each(|part| put(&floats(part.as_flattened()))),
+            Self::Scalars(v) => v.chunks(PART).try_for_each(|part| put(&floats(part))),
+            Self::Colours(v) => put(v.as_flattened()),
+            Self::Indices(v) => {
+                let bytes = |part: &[u32]| part.iter().flat_map(|i| i.to_le_bytes()).collect::<Vec<u8>>();
+                v.chunks(PART).try_for_each(|part| put(&bytes(part)))
+            }
+        }
+    }
+}
+
+/// A file while it grows.
+struct Document<'a> {
+    /// What is written of its own: scenes, materials, extensions.
+    root: Value,
     accessors: Vec<Value>,
     views: Vec<Value>,
     meshes: Vec<Value>,
     nodes: Vec<Value>,
+    /// What the views hold.
+    data: Vec<Data<'a>>,
     /// Bytes of the binary part so far.
     offset: u64,
 }
 
-impl Document {
-    fn add(&mut self, level: &Lod, index: usize, name: &str) {
+impl Default for Document<'_> {
+    fn default() -> Self {
+        let root = json!({"asset": {"version": "2.0", "generator": "Eyot"}, "scene": 0});
+        Self { root, accessors: vec![], views: vec![], meshes: vec![], nodes: vec![], data: vec![], offset: 0 }
+    }
+}
+
+impl<'a> Document<'a> {
+    fn add_level(&mut self, level: &'a Lod, index: usize, name: &str) {
         let m = &level.mesh;
-        let n = m.positions.len();
-        let (min, max) = bounds(&m.positions);
-        let position = self.accessor(
-            ARRAY_BUFFER,
-            12 * n,
-            json!({"componentType": FLOAT, "count": n, "type": "VEC3", "min": min, "max": max}),
-        );
-        let normal = self.accessor(ARRAY_BUFFER, 12 * n, json!({"componentType": FLOAT, "count": n, "type": "VEC3"}));
-        let colour = self.accessor(
-            ARRAY_BUFFER,
-            4 * n,
-            json!({"componentType": UNSIGNED_BYTE, "normalized": true, "count": n, "type": "VEC4"}),
-        );
-        let mut attributes = json!({"POSITION": position, "NORMAL": normal, "COLOR_0": colour});
+        let mut attributes = self.attributes(&m.positions, &m.normals, &m.colours, &[]);
         for a in &m.attributes {
             // glTF wants an underscore before names of its users; Blender makes attributes of the mesh of them.
-            let scalar = json!({"componentType": FLOAT, "count": n, "type": "SCALAR"});
-            attributes[format!("_{}", a.name.to_uppercase())] = json!(self.accessor(ARRAY_BUFFER, 4 * n, scalar));
+            let scalar = json!({"componentType": FLOAT, "count": a.values.len(), "type": "SCALAR"});
+            let accessor = self.accessor(ARRAY_BUFFER, Data::Scalars(&a.values), scalar);
+            attributes[format!("_{}", a.name.to_uppercase())] = json!(accessor);
         }
-        let count = m.indices.len();
-        let indices = self.accessor(
-            ELEMENT_ARRAY_BUFFER,
-            4 * count,
-            json!({"componentType": UNSIGNED_INT, "count": count, "type": "SCALAR"}),
-        );
         let name = if index == 0 { name.to_owned() } else { format!("{name} level {index}") };
-        self.meshes.push(json!({
-            "name": name,
-            "primitives": [{
-                "attributes": attributes,
-                "indices": indices,
-                "material": 0
-            }],
-            "extras": {"triangles": m.triangles(), "error_m": level.error_m}
-        }));
+        let extras = json!({"triangles": m.triangles(), "error_m": level.error_m});
+        self.add_mesh(&name, attributes, &m.indices, 0, extras);
         self.nodes.push(json!({"name": name, "mesh": index}));
     }
 
-    /// Adds a view of `bytes` and an accessor over all of it, and returns the accessor's index.
-    fn accessor(&mut self, target: u32, bytes: usize, mut accessor: Value) -> usize {
+    fn attributes(
+        &mut self,
+        positions: &'a [[f32; 3]],
+        normals: &'a [[f32; 3]],
+        colours: &'a [[u8; 4]],
+        texture: &'a [[f32; 2]],
+    ) -> Value {
+        let n = positions.len();
+        let (min, max) = bounds(positions);
+        let place = json!({"componentType": FLOAT, "count": n, "type": "VEC3", "min": min, "max": max});
+        let vector = json!({"componentType": FLOAT, "count": n, "type": "VEC3"});
+        let colour = json!({"componentType": UNSIGNED_BYTE, "normalized": true, "count": n, "type": "VEC4"});
+        let mut attributes = json!({
+            "POSITION": self.accessor(ARRAY_BUFFER, Data::Vectors(positions), place),
+            "NORMAL": self.accessor(ARRAY_BUFFER, Data::Vectors(normals), vector),
+            "COLOR_0": self.accessor(ARRAY_BUFFER, Data::Colours(colours), colour),
+        });
+        if !texture.is_empty() {
+            let pair = json!({"componentType": FLOAT, "count": n, "type": "VEC2"});
+            attributes["TEXCOORD_0"] = json!(self.accessor(ARRAY_BUFFER, Data::Pairs(texture), pair));
+        }
+        attributes
+    }
+
+    fn add_mesh(&mut self, name: &str, attributes: Value, indices: &'a [u32], material: usize, extras: Value) {
+        let accessor = json!({"componentType": UNSIGNED_INT, "count": indices.len(), "type": "SCALAR"});
+        let indices = self.accessor(ELEMENT_ARRAY_BUFFER, Data::Indices(indices), accessor);
+        let primitive = json!({"attributes": attributes, "indices": indices, "material": material});
+        let mut mesh = json!({"name": name, "primitives": [primitive]});
+        if extras.as_object().is_some_and(|e| !e.is_empty()) {
+            mesh["extras"] = extras;
+        }
+        self.meshes.push(mesh);
+    }
+
+    /// Adds a view of the data and an accessor over all of it, and returns the accessor's index.
+    fn accessor(&mut self, target: u32, data: Data<'a>, mut accessor: Value) -> usize {
+        let bytes = data.bytes();
         self.views.push(json!({"buffer": 0, "byteOffset": self.offset, "byteLength": bytes, "target": target}));
+        self.data.push(data);
         self.offset += bytes as u64;
         accessor["bufferView"] = json!(self.views.len() - 1);
         self.accessors.push(accessor);
         self.accessors.len() - 1
     }
 
-    fn finish(mut self, levels: usize) -> Value {
-        let mut extra = json!({});
-        if levels > 1 {
-            let coverage: Vec<f64> = (0..levels as i32)
-                .map(|i| if i as usize == levels - 1 { 0.0 } else { FIRST_SCREEN_COVERAGE * 0.5f64.powi(i) })
-                .collect();
-            self.nodes[0]["extensions"] = json!({"MSFT_lod": {"ids": (1..levels).collect::<Vec<_>>()}});
-            self.nodes[0]["extras"] = json!({"MSFT_screencoverage": coverage});
-            extra = json!(["MSFT_lod"]);
-        }
-        let mut document = json!({
-            "asset": {"version": "2.0", "generator": "Eyot"},
-            "scene": 0,
-            "scenes": [{"nodes": [0]}],
-            "nodes": self.nodes,
-            "meshes": self.meshes,
-            "materials": [{
-                "name": "ground",
-                "pbrMetallicRoughness": {"baseColorFactor": [1.0, 1.0, 1.0, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0}
-            }],
-            "accessors": self.accessors,
-            "bufferViews": self.views,
-            "buffers": [{"byteLength": self.offset}]
-        });
-        if levels > 1 {
-            document["extensionsUsed"] = extra;
-        }
-        document
+    fn write(mut self, path: &Path, remedy: &str) -> Result<()> {
+        self.root["nodes"] = self.nodes.into();
+        self.root["meshes"] = self.meshes.into();
+        self.root["accessors"] = self.accessors.into();
+        self.root["bufferViews"] = self.views.into();
+        self.root["buffers"] = json!([{"byteLength": self.offset}]);
+        let mut text = self.root.to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let total = 12 + 8 + text.len() as u64 + 8 + self.offset;
+        let too_large = || Error::format(path, format!("{total} bytes are needed, GLB holds at most 4 GiB"), remedy);
+        let total = u32::try_from(total).map_err(|_| too_large())?;
+        write_atomically(path, |file| {
+            let word = |v: u32| v.to_le_bytes();
+            put(file, path, &[*b"glTF", word(2), word(total), word(text.len() as u32), *b"JSON"].concat())?;
+            put(file, path, &text)?;
+            put(file, path, &[word(self.offset as u32), *b"BIN\0"].concat())?;
+            self.data.iter().try_for_each(|data| data.write(|bytes| put(file, path, bytes)))
+        })
     }
 }
 

@@ -82,9 +82,9 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
             field.set(x, y, narrowed.of(number));
         }
     }
-    let filled = missing.fill(path, &mut field)?;
+    let missing = missing.fill(path, &mut field)?;
     let s = Sidecar::beside(path, &[FORMAT])?.filter(|s| (s.width, s.height) == (width, height)).unwrap_or_default();
-    Ok(s.describe(Raster { filled, rounded_by: narrowed.by(), ..Raster::of(field) }))
+    Ok(s.describe(Raster { missing, scale: header.kind.scale(), rounded_by: narrowed.by(), ..Raster::of(field) }))
 }
 
 struct Header {

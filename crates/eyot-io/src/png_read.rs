@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::fill::Missing;
 use crate::png_write::key;
 use crate::raster::{Raster, ReadOptions, check_compression, check_size};
-use crate::scale::Scale;
+use crate::scale::Meaning;
 use eyot_core::{Field, Limits};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
 use std::fs::File;
@@ -35,22 +35,22 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
             return Err(Error::format(path, problem, "convert it to 16-bit grey"));
         }
     };
-    let scale = value_range(path, &reader, options)?;
-    let (wide, per_step) = if depth == BitDepth::Sixteen { (2, 1.0) } else { (1, 257.0) };
+    let (wide, largest) = if depth == BitDepth::Sixteen { (2, 65535.0) } else { (1, 255.0) };
+    let meaning = Meaning::of(path, largest, number(&reader, key::MIN), number(&reader, key::MAX), options)?;
     let line = reader.output_line_size(width as u32).unwrap_or(usize::MAX);
     let mut missing = Missing::new(width, height, options.nodata);
     let mut values = |y: usize, row: &mut [f32], samples: &[u8]| {
         for (x, (v, s)) in row.iter_mut().zip(samples.chunks_exact(wide * channels)).enumerate() {
             let number = if wide == 2 { f64::from(u16::from_be_bytes([s[0], s[1]])) } else { f64::from(s[0]) };
             missing.look_at(x, y, number);
-            *v = scale.value(number * per_step);
+            *v = meaning.value(number);
         }
     };
     let field = if interlaced {
         // The passes of an interlaced image come together only in memory.
         limits
             .check_bytes("the interlaced image", (line as u128) * height as u128 + held)
-            .map_err(Error::core(path))?;
+            .map_err(Error::beyond(path))?;
         let mut bytes = vec![0; line * height];
         reader.next_frame(&mut bytes).map_err(failed)?;
         let mut field = Field::new(width, height, 0.0);
@@ -83,30 +83,10 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
         unit: text(key::UNIT),
         meaning: text(key::MEANING),
         tags: serde_json::from_str(&text(key::TAGS)).unwrap_or_default(),
-        scale: Some((scale.low, scale.high)),
-        ..Raster::of(field)
+        ..meaning.describe(Raster::of(field))
     };
-    raster.filled = missing.fill(path, &mut raster.field)?;
+    raster.missing = missing.fill(path, &mut raster.field)?;
     Ok(raster)
-}
-
-/// Values of black and white: what the caller says, or what the file says.
-fn value_range(path: &Path, reader: &png::Reader<BufReader<File>>, options: &ReadOptions) -> Result<Scale> {
-    let low = options.low_m.or_else(|| number(reader, key::MIN));
-    let high = options.high_m.or_else(|| number(reader, key::MAX));
-    match low.zip(high) {
-        Some((low, high)) if (low as f32).is_finite() && (high as f32).is_finite() => Ok(Scale { low, high }),
-        Some((low, high)) => Err(Error::format(
-            path,
-            format!("black is {low} and white is {high}"),
-            "give finite numbers for low_m and high_m",
-        )),
-        None => Err(Error::format(
-            path,
-            "the file does not say which heights black and white stand for",
-            "give low_m and high_m in a recipe (generate = \"import\"), or --from-range LOW,HIGH to eyot convert",
-        )),
-    }
 }
 
 fn text(reader: &png::Reader<BufReader<File>>, keyword: &str) -> Option<String> {

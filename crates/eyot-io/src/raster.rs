@@ -3,6 +3,7 @@
 use crate::about::About;
 use crate::error::{Error, Result};
 use crate::georef::is_sound;
+use crate::rows::Rows;
 use crate::sample::{ByteOrder, RowOrder, Sample};
 use crate::{exr_read, geotiff_read, npy, png_read, raw, zarr};
 use eyot_core::{Field, Georeference, Limits};
@@ -15,6 +16,20 @@ use std::path::Path;
 const MAX_COMPRESSION: u128 = 4096;
 /// How OpenEXR files begin.
 const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+/// Keyword under which files of floats keep [`Raster::scale`].
+pub(crate) const SCALE_TAG: &str = "scale_of_16_bits";
+
+/// What the numbers in a file are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Numbers {
+    /// The values themselves.
+    #[default]
+    Values,
+    /// Whole numbers that stand for values, as the file or the options say.
+    Scaled,
+    /// Whole numbers of which nothing says what they stand for, taken for the values; see [`ReadOptions::bare_numbers`].
+    Bare,
+}
 
 /// A raster from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +41,8 @@ pub struct Raster {
     pub cell_m: Option<(f64, f64)>,
     /// Where the raster lies, if the file says.
     pub georeference: Option<Georeference>,
-    /// Cells that were missing in the file and have been filled from their neighbours.
-    pub filled: usize,
+    /// Which cells, row by row from the north, the file has no value for: they have been filled from their neighbours.
+    pub missing: Option<Vec<bool>>,
     /// Name of the layer, or empty if the file does not say.
     pub name: String,
     /// Unit of the values, or empty.
@@ -36,9 +51,11 @@ pub struct Raster {
     pub meaning: String,
     /// What else the file says of itself, by keyword.
     pub tags: BTreeMap<String, String>,
-    /// Values of the smallest and the largest number if the file holds whole numbers of 8 or 16 bits that stand for others:
-    /// a file of 16 bits and the same scale holds the same ones.
+    /// Values that 0 and 65535 stand for in a file of 16 bits that holds exactly these values: of whole numbers of 8 or 16
+    /// bits, and of values that once were such numbers.
     pub scale: Option<(f64, f64)>,
+    /// What the numbers in the file are.
+    pub numbers: Numbers,
     /// How many rasters the file holds one after the other, the last of which this is; 1 but for stores with a time.
     pub steps: u64,
     /// The farthest that a value of the file is from the `f32` here; 0 unless the file holds wider numbers.
@@ -52,28 +69,90 @@ impl Raster {
             field,
             cell_m: None,
             georeference: None,
-            filled: 0,
+            missing: None,
             name: String::new(),
             unit: String::new(),
             meaning: String::new(),
             tags: BTreeMap::new(),
             scale: None,
+            numbers: Numbers::Values,
             steps: 1,
             rounded_by: 0.0,
         }
     }
 
+    /// How many cells have been filled from their neighbours.
+    pub fn filled(&self) -> usize {
+        self.missing.iter().flatten().filter(|&&m| m).count()
+    }
+
+    /// Turns heights in feet into metres. True if there was something to do.
+    pub fn to_metres(&mut self) -> bool {
+        let Some(factor) = metres_per(&self.unit) else { return false };
+        self.field.rows_mut().flatten().for_each(|v| *v = (f64::from(*v) * factor) as f32);
+        self.scale = self.scale.map(|(low, high)| (low * factor, high * factor));
+        self.unit = "m".to_owned();
+        true
+    }
+
+    /// The values for a writer, with the cells that the file had no value for.
+    pub fn rows(&self) -> impl Rows {
+        Holed { field: &self.field, missing: self.missing.as_deref() }
+    }
+
     /// What a file made of it can say.
     pub fn about(&self) -> About {
+        let mut tags = self.tags.clone();
+        if let Some((low, high)) = self.scale {
+            tags.insert(SCALE_TAG.to_owned(), format!("{low:?} {high:?}"));
+        }
         About {
             name: self.name.clone(),
             unit: self.unit.clone(),
             meaning: self.meaning.clone(),
             cell_m: self.cell_m.unwrap_or((1.0, 1.0)),
             georeference: self.georeference.clone(),
-            tags: self.tags.clone(),
+            tags,
             range: None,
         }
+    }
+}
+
+struct Holed<'a> {
+    field: &'a Field,
+    missing: Option<&'a [bool]>,
+}
+
+impl Rows for Holed<'_> {
+    fn size(&self) -> (usize, usize) {
+        (self.field.width(), self.field.height())
+    }
+
+    fn read(&mut self, first: usize, out: &mut [f32]) -> eyot_core::Result<()> {
+        (&mut self.field).read(first, out)
+    }
+
+    fn missing(&self) -> Option<&[bool]> {
+        self.missing
+    }
+}
+
+/// Takes the scale out of the tags, where [`Raster::about`] has put it for formats of floats.
+fn scale_of(tags: &mut BTreeMap<String, String>) -> Option<(f64, f64)> {
+    let text = tags.remove(SCALE_TAG)?;
+    let (low, high) = text.split_once(' ')?;
+    let number = |s: &str| s.parse::<f64>().ok().filter(|v| v.is_finite());
+    number(low).zip(number(high)).filter(|(low, high)| low <= high)
+}
+
+/// Metres in a unit of feet.
+fn metres_per(unit: &str) -> Option<f64> {
+    match unit.trim().to_ascii_lowercase().as_str() {
+        "ft" | "foot" | "feet" | "international foot" => Some(0.3048),
+        "us survey foot" | "us survey feet" | "us-ft" | "us_ft" | "ftus" | "foot_us" | "survey_foot" => {
+            Some(1200.0 / 3937.0)
+        }
+        _ => None,
     }
 }
 
@@ -84,6 +163,9 @@ pub struct ReadOptions {
     pub low_m: Option<f64>,
     /// Value that the largest number (white) stands for; by default what the file says.
     pub high_m: Option<f64>,
+    /// Takes whole numbers of 8 or 16 bits for the values themselves if nothing says what they stand for; such files are
+    /// refused otherwise.
+    pub bare_numbers: bool,
     /// Number in the file that marks missing cells; by default what the file says.
     pub nodata: Option<f64>,
     /// Which array of a Zarr store or channel of an EXR; by default the height, or the only one.
@@ -172,9 +254,9 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
 /// counts for narrow grids.
 pub(crate) fn check_size(path: &Path, width: usize, height: usize, limits: &Limits) -> Result<u128> {
     const PADDING: u128 = 80;
-    limits.check_cells(width, height).map_err(Error::core(path))?;
+    limits.check_cells(width, height).map_err(Error::beyond(path))?;
     let bytes = (width as u128 + PADDING) * (height as u128 + 2) * 4;
-    limits.check_bytes("the raster", bytes).map_err(Error::core(path))?;
+    limits.check_bytes("the raster", bytes).map_err(Error::beyond(path))?;
     Ok(bytes)
 }
 
@@ -208,6 +290,7 @@ fn unknown(path: &Path, start: &[u8]) -> Error {
 fn checked(path: &Path, mut raster: Raster) -> Result<Raster> {
     raster.cell_m = raster.cell_m.filter(|&(x, y)| x.is_finite() && y.is_finite() && x > 0.0 && y > 0.0);
     raster.georeference = raster.georeference.filter(is_sound);
+    raster.scale = raster.scale.or(scale_of(&mut raster.tags));
     match raster.field.find_not_finite() {
         None => Ok(raster),
         Some((x, y, value)) => Err(Error::NotFinite {
@@ -215,8 +298,13 @@ fn checked(path: &Path, mut raster: Raster) -> Result<Raster> {
             value,
             x,
             y,
-            remedy: "if it marks missing cells, say so with --nodata (eyot convert), or in the file, for example with \
-                     gdal_translate -a_nodata nan",
+            remedy: if value.is_nan() {
+                "if it marks missing cells, say so with --nodata (eyot convert), or in the file, for example with \
+                 gdal_translate -a_nodata nan"
+            } else {
+                "numbers beyond 3.4e38 do not fit the 32 bits of heights; if the file's own number marks missing cells, \
+                 say so with --nodata (eyot convert)"
+            },
         }),
     }
 }

@@ -8,7 +8,7 @@ use crate::format::WriteOptions;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::rows::{Rows, band_rows, each_band, each_band_from_south};
 use crate::sample::{ByteOrder, Narrowed, RowOrder, Sample};
-use crate::scale::Scale;
+use crate::scale::{Meaning, Scale};
 use crate::sidecar::{Sidecar, sidecar_path};
 use eyot_core::{Field, Limits};
 use std::fs::File;
@@ -96,7 +96,7 @@ pub(crate) fn read_if_known(
         return Err(Error::format(path, problem, remedy));
     }
     let s = sidecar.unwrap_or_default();
-    let scale = scale(path, sample, &s, options)?;
+    let meaning = meaning(path, sample, &s, options)?;
     let byte_order = options.byte_order.unwrap_or(s.byte_order);
     let north_first = options.row_order.unwrap_or(s.row_order) == RowOrder::NorthFirst;
 
@@ -114,16 +114,19 @@ pub(crate) fn read_if_known(
         for (x, (v, b)) in field.row_mut(y).iter_mut().zip(buffer.chunks_exact(sample.bytes())).enumerate() {
             let number = sample.number(b, byte_order);
             missing.look_at(x, y, number);
-            *v = scale.map_or_else(|| narrowed.of(number), |(s, per_step)| s.value(number * per_step));
+            *v = meaning.map_or_else(|| narrowed.of(number), |m| m.value(number));
         }
     }
     let found = format!("{:08x}", crc.finalize());
     if s.crc32.as_ref().is_some_and(|c| !c.eq_ignore_ascii_case(&found)) {
         return Err(Error::format(path, "the checksum in its .json does not fit the data", "export the file again"));
     }
-    let filled = missing.fill(path, &mut field)?;
-    let scale = scale.map(|(s, _)| (s.low, s.high));
-    Ok(Some(s.describe(Raster { filled, scale, rounded_by: narrowed.by(), ..Raster::of(field) })))
+    let missing = missing.fill(path, &mut field)?;
+    let raster = Raster { missing, scale: sample.scale(), rounded_by: narrowed.by(), ..Raster::of(field) };
+    Ok(Some(s.describe(match meaning {
+        Some(meaning) => meaning.describe(raster),
+        None => raster,
+    })))
 }
 
 /// Columns and rows: what the options say, or the sidecar, or a square.
@@ -158,27 +161,12 @@ fn size(
     Ok((width, height))
 }
 
-/// What whole numbers stand for, and how many of 65535 steps each of theirs is.
-fn scale(path: &Path, sample: Sample, s: &Sidecar, options: &ReadOptions) -> Result<Option<(Scale, f64)>> {
-    // Numbers of 8 and 16 bits without sign mean nothing without a scale; others are values as they are.
+/// What whole numbers of 8 and 16 bits without sign stand for; others are values as they are.
+fn meaning(path: &Path, sample: Sample, s: &Sidecar, options: &ReadOptions) -> Result<Option<Meaning>> {
     let largest = match sample {
         Sample::Unsigned(1) => 255.0,
         Sample::Unsigned(2) => 65535.0,
         _ => return Ok(None),
     };
-    let low = options.low_m.or(s.low);
-    let high = options.high_m.or(s.high);
-    match low.zip(high) {
-        Some((low, high)) if (low as f32).is_finite() && (high as f32).is_finite() => {
-            Ok(Some((Scale { low, high }, 65535.0 / largest)))
-        }
-        Some((low, high)) => {
-            let problem = format!("0 stands for {low} and {largest} for {high}");
-            Err(Error::format(path, problem, "give finite numbers for low_m and high_m (--from-range LOW,HIGH)"))
-        }
-        None => {
-            let problem = format!("nothing says which heights 0 and {largest} stand for");
-            Err(Error::format(path, problem, "give low_m and high_m (--from-range LOW,HIGH)"))
-        }
-    }
+    Meaning::of(path, largest, s.low, s.high, options).map(Some)
 }

@@ -22,6 +22,12 @@ pub trait Rows {
     /// # Errors
     /// Whatever keeps the values from being made, a stop on request included.
     fn read(&mut self, first: usize, out: &mut [f32]) -> eyot_core::Result<()>;
+
+    /// Cells, row by row from the north, whose values are only filled in. GeoTIFF and Zarr mark them as missing; the other
+    /// formats have no mark that readers agree on and hold the filled values.
+    fn missing(&self) -> Option<&[bool]> {
+        None
+    }
 }
 
 impl Rows for &Field {
@@ -47,6 +53,17 @@ pub(crate) fn each_band(
     path: &Path,
     rows: &mut dyn Rows,
     per_band: usize,
+    take: impl FnMut(usize, &[f32]) -> Result<()>,
+) -> Result<()> {
+    each_marked_band(path, rows, per_band, None, take)
+}
+
+/// As [`each_band`], with `mark` in place of the values that are missing.
+pub(crate) fn each_marked_band(
+    path: &Path,
+    rows: &mut dyn Rows,
+    per_band: usize,
+    mark: Option<f32>,
     mut take: impl FnMut(usize, &[f32]) -> Result<()>,
 ) -> Result<()> {
     let (width, height) = rows.size();
@@ -54,6 +71,11 @@ pub(crate) fn each_band(
     for first in (0..height).step_by(per_band) {
         let values = &mut band[..width * per_band.min(height - first)];
         read_band(path, rows, first, values)?;
+        if let (Some(mark), Some(missing)) = (mark, rows.missing()) {
+            for (value, _) in values.iter_mut().zip(&missing[first * width..]).filter(|(_, missing)| **missing) {
+                *value = mark;
+            }
+        }
         take(first, values)?;
     }
     Ok(())

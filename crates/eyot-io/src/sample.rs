@@ -73,6 +73,15 @@ impl Sample {
         }
     }
 
+    /// Values that 0 and 65535 stand for in a file of 16 bits that holds these numbers as they are.
+    pub(crate) const fn scale(self) -> Option<(f64, f64)> {
+        match self {
+            Self::Unsigned(1 | 2) => Some((0.0, 65535.0)),
+            Self::Signed(1 | 2) => Some((-32768.0, 32767.0)),
+            _ => None,
+        }
+    }
+
     /// The number in as many bytes.
     pub(crate) fn number(self, b: &[u8], order: ByteOrder) -> f64 {
         let mut le = [0; 8];

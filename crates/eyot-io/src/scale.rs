@@ -3,6 +3,7 @@
 use crate::about::About;
 use crate::error::{Error, Result};
 use crate::format::WriteOptions;
+use crate::raster::{Numbers, Raster, ReadOptions};
 use crate::rows::{Rows, range_of};
 use std::path::Path;
 
@@ -60,6 +61,58 @@ impl Scale {
 
     /// The value of a number.
     pub(crate) fn value(&self, s: f64) -> f32 {
-        (self.low + s / STEPS * (self.high - self.low)) as f32
+        // Multiplied first: whole numbers that stand for whole numbers then come out exactly.
+        (self.low + s * (self.high - self.low) / STEPS) as f32
+    }
+}
+
+/// What the whole numbers of a file stand for.
+#[derive(Clone, Copy)]
+pub(crate) struct Meaning {
+    /// Values of the smallest and the largest number.
+    pub(crate) scale: Scale,
+    /// The largest number: 255 or 65535.
+    largest: f64,
+    /// True if nothing says so.
+    bare: bool,
+}
+
+impl Meaning {
+    /// What the options say, or the file; `low` and `high` are the file's. Numbers of which neither speaks are refused, or
+    /// stand for themselves if the options say so.
+    pub(crate) fn of(
+        path: &Path,
+        largest: f64,
+        low: Option<f64>,
+        high: Option<f64>,
+        options: &ReadOptions,
+    ) -> Result<Self> {
+        let (low, high) = (options.low_m.or(low), options.high_m.or(high));
+        let (scale, bare) = match low.zip(high) {
+            Some((low, high)) if (low as f32).is_finite() && (high as f32).is_finite() => (Scale { low, high }, false),
+            Some((low, high)) => {
+                let problem = format!("0 (black) stands for {low} and {largest} (white) for {high}");
+                return Err(Error::format(path, problem, "give finite numbers for low_m and high_m (--from-range)"));
+            }
+            None if options.bare_numbers => (Scale { low: 0.0, high: largest }, true),
+            None => {
+                let problem = format!("nothing says which heights 0 (black) and {largest} (white) stand for");
+                let remedy = "give low_m and high_m in a recipe (generate = \"import\"), or --from-range LOW,HIGH to \
+                              eyot convert";
+                return Err(Error::format(path, problem, remedy));
+            }
+        };
+        Ok(Self { scale, largest, bare })
+    }
+
+    /// The value of a number.
+    pub(crate) fn value(&self, number: f64) -> f32 {
+        self.scale.value(number * (STEPS / self.largest))
+    }
+
+    /// The raster with what is known of its numbers.
+    pub(crate) fn describe(&self, raster: Raster) -> Raster {
+        let numbers = if self.bare { Numbers::Bare } else { Numbers::Scaled };
+        Raster { scale: Some((self.scale.low, self.scale.high)), numbers, ..raster }
     }
 }

@@ -12,15 +12,21 @@ fn world(w: usize, h: usize, values: &[f32]) -> World {
         Grid { cell_y_m: 0.1 + 0.2, ..Grid::new(w, h, 10.0, rim, &Limits::default()).unwrap() },
         u64::MAX - 3,
     );
-    world.step = 1 << 60;
+    world.step = 1 << 47;
     world.sea_level_m = -1.0 / 3.0;
     world.georeference = Some(Georeference {
         transform: [0.1, 1e-17, -0.0, 4e6, 0.0, -0.3],
         epsg: Some(4326),
         geographic: true,
         nodata: None,
+        system: Some(eyot_core::CoordinateSystem::GeoKeys {
+            directory: vec![1, 1, 0, 1, 1024, 0, 1, 2],
+            doubles: vec![0.1 + 0.2],
+            ascii: "ellipso\u{ef}d|".to_owned(),
+        }),
     });
     world.ledger.add("water.rain", 1e300 / 3.0, "m3", "Rain that \"fell\"", 1);
+    world.features.insert("plates".into(), vec![1.0 / 3.0, -1e-300, 12.0]);
     world.ledger.add("water.out", 5e-324, "m3", "Left over the rim", -1);
     world.put(&known::HEIGHT, Field::from_slice(w, h, values).unwrap()).unwrap();
     let flux = LayerSpec::new("flux", "m3/s", "Flux", (f32::NEG_INFINITY, f32::INFINITY)).on(Stagger::FaceX);
@@ -34,7 +40,9 @@ fn bits(world: &World) -> Vec<(String, Vec<u32>)> {
 
 fn saved(folder: &Path) -> (PathBuf, World) {
     let path = folder.join("run.ckpt");
-    let world = world(5, 4, &[0.5; 20]);
+    let mut world = world(5, 4, &[0.5; 20]);
+    world.features.insert("corals".into(), vec![1.5, -0.0, 3.0]);
+    world.features.insert("plates".into(), Vec::new());
     save(&path, &world, "name = \"Atoll\"\n", &json!({"entry": 3, "left": [1.5, null]})).unwrap();
     (path, world)
 }
@@ -51,13 +59,18 @@ proptest! {
         let values: Vec<f32> = (0..w * h).map(|i| f32::from_bits(pattern[i % pattern.len()])).collect();
         let mut world = world(w, h, &values);
         world.ledger.add("sand.in", amount, "m3", "Sand", 1);
+        let numbers: Vec<f64> = pattern.iter().map(|&bits| f64::from_bits(u64::from(bits) << 29)).collect();
+        world.features.insert("corals".into(), numbers.clone());
         let state = json!({"amount": amount});
         save(&path, &world, "seed = 7", &state).unwrap();
         let back = load(&path, &Limits::default()).unwrap();
         prop_assert_eq!(bits(&back.world), bits(&world));
         prop_assert_eq!(back.world.fingerprint(), world.fingerprint());
+        let back_bits: Vec<u64> = back.world.features["corals"].iter().map(|n| n.to_bits()).collect();
+        prop_assert_eq!(back_bits, numbers.iter().map(|n| n.to_bits()).collect::<Vec<_>>());
         prop_assert_eq!(back.world.ledger.amount("sand.in").to_bits(), amount.to_bits());
         prop_assert_eq!(&back.world.ledger, &world.ledger);
+        prop_assert_eq!(&back.world.features, &world.features);
         prop_assert_eq!(back.world.sea_level_m.to_bits(), world.sea_level_m.to_bits());
         prop_assert_eq!(&back.world.georeference, &world.georeference);
         prop_assert_eq!((back.world.grid, back.world.seed, back.world.step), (world.grid, world.seed, world.step));
@@ -159,6 +172,13 @@ fn hostile_headers_are_refused_before_anything_is_allocated() {
     assert!(attack(&|h| h["layers"][1] = again.clone()).contains("two layers"));
     assert!(attack(&|h| h["layers"] = json!(vec![again.clone(); 300])).contains("300 layers"));
     assert!(attack(&|h| h["seed"] = json!("x")).contains("unreadable header"));
+    // Names that would write elsewhere, and numbers that no run has.
+    for name in ["../../../x", "/x", "a/b", "a\\b", "", "..", "X", "9a", "a b", &"a".repeat(65)] {
+        let e = attack(&|h| h["layers"][0]["name"] = json!(name));
+        assert!(e.contains("a layer is called"), "{name}: {e}");
+    }
+    assert!(attack(&|h| h["step"] = json!(1_000_000_000_000_000_000u64)).contains("no run comes to step"));
+    assert!(attack(&|h| h["sea_level_m"] = json!(1e308)).contains("with the sea at 1000"));
     // A length that no file has.
     let mut bytes = whole.clone();
     bytes[12..20].copy_from_slice(&u64::MAX.to_le_bytes());

@@ -52,7 +52,7 @@ fn raw_files_without_a_description_need_flags() {
         ..ReadOptions::default()
     };
     let r = read_raster(&path, &o, &Limits::default()).unwrap();
-    assert_eq!((r.filled, r.field.get(0, 0), r.field.get(1, 1)), (1, 1.0, 4.0));
+    assert_eq!((r.filled(), r.field.get(0, 0), r.field.get(1, 1)), (1, 1.0, 4.0));
 }
 
 // ---- NPY

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{Fixture, read, refused};
-use eyot_core::Limits;
-use eyot_io::{RasterFormat, ReadOptions, read_raster, write_layer};
+use eyot_core::{CoordinateSystem, Limits};
+use eyot_io::{RasterFormat, ReadOptions, WriteOptions, read_raster, write_layer, write_rows};
 
 #[derive(Clone)]
 struct Tiff {
@@ -117,6 +117,7 @@ fn tiff_headers_that_claim_too_much_are_refused() {
             let e = refused(&f.file("bomb.tif", &Tiff { compression, ..Tiff::of(w, h, 32, 3, &[0; 64]) }.bytes()));
             let clear = ["too large", "cannot hold", "broken or truncated"].iter().any(|c| e.contains(c));
             assert!(clear, "{w}x{h}: {e}");
+            assert!(!e.contains("too large") || e.contains("is the file damaged?"), "{e}");
         }
     }
     // A small image in one monstrous tile.
@@ -128,7 +129,7 @@ fn tiff_headers_that_claim_too_much_are_refused() {
 fn broken_tiffs_never_panic() {
     let f = Fixture::new();
     let whole = Tiff::of(3, 2, 16, 2, &[1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0]).nodata("3").bytes();
-    assert_eq!(read(&f.file("whole.tif", &whole)).unwrap().filled, 1);
+    assert_eq!(read(&f.file("whole.tif", &whole)).unwrap().filled(), 1);
     for n in 8..whole.len() {
         refused(&f.file("cut.tif", &whole[..n]));
     }
@@ -188,7 +189,7 @@ fn all_number_types_and_byte_orders_are_read() {
             tiff = tiff.nodata("-12345");
             let r = read(&f.file("n.tif", &tiff.bytes())).unwrap();
             assert_eq!(
-                (r.field.to_vec(), r.filled, r.cell_m),
+                (r.field.to_vec(), r.filled(), r.cell_m),
                 (vec![1.0, second], 0, None),
                 "{bits} {format} {big_endian}"
             );
@@ -223,14 +224,14 @@ fn missing_cells_are_filled_and_numbers_that_are_not_finite_are_refused() {
         ("-3.40282e+38", -3.40282e38),
     ] {
         let r = read(&f.file("holes.tif", &tiff(&[1.0, marker, 3.0]).nodata(text).bytes())).unwrap();
-        assert_eq!(r.filled, 1, "{text}");
+        assert_eq!(r.filled(), 1, "{text}");
         assert!((r.field.get(1, 0) - 2.0).abs() < 0.01);
     }
     let all = tiff(&[-1.0; 3]).nodata("-1").bytes();
     assert!(refused(&f.file("all.tif", &all)).contains("every cell is marked as missing"));
     let options = ReadOptions { nodata: Some(2.0), ..ReadOptions::default() };
     let path = f.file("own.tif", &tiff(&[1.0, 2.0, 3.0]).bytes());
-    assert_eq!(read_raster(&path, &options, &Limits::default()).unwrap().filled, 1);
+    assert_eq!(read_raster(&path, &options, &Limits::default()).unwrap().filled(), 1);
 }
 
 #[test]
@@ -261,4 +262,50 @@ fn cell_sizes_come_from_the_georeference() {
     // A transform without extent says nothing.
     let flat = base(&[0.0; 4]).doubles(33550, &[0.0, 0.0, 0.0]).bytes();
     assert_eq!(read(&f.file("f.tif", &flat)).unwrap().cell_m, None);
+}
+
+fn keyed(directory: &[u16]) -> Tiff {
+    let tiff = Tiff::of(2, 2, 32, 3, &floats(&[1.0, 2.0, 3.0, 4.0]));
+    let tiff = tiff.doubles(33922, &[0.0, 0.0, 0.0, 10.0, 46.0, 0.0]).doubles(33550, &[30.0, 30.0, 0.0]);
+    tiff.shorts(34735, directory)
+}
+
+/// What an EPSG code does not say of a coordinate system goes along as it stands, and broken keys do not.
+#[test]
+fn keys_beyond_a_code_are_carried() {
+    let f = Fixture::new();
+    let system = |tiff: Tiff| read(&f.file("k.tif", &tiff.bytes())).unwrap().georeference.unwrap().system;
+    // All of this the code says, or nothing says anything.
+    for plain in [
+        &[1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32633, 3076, 0, 1, 9001][..],
+        &[1, 1, 0, 4, 1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326, 2054, 0, 1, 9102],
+        &[1, 1, 0, 1, 1025, 0, 1, 1],
+    ] {
+        assert_eq!(system(keyed(plain)), None, "{plain:?}");
+    }
+    // A projection by its parameters; the place has been moved from middles to corners, and so the keys say corners.
+    let own = keyed(&[1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 2, 3072, 0, 1, 32767, 3078, 34736, 1, 1]);
+    match system(own.clone().doubles(34736, &[0.5, 29.5])) {
+        Some(CoordinateSystem::GeoKeys { directory, doubles, .. }) => {
+            assert_eq!((directory[11], directory[15], &doubles[..]), (1, 32767, &[0.5, 29.5][..]));
+        }
+        other => panic!("{other:?}"),
+    }
+    // Its number is not there, and a directory that is too short.
+    assert_eq!(system(own.doubles(34736, &[0.5])), None);
+    let short = read(&f.file("k.tif", &keyed(&[1, 1, 0, 9, 1024, 0, 1, 1]).bytes()));
+    assert!(short.is_err() || short.unwrap().georeference.is_none_or(|g| g.system.is_none()));
+    // Heights in feet above a datum, and cells in feet of a code: both come back from a file of ours.
+    let feet = keyed(&[1, 1, 0, 4, 1024, 0, 1, 1, 3072, 0, 1, 2225, 3076, 0, 1, 9003, 4099, 0, 1, 9002]);
+    let mut r = read(&f.file("k.tif", &feet.bytes())).unwrap();
+    let copy = f.0.path().join("copy.tif");
+    write_rows(&copy, &mut r.rows(), &r.about(), RasterFormat::GeoTiff, &WriteOptions::default()).unwrap();
+    let back = read(&copy).unwrap();
+    let (side, (x, y)) = (30.0 * 1200.0 / 3937.0, r.cell_m.unwrap());
+    assert!((x - side).abs() < 1e-12 && (y - side).abs() < 1e-12 && r.unit == "ft", "{x} {y} {}", r.unit);
+    assert_eq!((&back.unit, back.cell_m), (&r.unit, r.cell_m));
+    let (here, there) = (r.georeference.clone().unwrap(), back.georeference.unwrap());
+    assert_eq!((here.epsg, here.system, here.transform), (there.epsg, there.system, there.transform));
+    assert!(r.to_metres() && !r.to_metres());
+    assert_eq!((r.field.to_vec(), &*r.unit), ([0.3048, 0.6096, 0.9144, 1.2192].map(|v: f64| v as f32).to_vec(), "m"));
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 fn jacksboro_is_read_with_its_cell_size_and_place() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif");
     let r = read_raster(&path, &ReadOptions::default(), &Limits::default()).unwrap();
-    assert_eq!((r.field.width(), r.field.height(), r.filled), (403, 344, 0));
+    assert_eq!((r.field.width(), r.field.height(), r.filled()), (403, 344, 0));
     let (x, y) = r.cell_m.unwrap();
     // A degree at 36.3 N is 89.8 km and 110.97 km long.
     assert!((x - 74.84).abs() < 0.05 && (y - 92.47).abs() < 0.05, "{x} {y}");

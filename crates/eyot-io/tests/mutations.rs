@@ -60,6 +60,7 @@ fn world() -> World {
         epsg: Some(32611),
         geographic: false,
         nodata: Some(-1.0),
+        ..Georeference::default()
     });
     let field = Field::from_fn(70, 40, |x, y| (x as f32 * 0.3).sin() * 50.0 + y as f32);
     world.put(&known::HEIGHT, field).unwrap();

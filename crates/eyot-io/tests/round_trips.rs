@@ -57,7 +57,7 @@ proptest! {
         for format in RasterFormat::ALL.into_iter().filter(|f| !f.is_quantised()) {
             let back = there_and_back(&world, format);
             prop_assert_eq!(bits(&back.field), bits(&world.layers()[0].field), "{:?}", format);
-            prop_assert_eq!(back.filled, 0);
+            prop_assert_eq!(back.filled(), 0);
             prop_assert_eq!(back.cell_m, Some((10.0, 7.5)));
         }
     }
@@ -102,12 +102,14 @@ fn georeferences_survive() {
         epsg: Some(32611),
         geographic: false,
         nodata: Some(-32768.0),
+        ..Georeference::default()
     };
     let geographic = Georeference {
         transform: [-84.4, 1.0 / 1200.0, 0.0, 36.7, 0.0, -1.0 / 1200.0],
         epsg: Some(4326),
         geographic: true,
         nodata: Some(-9999.0),
+        ..Georeference::default()
     };
     let rotated = Georeference { transform: [10.0, 28.0, 9.0, 20.0, 9.0, -28.0], ..projected.clone() };
     let values: Vec<f32> = (0..20 * 30).map(|i| (i % 37) as f32).collect();
@@ -134,7 +136,7 @@ fn values_equal_to_the_nodata_value_are_not_lost() {
         world.georeference =
             Some(Georeference { transform: [0.0, 1.0, 0.0, 0.0, 0.0, -1.0], nodata, ..Georeference::default() });
         let back = there_and_back(&world, RasterFormat::GeoTiff);
-        assert_eq!(back.filled, 0);
+        assert_eq!(back.filled(), 0);
         assert_eq!(back.field, world.layers()[0].field);
     }
 }

@@ -5,7 +5,7 @@ use eyot_core::{Control, Field, Grid, Limits, Rim, World};
 use eyot_land::generate::mask::Shape;
 use eyot_land::generate::remap::Curve;
 use eyot_land::generate::smooth::Kernel;
-use eyot_land::generate::{MaskCurvature, MaskHeight, MaskNoise, MaskSlope, Remap, Smooth, Terraces};
+use eyot_land::generate::{Hypsometry, MaskCurvature, MaskHeight, MaskNoise, MaskSlope, Remap, Smooth, Terraces};
 
 fn grid(width: usize, height: usize, cell_x_m: f64, cell_y_m: f64, rim: Rim) -> Grid {
     Grid { width, height, cell_x_m, cell_y_m, rim }.checked(&Limits::default()).unwrap()
@@ -17,6 +17,24 @@ fn make(what: &dyn Generator, base: &Field, grid: Grid) -> Field {
     world.put(&HEIGHT, base.clone()).unwrap();
     let control = Control::none();
     what.generate(&Site::whole(grid, 1, &world, &control), base).unwrap()
+}
+
+#[test]
+fn hypsometry_gives_the_asked_ocean_and_keeps_the_order() {
+    let g = grid(100, 40, 1.0, 1.0, Rim::CLOSED);
+    // A permutation: no two cells are equally high.
+    let base = Field::from_fn(100, 40, |x, y| ((y * 100 + x) * 1237 % 4000) as f32);
+    let planet = Hypsometry { ocean: 0.6, highest: 5000.0, deepest: 6000.0 };
+    let f = make(&planet, &base, g);
+    let ocean = f.iter().filter(|h| *h < 0.0).count();
+    assert_eq!(ocean, 2400);
+    let mut pairs: Vec<(f32, f32)> = base.iter().zip(f.iter()).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(pairs.windows(2).all(|w| w[0].1 <= w[1].1), "what was higher stays higher");
+    // Equations (1) and (2) at the ends and in the middle of the land: 0.05 + 0.24 / 64 of the highest.
+    let (low, high) = f.min_max();
+    assert!((low + 6000.0).abs() < 30.0 && (high - 5000.0).abs() < 60.0, "{low} {high}");
+    assert!((pairs[3200].1 - 268.8).abs() < 2.0, "{}", pairs[3200].1);
 }
 
 #[test]

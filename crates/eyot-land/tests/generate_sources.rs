@@ -34,13 +34,14 @@ struct Case {
 }
 
 /// Generators without lots, and the tests that compare each with its formula.
-const BY_FORMULA: [(&str, &str, &str); 14] = [
+const BY_FORMULA: [(&str, &str, &str); 15] = [
     ("breach", include_str!("generate_drainage.rs"), "breach_cuts_within_its_bounds_and_fills_the_rest"),
     ("cone", include_str!("generate_shapes.rs"), "cone_is_the_formula"),
     ("constant", include_str!("generate_shapes.rs"), "ramp_and_constant"),
     ("crater", include_str!("generate_shapes.rs"), "crater_folds_exactly"),
     ("fill", include_str!("generate_drainage.rs"), "fill_raises_depressions_and_nothing_else"),
     ("flow", include_str!("generate_drainage.rs"), "flow_gathers_all_land_and_leaves_the_height"),
+    ("hypsometry", include_str!("generate_filters.rs"), "hypsometry_gives_the_asked_ocean_and_keeps_the_order"),
     ("mask_curvature", include_str!("generate_filters.rs"), "masks_of_curvature_tell_ridges_from_valleys"),
     ("mask_height", include_str!("generate_filters.rs"), "masks_of_height_and_slope_meet_their_bands"),
     ("mask_slope", include_str!("generate_filters.rs"), "masks_of_height_and_slope_meet_their_bands"),

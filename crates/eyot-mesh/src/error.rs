@@ -1,5 +1,7 @@
 //! Errors of meshing.
 
+use crate::solid::{Point, Primitive};
+
 /// Result with the meshing [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -30,6 +32,42 @@ pub enum Error {
         x: usize,
         /// Row.
         y: usize,
+    },
+    /// A primitive of a body that cannot be drawn.
+    #[error("primitive {index} of a body is {primitive:?}; it needs finite numbers and radii above 0")]
+    BadPrimitive {
+        /// Its place in the list.
+        index: usize,
+        /// What was given.
+        primitive: Primitive,
+    },
+    /// A lattice that cannot be sampled.
+    #[error("no lattice from {low:?} to {high:?} with a voxel of {voxel}: {reason}")]
+    BadLattice {
+        /// First corner of the box.
+        low: Point,
+        /// The other corner.
+        high: Point,
+        /// Length of an edge.
+        voxel: f32,
+        /// What is wrong and what would be right.
+        reason: String,
+    },
+    /// A value of a field that is not a finite number.
+    #[error("the field is {value} at {at:?}; meshing needs finite values in the whole box")]
+    FieldNotFinite {
+        /// NaN or an infinity.
+        value: f32,
+        /// Where.
+        at: Point,
+    },
+    /// A field said that a box holds nothing, but its surface runs into it.
+    #[error(
+        "the field's surface runs into a block at {at:?} of which its `within` says that it holds nothing; let it say more"
+    )]
+    FieldOverlooked {
+        /// A corner of the block beside.
+        at: Point,
     },
     /// Sizes that must agree do not, or a limit is exceeded.
     #[error(transparent)]

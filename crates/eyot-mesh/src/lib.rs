@@ -1,6 +1,8 @@
-//! Terrain meshes of Eyot: triangles from a height field, and coarser levels of the same terrain.
+//! Meshes of Eyot: terrains from height fields, bodies from scalar fields, and coarser levels of both.
 //!
-//! The mesh is made in metres with x to the east, y up and z to the south, its origin in the middle of the grid at
+//! Bodies ([`mesh_field`]) are closed surfaces where a [`ScalarField`] is 0; read the head of `solid/mod.rs` first.
+//!
+//! A terrain's mesh is made in metres with x to the east, y up and z to the south, its origin in the middle of the grid at
 //! height 0. That is the convention of glTF, so exporters write the arrays as they are.
 //!
 //! ```
@@ -24,8 +26,13 @@
 
 mod error;
 mod lod;
+mod solid;
 mod terrain;
 
 pub use error::{Error, Result};
 pub use lod::{Lod, levels_of_detail, levels_of_detail_controlled};
+pub use solid::{
+    Blend, Blobs, Kernel, Lattice, MeshingOptions, Point, Primitive, Quality, Remesher, ScalarField, Solid, SolidLod,
+    Topology, Update, Within, mesh_field, solid_levels,
+};
 pub use terrain::{Attribute, MeshOptions, Terrain, TerrainMesh, terrain, terrain_bytes};

@@ -2,9 +2,8 @@
 //!
 //! `cargo run --release -p eyot-reef --example plot -- reef.svg [SIDE_M] [YEARS] [SEED]`
 
-use eyot_reef::community::{Community, DIRECTIONS, Forcing, Form, Plot, RAYS, Site};
+use eyot_reef::community::{Community, Forcing, Plot, Site, plan_svg};
 use std::error::Error;
-use std::fmt::Write;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -35,41 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let algae = 100.0 * census.algae_cover;
         println!("{year:>4}  {}  {algae:>6.1} % {hottest:>6.2} {:>9.2}", covers.join("  "), 1e3 * limestone);
     }
-    std::fs::write(path, svg(&plot)?)?;
+    std::fs::write(path, plan_svg(&plot))?;
     println!("{} colonies and {} algae drawn to {path}", plot.colonies().len(), plot.algae().len());
     Ok(())
-}
-
-/// The plot from above, large colonies below small ones; bleached ones are pale.
-fn svg(plot: &Plot) -> Result<String, std::fmt::Error> {
-    let (w, h) = (plot.site().width_m, plot.site().length_m);
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"1000\" height=\"{:.0}\">\n\
-         <rect width=\"{w}\" height=\"{h}\" fill=\"#e9dfc6\"/>\n",
-        1000.0 * h / w
-    );
-    let mut order: Vec<usize> = (0..plot.colonies().len()).collect();
-    order.sort_by(|&a, &b| plot.colonies()[b].radius.total_cmp(&plot.colonies()[a].radius));
-    for i in order {
-        let (c, rays) = (&plot.colonies()[i], &plot.rays()[i]);
-        let species = &plot.community().species[usize::from(c.species)];
-        let [r, g, b] = species.colour.map(|v| (f32::from(v) + (250.0 - f32::from(v)) * c.bleaching) as u8);
-        let fill = format!("fill=\"rgb({r},{g},{b})\" fill-opacity=\"0.85\" stroke=\"#222\" stroke-width=\"0.01\"");
-        match species.form {
-            Form::Branching => writeln!(out, "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" {fill}/>", c.x, c.y, c.radius)?,
-            Form::Massive => {
-                let tip = |k: usize| (c.x + DIRECTIONS[k][0] * rays[k], c.y + DIRECTIONS[k][1] * rays[k]);
-                let points: Vec<String> = (0..RAYS).map(tip).map(|(x, y)| format!("{x:.3},{y:.3}")).collect();
-                writeln!(out, "<polygon points=\"{}\" {fill}/>", points.join(" "))?;
-            }
-        }
-    }
-    for a in plot.algae() {
-        writeln!(
-            out,
-            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"#6b8e23\" fill-opacity=\"0.7\"/>",
-            a.x, a.y, a.radius
-        )?;
-    }
-    Ok(out + "</svg>\n")
 }

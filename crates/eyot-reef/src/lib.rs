@@ -2,7 +2,7 @@
 //!
 //! [`community`] simulates single colonies, macroalgae and turf on a plot, month by month. It opens no files: temperatures come as
 //! text that somebody else has read, rasters of the ground as fields, and results are rows of numbers. [`lsystem`] derives words
-//! from grammars and draws them.
+//! from grammars and draws them. [`bodies`] gives every colony a body of triangles.
 //!
 //! ```
 //! use eyot_reef::community::{Community, Forcing, Plot, Site};
@@ -18,5 +18,14 @@
 //! # Ok::<(), eyot_core::Error>(())
 //! ```
 
+pub mod bodies;
 pub mod community;
+pub mod corals;
 pub mod lsystem;
+mod skeleton;
+
+use corals::CORALS;
+use eyot_core::process::{Entry, Process};
+
+/// Every process of this crate, by its name in recipes.
+pub const PROCESSES: &[Entry<dyn Process>] = &[CORALS];

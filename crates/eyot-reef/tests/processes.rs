@@ -297,7 +297,8 @@ fn larvae_follow_the_mature_surface_and_settle_in_their_season() {
     let n = rows(&mut plot, LOBATA, 1.0, 50, 6.0);
     let surface_cm2 = n as f64 * 2.0 * std::f64::consts::PI * 1e4 * 1.5;
     let own = (surface_cm2 * 1210.0 * 4.5e-9).floor();
-    assert_eq!(plot.larvae(LOBATA), 2.0 * own);
+    let from_elsewhere = (own + 0.006 * 1600.0).floor();
+    assert_eq!(plot.larvae(LOBATA), own + from_elsewhere);
     rows(&mut plot, DAMICORNIS, 0.25, 50, 1.9);
     let recruits: Vec<[u64; 2]> = (0..28)
         .map(|_| {
@@ -310,8 +311,10 @@ fn larvae_follow_the_mature_surface_and_settle_in_their_season() {
         assert_eq!(*monthly > 0, month >= 1, "month {month}");
     }
     // A hump: more cover has more larvae, immature cover none.
+    let mut closed = Community::default();
+    closed.species.iter_mut().for_each(|s| s.imported_recruits = 0.0);
     let larvae = |radius: f32| {
-        let mut plot = bare(Community::default(), cool(), 40.0, 1);
+        let mut plot = bare(closed.clone(), cool(), 40.0, 1);
         rows(&mut plot, MURICATA, radius, 50, 1.0);
         plot.larvae(MURICATA)
     };
@@ -466,8 +469,13 @@ fn skeletons_weigh_what_they_grow() {
     // The terrain gets what the census says.
     let census = plot.month().unwrap();
     let mut limestone = eyot_core::Field::new(5, 5, 0.0);
-    plot.deposit(2.0, &mut limestone);
+    plot.deposit(2.0, 0.0, &mut limestone);
     let mass = census.species[LOBATA].calcified_kg;
     assert!((limestone.sum() * 4.0 - mass / (2930.0 * 0.5)).abs() < 1e-9 && limestone.get(2, 2) > 0.0);
+    // Waves spread it, and nothing leaves the plot.
+    let mut spread = eyot_core::Field::new(40, 40, 0.0);
+    plot.deposit(0.25, 6.0, &mut spread);
+    assert!((spread.sum() / 16.0 / (mass / (2930.0 * 0.5)) - 1.0).abs() < 1e-5);
+    assert!(spread.get(20, 20) > spread.get(20, 0) && spread.get(20, 0) > 0.0 && spread.get(0, 0) == 0.0);
     assert!((census.limestone_m * 100.0 - mass / (2930.0 * 0.5)).abs() < 1e-12);
 }

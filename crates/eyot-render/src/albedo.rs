@@ -1,9 +1,11 @@
 //! Colours of the ground: grass and forest, rock, sand and seabed by height, slope, curvature and water.
 //!
 //! Every border between two grounds is a smooth blend whose place wanders with a low noise, because in nature
-//! no ground ends at a contour line. A layer `aridity` turns the land into desert (`arid.rs`).
+//! no ground ends at a contour line. A layer `aridity` turns the land into desert (`arid.rs`); where there is a climate, it alone says
+//! what grows (`climate.rs`).
 
 use crate::arid::arid;
+use crate::climate::Climate;
 use crate::ground::{Ground, box_mean, quantile};
 use crate::math::{V3, lerp, mix, scale, smoothstep};
 use crate::noise::fbm;
@@ -34,7 +36,7 @@ const SNOW_LINE_M: f32 = 3000.0;
 /// Linear RGB albedo of every cell, row by row from the north-west.
 ///
 /// Reads `height` and, where they exist, `wetness` (rock where rivers ran), `limestone` and `growth` (reef),
-/// `aridity` (beds of bare rock and sand).
+/// `aridity` (beds of bare rock and sand), or temperature, rain and `ice` of a world with a climate.
 ///
 /// # Errors
 /// If the world has no layer `height`.
@@ -50,6 +52,7 @@ pub(crate) fn albedo(world: &World, g: &Ground, variation: f32) -> Vec<V3> {
     let limestone = layer(&known::LIMESTONE.name);
     let growth = layer(&known::GROWTH.name);
     let aridity = layer(&known::ARIDITY.name);
+    let climate = Climate::of(world);
     let slopes = slopes(g);
     let radius = (w.max(h) / 128).clamp(2, 24);
     let mean = box_mean(&g.z, w, h, radius);
@@ -75,7 +78,11 @@ pub(crate) fn albedo(world: &World, g: &Ground, variation: f32) -> Vec<V3> {
             };
             let shore = 0.5 * scales.beach;
             let under = if g.sea { smoothstep(0.1 * shore, -0.1 * shore, site.z) } else { 0.0 };
-            let land = if under < 1.0 { land(&site, &scales, g.sea) } else { SAND };
+            let land = match &climate {
+                _ if under >= 1.0 => SAND,
+                Some(climate) => climate.land(i, site.broad, site.fine, site.slope / scales.rock),
+                None => land(&site, &scales, g.sea),
+            };
             let sea = if under > 0.0 { seabed(&site, &scales) } else { SEABED };
             *c = mix(land, sea, under);
         }

@@ -41,7 +41,8 @@ impl Ground {
         let (land_low, land_high) =
             if land.is_empty() { (0.0, 1.0) } else { (quantile(&land, 0.005), quantile(&land, 0.999)) };
         let water = depths(world);
-        let river = water.as_ref().map_or((1.0, 2.0), |w: &Vec<f32>| river_depths(w, &z, sea));
+        let river =
+            water.as_ref().map_or((1.0, 2.0), |w: &Vec<f32>| river_depths(w, &z, sea, world.grid.cell_x_m as f32));
         let rim = (0..width)
             .flat_map(|x| [x, (height - 1) * width + x])
             .chain((0..height).flat_map(|y| [y * width, y * width + width - 1]));
@@ -92,15 +93,15 @@ fn depths(world: &World) -> Option<Vec<f32>> {
 }
 
 /// A world under rain wears a film of water everywhere. What counts as a river stands out from that film,
-/// or is half a metre deep in any case.
-fn river_depths(water: &[f32], z: &[f32], sea: bool) -> (f32, f32) {
+/// or is half a metre deep in any case; in cells of many kilometres, whose wetlands are as deep, some metres.
+fn river_depths(water: &[f32], z: &[f32], sea: bool, cell_m: f32) -> (f32, f32) {
     let step = (water.len() / 65_536).max(1);
     let on_land: Vec<f32> = (0..water.len()).step_by(step).filter(|&i| !sea || z[i] > 0.0).map(|i| water[i]).collect();
     if on_land.is_empty() {
         return (1.0, 2.0);
     }
     let (usual, deep) = (quantile(&on_land, 0.9), quantile(&on_land, 0.999));
-    let from = (1.5 * usual).max(0.06 * deep).clamp(1e-4, 0.5);
+    let from = (1.5 * usual).max(0.06 * deep).clamp(1e-4, 0.5f32.max(cell_m / 10_000.0));
     (from, (3.0 * from).max(0.25 * deep).min(8.0 * from))
 }
 

@@ -49,7 +49,7 @@ pub(crate) fn gradient(z: &[f32], w: usize, h: usize, cell: [f32; 2], x: usize, 
     [(east - west) / run(x0, x1, cell[0]), (south - north) / run(y0, y1, cell[1])]
 }
 
-/// Brings the steeper quarter of the land to a slope that shades well.
+/// Brings the steeper quarter of the land to a slope that shades well. Cells of many kilometres, which flatten mountains, take more of it.
 pub(crate) fn automatic_exaggeration(g: &Ground) -> f32 {
     let all = slopes(g);
     let step = (all.len() / 65_536).max(1) | 1;
@@ -57,5 +57,6 @@ pub(crate) fn automatic_exaggeration(g: &Ground) -> f32 {
     if land.is_empty() {
         return 1.0;
     }
-    (0.55 / quantile(&land, 0.75).max(1e-6)).clamp(0.7, 12.0)
+    let most = 12.0f32.max(g.cell[0].max(g.cell[1]) / 500.0);
+    (0.55 / quantile(&land, 0.75).max(1e-6)).clamp(0.7, most)
 }

@@ -3,7 +3,7 @@
 use crate::colour_map::ColourMap;
 use crate::picture::{Picture, quantise};
 use crate::text;
-use eyot_core::layer::LayerSpec;
+use eyot_core::layer::{Class, LayerSpec};
 
 /// From values to places along the bar, 0..1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,6 +169,38 @@ pub(crate) fn below(map: &Picture, spec: &LayerSpec, colours: ColourMap, scale: 
         (0..5).for_each(|dy| p.pixels[(y + dy) * width + x] = INK);
         text::draw(&mut p, at, y + 6, &text, INK);
         free_from = at + 2 * half + 10;
+    }
+    p
+}
+
+/// `map` with the classes that occur in it below: colour, name, and share of the cells.
+pub(crate) fn of_classes(map: &Picture, spec: &LayerSpec, classes: &[Class], cells: &[usize]) -> Picture {
+    let all = cells.iter().sum::<usize>().max(1) as f64;
+    let mut shown: Vec<(usize, String)> = (0..classes.len())
+        .filter(|&i| cells[i] > 0)
+        .map(|i| (i, format!("{} {:.1} %", classes[i].name, 100.0 * cells[i] as f64 / all)))
+        .collect();
+    shown.sort_by_key(|(i, _)| *i);
+    let title = title(spec);
+    let widest = shown.iter().map(|(_, t)| text::width(t)).max().unwrap_or(0) + 2 * BAR + MARGIN;
+    let width = map.width.max(text::width(&title) + 2 * MARGIN).max(widest + 2 * MARGIN);
+    let columns = ((width - MARGIN) / widest).max(1);
+    let lines = shown.len().div_ceil(columns);
+    let strip = MARGIN + text::LINE + 6 + lines * (text::LINE + 4) + 6;
+    let mut p = Picture::new(width, map.height + strip, PAPER);
+    let left = (width - map.width) / 2;
+    for (y, row) in map.pixels.chunks(map.width.max(1)).enumerate() {
+        p.pixels[y * width + left..][..map.width].copy_from_slice(row);
+    }
+    text::draw(&mut p, MARGIN, map.height + MARGIN - 4, &title, INK);
+    let top = map.height + MARGIN + text::LINE + 2;
+    for (k, (class, label)) in shown.iter().enumerate() {
+        // Down the columns, as one reads a list.
+        let (x, y) = (MARGIN + (k / lines) * widest, top + (k % lines) * (text::LINE + 4));
+        for dy in 0..BAR {
+            p.pixels[(y + 1 + dy) * width + x..][..BAR].fill(classes[*class].colour);
+        }
+        text::draw(&mut p, x + BAR + 6, y, label, INK);
     }
     p
 }

@@ -3,6 +3,7 @@
 //! - [`perspective`] looks at the world from a camera: islands in an open sea, everything else as a relief model.
 //! - [`relief`] draws it from above as a map maker would.
 //! - [`layer_map`] maps one layer with a legend.
+//! - [`mesh_view`] draws triangle meshes, such as corals.
 //! - [`terrain_colours`] gives the colours of the ground that all of them use, for meshes too.
 //!
 //! ```
@@ -30,8 +31,10 @@
 
 mod albedo;
 mod arid;
+mod arrows;
 mod block;
 mod camera;
+mod climate;
 mod colour_map;
 mod ground;
 mod hillshade;
@@ -40,10 +43,12 @@ mod light;
 mod map;
 mod math;
 mod memory;
+mod mesh_view;
 mod noise;
 mod path;
 mod perspective;
 mod picture;
+mod raster;
 mod relief;
 mod resample;
 mod scene;
@@ -61,7 +66,8 @@ pub use camera::Camera;
 pub use colour_map::ColourMap;
 pub use light::PENUMBRA_DEG;
 pub use map::{LayerColours, MapOptions, layer_map};
-pub use memory::{layer_map_bytes, perspective_bytes, relief_bytes, terrain_colours_bytes};
+pub use memory::{layer_map_bytes, mesh_view_bytes, perspective_bytes, relief_bytes, terrain_colours_bytes};
+pub use mesh_view::{Haze, MeshPart, MeshViewOptions, mesh_view};
 pub use path::{CameraPath, Key, Pose};
 pub use perspective::{perspective, perspective_controlled};
 pub use picture::Picture;

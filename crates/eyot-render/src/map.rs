@@ -1,5 +1,6 @@
 //! Maps of single layers, with a legend.
 
+use crate::arrows;
 use crate::colour_map::ColourMap;
 use crate::ground::{Ground, quantile};
 use crate::hillshade::{Hillshade, automatic_exaggeration, gradient};
@@ -8,7 +9,7 @@ use crate::math::{V3, mix};
 use crate::picture::{Picture, decode, encode, quantise};
 use crate::resample::Raster;
 use crate::view::finite;
-use eyot_core::layer::{LayerSpec, known};
+use eyot_core::layer::{Class, LayerSpec, known};
 use eyot_core::{Result, World};
 use rayon::prelude::*;
 
@@ -29,11 +30,25 @@ pub struct MapOptions {
     pub hillshade: f32,
     /// Draw a legend with name, unit and ticks below the map.
     pub legend: bool,
+    /// Names and colours of the classes whose numbers the layer holds; then nothing of the above but sizes, hillshade and legend matters.
+    pub classes: Option<&'static [Class]>,
+    /// Arrows over the map, for the flow of these two layers, to the east and to the south.
+    pub arrows: Option<[&'static str; 2]>,
 }
 
 impl Default for MapOptions {
     fn default() -> Self {
-        Self { max_size: 2048, min_size: 512, colours: None, range: None, log: None, hillshade: 0.5, legend: true }
+        Self {
+            max_size: 2048,
+            min_size: 512,
+            colours: None,
+            range: None,
+            log: None,
+            hillshade: 0.5,
+            legend: true,
+            classes: None,
+            arrows: None,
+        }
     }
 }
 
@@ -46,6 +61,9 @@ const MISSING: V3 = [0.62, 0.62, 0.62];
 /// If the world has no layer of that name.
 pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Picture> {
     let layer = world.layer(layer_name)?;
+    if let Some(classes) = o.classes {
+        return class_map(world, layer_name, classes, o);
+    }
     let values = layer.field.to_vec();
     let raster = Raster::new(layer.field.width(), layer.field.height(), o.min_size, o.max_size);
     let shown = raster.cells(&values);
@@ -63,8 +81,40 @@ pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Pict
             *out = quantise(c, x, y);
         }
     });
-    let map = Picture { width: w, height: h, pixels };
+    let mut map = Picture { width: w, height: h, pixels };
+    if let Some(flow) = o.arrows {
+        arrows::draw(&mut map, world, flow)?;
+    }
     Ok(if o.legend { legend::below(&map, &layer.spec, colours, &scale) } else { map })
+}
+
+/// A map of classes. A pixel takes the class of the cell in its middle: there is nothing between two classes.
+fn class_map(world: &World, layer_name: &str, classes: &'static [Class], o: &MapOptions) -> Result<Picture> {
+    let layer = world.layer(layer_name)?;
+    let (width, height) = (layer.field.width(), layer.field.height());
+    let raster = Raster::new(width, height, o.min_size, o.max_size);
+    let shade = underlay(world, layer_name, &raster, finite(o.hillshade, 0.0).clamp(0.0, 1.0));
+    let (w, h) = (raster.width, raster.height);
+    let mut shares = vec![0usize; classes.len()];
+    layer.field.iter().for_each(|v| shares[number(v, classes)] += 1);
+    let mut pixels = vec![[0u8; 3]; w * h];
+    pixels.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+        for (x, out) in row.iter_mut().enumerate() {
+            let cell = layer.field.get((2 * x + 1) * width / (2 * w), (2 * y + 1) * height / (2 * h));
+            let lit = shade.as_ref().map_or(1.0, |s| s[y * w + x]);
+            *out = classes[number(cell, classes)]
+                .colour
+                .map(|c| (255.0 * encode((decode(c) * lit).min(1.0))).round() as u8);
+        }
+    });
+    let map = Picture { width: w, height: h, pixels };
+    Ok(if o.legend { legend::of_classes(&map, &layer.spec, classes, &shares) } else { map })
+}
+
+/// The class that a value stands for; what stands for none counts as the first.
+fn number(value: f32, classes: &[Class]) -> usize {
+    let n = value.round();
+    if n >= 0.0 && n < classes.len() as f32 { n as usize } else { 0 }
 }
 
 /// The colours of one layer's map, for a relief that wears them, and its legend.
@@ -129,7 +179,9 @@ fn choose(world: &World, spec: &LayerSpec, values: &[f32], o: &MapOptions) -> (C
     let (low, high) = (quantile(&sample, 0.0), quantile(&sample, 1.0));
     let colours = o.colours.unwrap_or_else(|| match &*spec.name {
         _ if is_height => ColourMap::Heights,
+        "precipitation" => ColourMap::Blues,
         n if n.contains("water") || n.contains("rain") || n.contains("flow") || n.contains("wet") => ColourMap::Blues,
+        n if n.starts_with("temperature") && low < 0.0 && high > 0.0 => ColourMap::Diverging,
         n if n.contains("temperature") || n.contains("light") || n.contains("uplift") => ColourMap::Magma,
         _ if low < 0.0 && high > 0.0 => ColourMap::Diverging,
         _ => ColourMap::Viridis,

@@ -4,6 +4,7 @@
 //! on a height alone at 2048 x 2048 cells: a view 375 MB, for which 419 MB are asked here.
 
 use crate::map::MapOptions;
+use crate::mesh_view::{MeshViewOptions, SHADOW};
 use crate::relief::ReliefOptions;
 use crate::resample::Raster;
 use crate::surface::Refinement;
@@ -33,6 +34,14 @@ pub fn layer_map_bytes(cells: [usize; 2], o: &MapOptions) -> u128 {
 /// Bytes that [`terrain_colours`](crate::terrain_colours) takes at most for `cells` (columns, rows), beside the world.
 pub fn terrain_colours_bytes(cells: [usize; 2]) -> u128 {
     48 * area(cells)
+}
+
+/// Bytes that [`mesh_view`](crate::mesh_view) takes at most for parts with so many vertices and triangles, beside them.
+pub fn mesh_view_bytes(vertices: u64, triangles: u64, o: &MeshViewOptions) -> u128 {
+    // Samples of the picture and of the sun's map; places, normals and colours, and places on either picture; corners and lists.
+    let samples = o.samples.clamp(1, 4);
+    let hits = area([o.width * samples, o.height * samples]) + area([SHADOW, SHADOW]);
+    24 * hits + 3 * area([o.width, o.height]) + 64 * u128::from(vertices) + 20 * u128::from(triangles)
 }
 
 fn area([width, height]: [usize; 2]) -> u128 {

@@ -58,6 +58,11 @@ pub struct CameraPath {
 }
 
 impl CameraPath {
+    /// Where `o` puts the camera, all the time.
+    pub fn still(stage: &Stage, o: &ViewOptions) -> Self {
+        Self { keys: vec![Key { time: 0.0, pose: stage.pose(o) }], closed: false }
+    }
+
     /// Once around the target of `o`, clockwise as seen from above.
     pub fn orbit(stage: &Stage, o: &ViewOptions) -> Self {
         let from = stage.pose(o);

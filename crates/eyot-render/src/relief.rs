@@ -1,6 +1,7 @@
 //! Reliefs: the world from above, drawn as a map maker would.
 
 use crate::albedo::albedo;
+use crate::climate;
 use crate::ground::{Ground, quantile};
 use crate::hillshade::{Hillshade, automatic_exaggeration};
 use crate::light::{Sun, sky_share, sunlight};
@@ -85,6 +86,8 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
         std::array::from_fn(|k| raster.map(&colours.iter().map(|c| c[k]).collect::<Vec<_>>()));
     let z = raster.map(&ground.z);
     let water = ground.water.as_ref().filter(|_| o.fresh_water).map(|w| raster.map(w));
+    let ice = climate::ice(world).map(|ice| raster.map(&ice));
+    let rivers = climate::rivers(world).filter(|_| o.fresh_water).map(|q| raster.map(&q));
     let (w, h) = (raster.width, raster.height);
     let cell = raster.pixel_m(&ground);
 
@@ -115,6 +118,9 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
                 let body = scale(fresh_water.upwelling(ground_colour, d, 2.2), 2.9 * lerp(1.0, sun[i], 0.5 * shadows));
                 c = mix(c, [body[0] + 0.008, body[1] + 0.022, body[2] + 0.040], ground.river_cover(d));
             }
+            if let Some(river) = rivers.as_ref().map(|v| v[i]).filter(|v| *v > 0.0) {
+                c = mix(c, [0.030, 0.105, 0.190], 0.85 * river);
+            }
             if sea {
                 // The share of the pixel that the shore leaves to the sea.
                 let run = (slope[0].abs() * cell[0] + slope[1].abs() * cell[1]).max(1e-6);
@@ -125,6 +131,12 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
                     let bed = lerp(1.0, shade.at(slope) / shade.level(), 0.55 * (-0.35 * depth / clarity).exp() + 0.20);
                     c = mix(c, scale(below, bed * lerp(1.0, sun[i], 0.5 * shadows)), wet);
                 }
+            }
+            if let Some(thick) = ice.as_ref().map(|v| v[i]).filter(|v| *v > 0.0) {
+                // The sea's bed does not shade what floats on it.
+                let slope = if sea && z[i] < 0.0 { [0.0; 2] } else { slope };
+                let lit = 2.9 * shade.at(slope) * lerp(1.0, sun[i], shadows);
+                c = mix(c, scale(climate::ice_colour(), lit), climate::cover(thick));
             }
             *out = quantise(tone_map(scale(c, 0.76)), x, y);
         }

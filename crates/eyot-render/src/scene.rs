@@ -38,26 +38,15 @@ pub struct Scene {
     pub(crate) samples: usize,
 }
 
-impl Scene {
-    /// Refines the surface of `world` and computes the light that falls on it.
-    ///
-    /// # Errors
-    /// If the world has no layer `height`, and on a request to stop.
-    pub fn new(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
-        let stage = Stage::new(world, o)?;
-        let colours = stage.colours(world);
-        Self::with(stage, &colours, false, o, control)
-    }
+/// What a scene computes from its stage: surface, colours and light at nodes.
+struct Refined {
+    surface: Surface,
+    nodes: Vec<Node>,
+    open_sky: Coarse,
+}
 
-    /// A relief model that wears the colours of a layer; of the options, what [`ViewOptions::draped`] keeps.
-    ///
-    /// # Errors
-    /// As [`Scene::new`].
-    pub fn wearing(world: &World, layer: &LayerColours, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
-        Self::with(Stage::new(world, &o.draped())?, &layer.colours, true, o, control)
-    }
-
-    fn with(stage: Stage, colours: &[V3], draped: bool, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
+impl Refined {
+    fn new(stage: &Stage, colours: &[V3], control: &Control<'_>) -> Result<Self> {
         control.check()?;
         let refine = Refinement::new(stage.ground.width, stage.ground.height);
         let surface = Surface::new(&stage.ground, &refine, refine.refine(stage.tops(), b_spline));
@@ -95,7 +84,46 @@ impl Scene {
                 };
             }
         });
+        Ok(Self { surface, nodes, open_sky })
+    }
+}
+
+impl Scene {
+    /// Refines the surface of `world` and computes the light that falls on it.
+    ///
+    /// # Errors
+    /// If the world has no layer `height`, and on a request to stop.
+    pub fn new(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
+        let stage = Stage::new(world, o)?;
+        let colours = stage.colours(world);
+        Self::with(stage, &colours, false, o, control)
+    }
+
+    /// A relief model that wears the colours of a layer; of the options, what [`ViewOptions::draped`] keeps.
+    ///
+    /// # Errors
+    /// As [`Scene::new`].
+    pub fn wearing(world: &World, layer: &LayerColours, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
+        Self::with(Stage::new(world, &o.draped())?, &layer.colours, true, o, control)
+    }
+
+    fn with(stage: Stage, colours: &[V3], draped: bool, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
+        let Refined { surface, nodes, open_sky } = Refined::new(&stage, colours, control)?;
         Ok(Self { stage, surface, nodes, open_sky, draped, samples: o.samples.clamp(1, 16) })
+    }
+
+    /// Takes over a later state of the same world, and of the layer that it wears, if it wears one. See [`Stage::follow`].
+    ///
+    /// # Errors
+    /// If the world is of another size, and on a request to stop, after which the scene is what it was but for its stage.
+    pub fn follow(&mut self, world: &World, layer: Option<&LayerColours>, control: &Control<'_>) -> Result<()> {
+        self.stage.follow(world)?;
+        let refined = match layer {
+            Some(l) => Refined::new(&self.stage, &l.colours, control)?,
+            None => Refined::new(&self.stage, &self.stage.colours(world), control)?,
+        };
+        (self.surface, self.nodes, self.open_sky) = (refined.surface, refined.nodes, refined.open_sky);
+        Ok(())
     }
 
     /// Node coordinates of a place in metres.

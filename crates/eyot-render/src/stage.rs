@@ -3,7 +3,7 @@
 use crate::albedo::albedo;
 use crate::camera::Camera;
 use crate::ground::{Ground, box_mean};
-use crate::math::{V3, add, direction, scale, smoothstep};
+use crate::math::{V3, add, direction, dot, scale, smoothstep};
 use crate::path::Pose;
 use crate::picture::encode;
 use crate::sky::Sky;
@@ -177,14 +177,41 @@ impl Stage {
     /// The pose that the options describe, with what they leave open.
     pub fn pose(&self, o: &ViewOptions) -> Pose {
         let automatic = if self.block { (33.0, 1.72, -0.42) } else { (15.0, 1.06, 0.40) };
-        Pose {
+        let pose = Pose {
             azimuth_deg: finite(o.azimuth_deg, 180.0),
             elevation_deg: finite(o.elevation_deg.unwrap_or(automatic.0), automatic.0),
             distance: finite(o.distance.unwrap_or(automatic.1), automatic.1),
             target: o.target.map(|t| finite(t, 0.5)),
             target_height: finite(o.target_height.unwrap_or(automatic.2), automatic.2),
             field_of_view_deg: finite(o.field_of_view_deg, 36.0),
+        };
+        if !self.block || o.distance.is_some() {
+            return pose;
         }
+        let aspect = o.width.max(1) as f32 / o.height.max(1) as f32;
+        Pose { distance: finite(self.fitting_distance(&pose, aspect), 0.0).max(pose.distance), ..pose }
+    }
+
+    /// Distance, in lengths of the grid's longer side, from which a picture of so many columns a row shows all corners of the
+    /// relief model.
+    fn fitting_distance(&self, pose: &Pose, aspect: f32) -> f32 {
+        /// Share of the picture that the corners may take.
+        const MARGIN: f32 = 0.97;
+        let [w, h] = self.size_m();
+        let (low, top) = self.tops.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, t), &v| (l.min(v), t.max(v)));
+        let (base, _) = self.block_span(low, top);
+        let camera = self.camera_at(pose);
+        let target = [pose.target[0] * w, pose.target[1] * h, self.height_of_share(pose.target_height)];
+        let corners =
+            [[0.0, 0.0], [w, 0.0], [0.0, h], [w, h]].map(|[x, y]| [[x, y, base], [x, y, self.height_at(x, y)]]);
+        // Seen from the distance D, a point lies `D + forward` deep in the picture.
+        let needed = corners.as_flattened().iter().map(|p| {
+            let p = add(*p, scale(target, -1.0));
+            let [right, up, forward] = [camera.right, camera.up, camera.forward].map(|axis| dot(axis, p));
+            let tan = MARGIN * camera.tan;
+            (right.abs() / (tan * aspect)).max(up.abs() / tan) - forward
+        });
+        needed.fold(0.0, f32::max) / self.extent
     }
 
     /// The camera that the options describe, kept above ground and sea.

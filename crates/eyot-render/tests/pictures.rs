@@ -3,7 +3,7 @@
 use eyot_core::layer::known;
 use eyot_core::{Error, Field, Grid, Limits, Rim, World};
 use eyot_render::{
-    ColourMap, MapOptions, Picture, ReliefOptions, Setting, ViewOptions, layer_map, perspective, relief,
+    ColourMap, MapOptions, Picture, ReliefOptions, Setting, Stage, ViewOptions, layer_map, perspective, relief,
     terrain_colours,
 };
 
@@ -46,6 +46,31 @@ fn same_bytes_for_any_number_of_threads() {
     let one = with_threads(1, draw);
     for n in [2, 3, 8] {
         assert!(one == with_threads(n, draw), "{n} threads");
+    }
+}
+
+/// Flat, steep and long blocks, from the side and over a corner, in wide and in tall pictures.
+#[test]
+fn a_relief_model_is_seen_as_a_whole() {
+    for (w, h, steep) in [(40, 40, 0.2), (40, 40, 20.0), (60, 20, 5.0), (20, 60, 5.0)] {
+        let land = world(w, h, |x, y| steep * (x + y) as f32);
+        for (azimuth_deg, width, height) in [(180.0, 320, 200), (205.0, 320, 200), (225.0, 320, 180), (225.0, 100, 300)]
+        {
+            let o = ViewOptions { azimuth_deg, width, height, setting: Setting::Block, ..ViewOptions::default() };
+            let stage = Stage::new(&land, &o).unwrap();
+            let (camera, [e, s]) = (stage.camera(&o), stage.size_m());
+            let (low, high) = stage.tops().iter().fold((f32::MAX, f32::MIN), |(l, t), &v| (l.min(v), t.max(v)));
+            for (x, y) in [(0.0, 0.0), (e, 0.0), (0.0, s), (e, s)] {
+                for z in [stage.block_span(low, high).0, stage.height_at(x, y)] {
+                    let p = [x - camera.eye[0], y - camera.eye[1], z - camera.eye[2]];
+                    let [right, up, deep] =
+                        [camera.right, camera.up, camera.forward].map(|a| a[0] * p[0] + a[1] * p[1] + a[2] * p[2]);
+                    let aspect = width as f32 / height as f32;
+                    let inside = right.abs() < camera.tan * aspect * deep && up.abs() < camera.tan * deep;
+                    assert!(inside, "{w}x{h}, {steep}: corner {x}, {y}, {z} from {azimuth_deg} in {width}x{height}");
+                }
+            }
+        }
     }
 }
 

@@ -4,15 +4,17 @@
 //! stretch warms up, and the following ones are samples. Start fields and parameters are those of
 //! `benches/peers/common.py`; `benches/peers/check.py` shows that start fields are equal to the bit and results agree.
 
+use crate::bench_rule;
 use eyot_core::engine::{CpuEngine, Need};
 use eyot_core::isa::Isa;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Generator, Moment, Process, Scheduled, Site, Span};
-use eyot_core::{Cancel, Control, Error, Field, Grid, Limits, Result, Rim, World};
+use eyot_core::process::{Action as _, Generator, Moment, Process, Scheduled, Site, Span};
+use eyot_core::{Cancel, Control, Edge, Error, Field, Grid, LayerSpec, Limits, Result, Rim, World};
 use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
+use eyot_plates::Tectonics;
 use eyot_reef::community::{self, Community, Forcing, Plot};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -28,6 +30,8 @@ pub enum BenchSubject {
     Hydraulic,
     /// Thermal erosion.
     Thermal,
+    /// Thermal erosion again, as a rule that a recipe could have; it gives the same bytes.
+    Rule,
     /// The generator `fbm`; a step is one field of eight octaves.
     Noise,
     /// Reef growth: carbon spreads once, then corals grow.
@@ -38,12 +42,26 @@ pub enum BenchSubject {
     Streampower,
     /// A month of the default community of corals on a square plot; the size is in metres.
     Community,
+    /// A step of all processes of the living world, zones in every tenth, on a ring with closed poles.
+    World,
+    /// Ten plates on a torus as large as the Earth; a step is a million years of all that they do, less on fine grids.
+    Plates,
 }
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Hydraulic, Self::Thermal, Self::Noise, Self::Reef, Self::Drainage, Self::Streampower, Self::Community];
+    pub const ALL: [Self; 10] = [
+        Self::Hydraulic,
+        Self::Thermal,
+        Self::Rule,
+        Self::Noise,
+        Self::Reef,
+        Self::Drainage,
+        Self::Streampower,
+        Self::Community,
+        Self::World,
+        Self::Plates,
+    ];
 
     /// Cells along a side unless somebody says something else: metres for the community.
     pub const fn usual_size(self) -> usize {
@@ -58,11 +76,14 @@ impl BenchSubject {
         match self {
             Self::Hydraulic => "hydraulic",
             Self::Thermal => "thermal",
+            Self::Rule => "rule",
             Self::Noise => "noise",
             Self::Reef => "reef",
             Self::Drainage => "drainage",
             Self::Streampower => "streampower",
             Self::Community => "community",
+            Self::World => "world",
+            Self::Plates => "plates",
         }
     }
 }
@@ -103,8 +124,8 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `noise`, `reef`, `drainage`, `streampower` or
-    /// `community`.
+    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`,
+    /// `community`, `world` or `plates`.
     pub what: &'static str,
     /// Cells along a side, or metres.
     pub size: usize,
@@ -174,6 +195,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
         BenchSubject::Noise => noise(options),
         BenchSubject::Drainage => drainage(options),
         BenchSubject::Community => community(options),
+        BenchSubject::Plates => plates(options),
         _ => simulation(options),
     });
     result.map_err(|e| match e {
@@ -187,36 +209,72 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
 /// Start fields and processes of a simulation benchmark; the same as the peers'.
 ///
 /// # Errors
-/// If the grid is not sound or the run would exceed the limits, or if asked for noise, drainage
-/// or the community, which are no simulations of cells.
+/// If the grid is not sound or the run would exceed the limits, or if asked for noise, drainage,
+/// the community or plates, which are no simulations of cells.
 pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
+    if what == BenchSubject::World {
+        let grid =
+            Grid::new(size, size, 4e7 / size as f64, Rim { x: Edge::Wrap, y: Edge::Closed }, &Limits::default())?;
+        return start(grid, what, living_world()?, -5000.0, 5000.0);
+    }
     // Cell size, lowest and highest ground (m), process.
     let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
         (BenchSubject::Hydraulic, false) => (10.0, -350.0, 650.0, Box::new(Hydraulic::default())),
         (BenchSubject::Hydraulic, true) => (1.0, 0.0, 80.0, Box::new(mei_2007())),
         (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
+        (BenchSubject::Rule, _) => (10.0, 0.0, 1000.0, Box::new(bench_rule::thermal(10.0)?)),
         // A year a step makes one spreading a growth; the default of ten years takes nine.
         (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
-        (BenchSubject::Noise | BenchSubject::Drainage | BenchSubject::Community, _) => {
+        (
+            BenchSubject::Noise
+            | BenchSubject::Drainage
+            | BenchSubject::Community
+            | BenchSubject::World
+            | BenchSubject::Plates,
+            _,
+        ) => {
             return Err(bad("what", format!("{} is no simulation", what.name())));
         }
         (BenchSubject::Streampower, _) => (30.0, 0.0, 200.0, Box::new(streampower())),
     };
     let rim = if what == BenchSubject::Streampower { Rim::OPEN } else { Rim::CLOSED };
-    let limits = Limits::default();
-    let grid = Grid::new(size, size, cell_m, rim, &limits)?;
-    let layers = process.layers();
-    let scheduled = vec![Scheduled { name: what.name(), process, every: 1 }];
+    let grid = Grid::new(size, size, cell_m, rim, &Limits::default())?;
+    start(grid, what, vec![Scheduled { name: what.name(), process, every: 1 }], low, high)
+}
+
+/// The processes of the living world as recipes have them.
+fn living_world() -> Result<Vec<Scheduled>> {
+    let each = eyot_climate::PROCESSES.iter().map(|e| {
+        let process = (e.make)((e.defaults)()).map_err(|err| bad(e.name, err.to_string()))?;
+        Ok(Scheduled { name: e.name, process, every: if e.name == "zones" { 10 } else { 1 } })
+    });
+    each.collect()
+}
+
+/// A world with ground between `low` and `high`, m, and a little water.
+fn start(
+    grid: Grid,
+    what: BenchSubject,
+    scheduled: Vec<Scheduled>,
+    low: f64,
+    high: f64,
+) -> Result<(World, Vec<Scheduled>)> {
+    let mut layers: Vec<(LayerSpec, f32)> = Vec::new();
+    for (spec, value) in scheduled.iter().flat_map(|s| s.process.layers()) {
+        if layers.iter().all(|(l, _)| l.name != spec.name) {
+            layers.push((spec, value));
+        }
+    }
     // The engine would find it out after the fields are filled, which takes long.
-    limits.check_bytes("this benchmark", Need::of(&grid, layers.len(), &scheduled).bytes(&grid))?;
+    Limits::default().check_bytes("this benchmark", Need::of(&grid, layers.len(), &scheduled).bytes(&grid))?;
     let mut world = World::new(grid, 1);
     if what == BenchSubject::Streampower {
         world.sea_level_m = -1000.0;
     }
     for (spec, value) in layers {
         let field = &mut world.ensure(&spec, value).field;
-        for y in 0..size {
-            for x in 0..size {
+        for y in 0..grid.height {
+            for x in 0..grid.width {
                 match &*spec.name {
                     "height" => field.set(x, y, (low + (high - low) * terrain(x as u32, y as u32)) as f32),
                     "water" => field.set(x, y, (0.2 * hashed(x as u32, y as u32, 99)) as f32),
@@ -224,6 +282,9 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
                 }
             }
         }
+    }
+    for s in &scheduled {
+        s.process.prepare(&mut world)?;
     }
     Ok((world, scheduled))
 }
@@ -335,12 +396,16 @@ fn rules(world: &World, processes: &[Scheduled]) -> Option<(f64, usize)> {
     if processes.iter().any(|s| s.process.action().is_some()) {
         return None;
     }
-    let mut plan = Plan::default();
-    let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: world.sea_level_m };
-    processes.iter().for_each(|s| s.process.plan(&moment, &mut plan));
-    let moved: usize = plan.passes().iter().map(|p| p.reads().len() + p.writes().len()).sum();
-    let operations = plan.passes().iter().map(|p| p.graph().operations()).sum();
-    Some(((moved * size_of::<f32>()) as f64, operations))
+    let (mut moved, mut operations) = (0.0, 0.0);
+    for s in processes {
+        let mut plan = Plan::default();
+        s.process.plan(&Moment { grid: world.grid, step: 1, turn: 0, sea_level_m: world.sea_level_m }, &mut plan);
+        for p in plan.passes() {
+            moved += (p.reads().len() + p.writes().len()) as f64 / s.every as f64;
+            operations += p.graph().operations() as f64 / s.every as f64;
+        }
+    }
+    Some((moved * size_of::<f32>() as f64, operations.round() as usize))
 }
 
 fn noise(options: &BenchOptions) -> Result<BenchReport> {
@@ -422,6 +487,36 @@ fn community(options: &BenchOptions) -> Result<BenchReport> {
     let plot = plot.into_inner();
     let (colonies, algae) = (plot.colonies().len(), plot.algae().len());
     report.community = Some(CommunityReport { seconds_per_month: report.seconds_per_step, colonies, algae });
+    Ok(report)
+}
+
+/// A world of ten plates as `PyPlatec` has it: a torus with 35 in 100 cells of land, cycles of 550 steps at most.
+///
+/// # Errors
+/// If the grid is not sound.
+pub fn plates_case(size: usize) -> Result<eyot_plates::Plates> {
+    let grid = Grid::new(size, size, 4e7 / size.max(1) as f64, Rim::WRAP, &Limits::default())?;
+    // Plates cross as many cells a step on finer grids.
+    let years_per_step = 1e6 * (512.0 / size as f32).min(1.0);
+    let parameters = Tectonics { count: 10, land: 0.35, cycle: 550.0, years_per_step, ..Tectonics::default() };
+    eyot_plates::Plates::new(&grid, 3, parameters, eyot_plates::Start::Noise)
+}
+
+fn plates(options: &BenchOptions) -> Result<BenchReport> {
+    let isa = best_isa(options)?;
+    let each = Tectonics::default().bytes_per_cell();
+    Limits::default().check_bytes("this benchmark", (options.size as u128).pow(2) * each as u128)?;
+    let plates = std::cell::RefCell::new(plates_case(options.size)?);
+    let step = || {
+        let start = Instant::now();
+        plates.borrow_mut().step();
+        start.elapsed().as_secs_f64()
+    };
+    // Borders are still smooth at the beginning, which is faster.
+    let once = (0..40).map(|_| step()).sum::<f64>() / 40.0;
+    let timed = samples(options, once, |_| Ok(step()))?;
+    let mut report = report(options.what.name(), options, isa, &timed);
+    report.bytes_per_cell = each as f64;
     Ok(report)
 }
 
@@ -535,6 +630,24 @@ mod tests {
             let e = run(&BenchOptions { what: BenchSubject::Streampower, size: 20_000, ..Default::default() });
             assert!(matches!(e, Err(Error::Limit { .. })));
         }
+    }
+
+    #[test]
+    fn the_world_reports_a_step_of_all_processes() {
+        let what = BenchSubject::World;
+        let r = run(&BenchOptions { what, size: 48, seconds: 0.05, ..Default::default() }).unwrap();
+        assert_eq!((r.samples, r.what), (SAMPLES as usize, "world"));
+        assert!(r.seconds_per_step > 0.0 && r.cell_steps_per_second > 0.0);
+        assert!(r.operations_per_cell_step.unwrap() > 300 && r.bytes_moved_per_cell_step.unwrap() > 200.0);
+        assert!(r.ledger["water.rain"] > 0.0 && r.ledger["humidity.taken_up"] > 0.0);
+    }
+
+    #[test]
+    fn plates_report_their_steps() {
+        let r =
+            run(&BenchOptions { what: BenchSubject::Plates, size: 64, seconds: 0.05, ..Default::default() }).unwrap();
+        assert_eq!((r.samples, r.what), (SAMPLES as usize, "plates"));
+        assert!(r.seconds_per_step > 0.0 && r.cell_steps_per_second > 0.0 && r.bytes_per_cell > 8.0);
     }
 
     #[test]

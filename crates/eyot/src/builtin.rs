@@ -16,6 +16,15 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "real", text: include_str!("../../../recipes/real.toml") },
     BuiltIn { name: "alps", text: include_str!("../../../recipes/alps.toml") },
     BuiltIn { name: "canyon", text: include_str!("../../../recipes/canyon.toml") },
+    BuiltIn { name: "reef", text: include_str!("../../../recipes/reef.toml") },
+    BuiltIn { name: "nitrogen", text: include_str!("../../../recipes/nitrogen.toml") },
+    BuiltIn { name: "wildfire", text: include_str!("../../../recipes/wildfire.toml") },
+    BuiltIn { name: "life", text: include_str!("../../../recipes/life.toml") },
+    BuiltIn { name: "world", text: include_str!("../../../recipes/world.toml") },
+    BuiltIn { name: "iceage", text: include_str!("../../../recipes/iceage.toml") },
+    BuiltIn { name: "locked", text: include_str!("../../../recipes/locked.toml") },
+    BuiltIn { name: "earth", text: include_str!("../../../recipes/earth.toml") },
+    BuiltIn { name: "pangaea", text: include_str!("../../../recipes/pangaea.toml") },
 ];
 
 /// A height map that comes with Eyot.
@@ -29,11 +38,14 @@ pub(crate) struct Data {
 }
 
 /// All built-in height maps.
-pub(crate) const DATA: &[Data] = &[Data {
-    name: "jacksboro.tif",
-    bytes: include_bytes!("../../../data/jacksboro.tif"),
-    cites: &["jacksboro", "farr2007"],
-}];
+pub(crate) const DATA: &[Data] = &[
+    Data {
+        name: "jacksboro.tif",
+        bytes: include_bytes!("../../../data/jacksboro.tif"),
+        cites: &["jacksboro", "farr2007"],
+    },
+    Data { name: "earth.tif", bytes: include_bytes!("../../../data/earth.tif"), cites: &["etopo60"] },
+];
 
 /// The built-in height map of that name.
 pub(crate) fn data(name: &str) -> Option<&'static Data> {

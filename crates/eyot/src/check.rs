@@ -1,6 +1,6 @@
 //! Checks values against the JSON Schemas of the registries, with words a recipe's author understands.
 
-use crate::diagnostic::{Diagnostic, alternatives, nearest};
+use crate::diagnostic::{Diagnostic, ENOUGH, alternatives, nearest};
 use crate::node::{Kind, Node};
 use serde_json::Value;
 
@@ -20,6 +20,9 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
     for (key, value) in node.entries() {
         if elsewhere.contains(&key.name.as_str()) {
             continue;
+        }
+        if out.len() >= ENOUGH {
+            return;
         }
         match properties.and_then(|p| p.get(&key.name)) {
             Some(property) => check(property, value, &format!("{owner}.{}", key.name), property, out),
@@ -83,7 +86,12 @@ fn check(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<D
                 );
             }
             if schema["items"].is_object() {
-                items.iter().for_each(|n| check(&schema["items"], n, path, whole, out));
+                for n in items {
+                    if out.len() >= ENOUGH {
+                        return;
+                    }
+                    check(&schema["items"], n, path, whole, out);
+                }
             }
             if let Some(prefix) = schema["prefixItems"].as_array() {
                 prefix.iter().zip(items).for_each(|(s, n)| check(s, n, path, whole, out));

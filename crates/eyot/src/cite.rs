@@ -61,7 +61,7 @@ pub fn cite(recipe: &Recipe) -> Result<Citations, String> {
                 }
             }
             Work::Simulate(s) => {
-                s.processes.iter().filter(|p| p.enabled).for_each(|p| uses.add(p.entry.name, p.entry.cites))
+                s.processes.iter().filter(|p| p.enabled).for_each(|p| uses.add(p.actor.name(), p.actor.cites()))
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::exports::{self, Job, Layer, Source};
 use crate::import;
 use crate::keys::{Export, ExportFormat, FirstRow, Preset};
 use crate::store;
-use eyot_core::{Control, Grid, Limits, World};
+use eyot_core::{Control, Georeference, Grid, Limits, World};
 use serde_json::{Map, Value};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -60,6 +60,7 @@ pub struct Converted {
 /// in the folder `output`.
 ///
 /// Values change only where the format must: floats of 32 bits stay the same bits, whole numbers of 16 bits the same numbers.
+/// Cells without a value stay so in GeoTIFF and Zarr; elsewhere they are filled from their neighbours.
 /// Place, cell size, name, unit and what else a file says of itself survive in all formats.
 ///
 /// # Errors
@@ -138,6 +139,11 @@ impl Output {
         }
     }
 
+    /// True if cells without a value stay so.
+    fn marks_missing(self) -> bool {
+        matches!(self, Self::Raster(RasterFormat::GeoTiff | RasterFormat::Zarr) | Self::Preset(Preset::Gis))
+    }
+
     /// True if several layers can be written.
     fn takes_several(self) -> bool {
         self.together().is_some() || self == Self::Preset(Preset::Gis)
@@ -162,11 +168,13 @@ impl Conversion<'_> {
             (Output::Raster(_), Some(format)) => {
                 let attributes = io::store_attributes(self.input).map_err(RunError::input)?;
                 let mut layers: Vec<Layer<'_>> = rasters.0.iter().map(layer).collect();
-                exports::write_together(self.output, &mut layers, format, &attributes)?;
+                self.say_place(first.georeference.as_ref(), &mut notes);
+                exports::write_together(self.output, &mut layers, format, &attributes).map_err(alone)?;
                 Ok(Converted { files: vec![self.output.to_owned()], notes })
             }
             (Output::Raster(format), None) => {
-                let write = WriteOptions { scale: self.options.range.or(first.scale), ..self.options.write() };
+                let write = WriteOptions { scale: self.options.range.or(scale(first)), ..self.options.write() };
+                self.say_place(first.georeference.as_ref(), &mut notes);
                 let (about, mut rows) = layer(first);
                 io::write_rows(self.output, &mut *rows, &about, format, &write).map_err(RunError::file)?;
                 Ok(Converted { files: vec![self.output.to_owned()], notes })
@@ -210,16 +218,28 @@ impl Conversion<'_> {
                     raster.unit = "m".to_owned();
                 }
             }
-            notes.extend(store::notes(&raster).into_iter().filter(|n| !notes.contains(n)).collect::<Vec<_>>());
+            notes.extend(
+                store::notes(&raster, self.to.marks_missing())
+                    .into_iter()
+                    .filter(|n| !notes.contains(n))
+                    .collect::<Vec<_>>(),
+            );
             rasters.push(raster);
         }
         Ok((Rasters(rasters), notes))
     }
 
+    /// Adds a note if a raster cannot say all of its place.
+    fn say_place(&self, place: Option<&Georeference>, notes: &mut Vec<String>) {
+        let Output::Raster(format) = self.to else { return };
+        notes.extend(place.and_then(|g| io::unsaid(g, format)).map(str::to_owned));
+    }
+
     /// From a run.
     fn run(&self) -> Result<Converted, RunError> {
         let opened = store::open(self.input, self.limits)?;
-        let (mut world, notes) = (opened.world, opened.notes);
+        let (mut world, mut notes) = (opened.world, opened.notes);
+        self.say_place(world.georeference.as_ref(), &mut notes);
         if let Some((x, y)) = self.options.cell_m {
             (world.grid.cell_x_m, world.grid.cell_y_m) = (x, y);
             world.grid = world.grid.checked(self.limits).map_err(RunError::input)?;
@@ -238,7 +258,8 @@ impl Conversion<'_> {
         match (self.to, self.to.together()) {
             (Output::Raster(_), Some(format)) => {
                 let origin = exports::origin(&world, &self.name(), None);
-                exports::write_together(self.output, &mut layers.collect::<Vec<_>>(), format, &origin)?;
+                exports::write_together(self.output, &mut layers.collect::<Vec<_>>(), format, &origin)
+                    .map_err(alone)?;
             }
             (Output::Raster(format), None) => {
                 for (about, mut rows) in layers {
@@ -278,6 +299,7 @@ impl Conversion<'_> {
             let message = "less than 2 x 2 cells, which make no triangle; convert it to a raster such as .tif";
             return Err(RunError::input(format!("`{}` has {message}", self.input.display())));
         }
+        let made = preset.is_some() && !self.output.exists();
         if preset.is_some() {
             std::fs::create_dir_all(self.output)
                 .map_err(|source| RunError::Folder { path: self.output.to_owned(), source })?;
@@ -286,6 +308,7 @@ impl Conversion<'_> {
         let mut job = Job {
             world,
             source,
+            corals: None,
             name: &name,
             out: if preset.is_some() { self.output } else { self.output.parent().unwrap_or(Path::new("")) },
             attributes: Map::<String, Value>::new(),
@@ -297,12 +320,28 @@ impl Conversion<'_> {
             },
             note: &|n| notes.borrow_mut().push(n),
         };
-        match self.to {
-            Output::Mesh(_) => exports::write_mesh(&mut job, self.output, &export)?,
-            _ => exports::write(&mut job, &export)?,
+        let done = match self.to {
+            Output::Mesh(_) => exports::write_mesh(&mut job, self.output, &export),
+            _ => exports::write(&mut job, &export),
+        };
+        if done.is_err() && made {
+            // Only an empty folder goes; files that are whole stay.
+            let _ = std::fs::remove_dir(self.output);
         }
+        done.map_err(alone)?;
         Ok(Converted { files, notes: notes.into_inner() })
     }
+}
+
+/// The scale at which 16 bits hold the very values, if they are still within it.
+fn scale(raster: &Raster) -> Option<(f64, f64)> {
+    let (low, high) = raster.field.min_max();
+    raster.scale.filter(|s| s.0 <= f64::from(low) && f64::from(high) <= s.1)
+}
+
+/// A file that cannot be made is all that was asked for here; there are no others beside it.
+fn alone(e: RunError) -> RunError {
+    if let RunError::Export(message) = e { RunError::File(message) } else { e }
 }
 
 /// Layers of a file.
@@ -316,5 +355,5 @@ impl Source for Rasters {
 
 fn layer(raster: &Raster) -> Layer<'_> {
     let about = About { range: Some(raster.field.min_max()), ..raster.about() };
-    (about, Box::new(&raster.field))
+    (about, Box::new(raster.rows()))
 }

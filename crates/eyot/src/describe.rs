@@ -5,6 +5,7 @@ use crate::diagnostic::{alternatives, nearest};
 use crate::keys;
 use crate::registry::Registry;
 use eyot_core::process::schema_of;
+use eyot_rules::functions::{FUNCTIONS, NAMES};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt;
@@ -58,7 +59,8 @@ pub struct Description {
     pub sources: Vec<String>,
 }
 
-/// Describes a generator, a process, or one of the recipe's own tables (`grid`, `export`, `view`).
+/// Describes a generator, a process, or one of the recipe's own tables (`grid`, `layer`, `export`, `view` and
+/// others).
 ///
 /// # Errors
 /// If there is nothing of that name; the text suggests one.
@@ -75,10 +77,24 @@ pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> 
         "generate" => schema_of::<keys::Generate>(),
         "simulate" => schema_of::<keys::Simulate>(),
         "schedule" => schema_of::<keys::Schedule>(),
+        "layer" => schema_of::<keys::Layer>(),
+        "rule" => schema_of::<keys::Rule>(),
+        "expressions" => return Ok(expressions()),
         "export" => schema_of::<keys::Export>(),
         "view" => schema_of::<keys::View>(),
         _ => {
-            let tables = ["recipe", "grid", "generate", "simulate", "schedule", "export", "view"];
+            let tables = [
+                "recipe",
+                "grid",
+                "layer",
+                "rule",
+                "expressions",
+                "generate",
+                "simulate",
+                "schedule",
+                "export",
+                "view",
+            ];
             let known: Vec<&str> = registry.generator_names().chain(registry.process_names()).chain(tables).collect();
             return Err(match nearest(name, known.iter().copied()) {
                 Some(n) => format!("nothing is called `{name}`; did you mean `{n}`?"),
@@ -121,6 +137,34 @@ fn from_schema(
         parameters: parameters.collect(),
         about: about.trim_end().to_owned(),
         sources: cites.iter().map(|c| (*c).to_owned()).collect(),
+    }
+}
+
+/// The names and functions of expressions.
+fn expressions() -> Description {
+    let one = |name: String, meaning: &str, unit: &str, takes: &str| ParameterInfo {
+        name,
+        meaning: format!("{meaning}."),
+        unit: unit.to_owned(),
+        takes: takes.to_owned(),
+        minimum: None,
+        maximum: None,
+        choices: Vec::new(),
+        default: Value::Null,
+    };
+    let names = NAMES.iter().map(|n| one(n.name.to_owned(), n.meaning, n.unit, "a name"));
+    let functions = FUNCTIONS.iter().map(|f| one(format!("{}({})", f.name, f.arguments), f.meaning, "", "a function"));
+    Description {
+        name: "expressions".to_owned(),
+        kind: "table",
+        summary: "What expressions of `[[layer]]` and `[[rule]]` know beside layers and parameters.".to_owned(),
+        details: "Operators, from the loosest to the tightest: `or`; `and`; `not`; `<` `<=` `>` `>=` `==` `!=`; `+` `-`; \
+                  `*` `/`; the sign `-`; `^`. `water[1, -1]` is the layer one column to the east and one row to the north. \
+                  `name = expression;` before the value gives a part a name."
+            .to_owned(),
+        parameters: names.chain(functions).collect(),
+        about: String::new(),
+        sources: Vec::new(),
     }
 }
 

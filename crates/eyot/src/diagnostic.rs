@@ -48,13 +48,22 @@ impl Diagnostic {
     }
 }
 
-/// Everything that is wrong with a recipe, in the order of the text.
+/// Problems that are told; the others follow from these, or are of the same kind.
+const MOST: usize = 20;
+/// Problems after which nothing more is looked for.
+pub(crate) const ENOUGH: usize = 200;
+/// Words that a list of alternatives names.
+const MOST_WORDS: usize = 60;
+
+/// What is wrong with a recipe, in the order of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problems {
     /// The texts; spans name them by index. The first is the recipe.
     pub sources: Arc<Vec<Source>>,
-    /// At least one.
+    /// At least one, and the first twenty.
     pub diagnostics: Vec<Diagnostic>,
+    /// How many there are beside these, at least.
+    pub more: usize,
 }
 
 impl Problems {
@@ -62,7 +71,15 @@ impl Problems {
     pub(crate) fn new(sources: Vec<Source>, mut diagnostics: Vec<Diagnostic>) -> Self {
         diagnostics.sort_by_key(|d| d.span.as_ref().map_or((usize::MAX, 0), |s| (s.source, s.start)));
         diagnostics.dedup();
-        Self { sources: Arc::new(sources), diagnostics }
+        let more = diagnostics.len().saturating_sub(MOST);
+        diagnostics.truncate(MOST);
+        Self { sources: Arc::new(sources), diagnostics, more }
+    }
+
+    /// A line on those that are not told, if there are any.
+    pub fn rest(&self) -> Option<String> {
+        let at_least = if self.more + MOST >= ENOUGH { "at least " } else { "" };
+        (self.more > 0).then(|| format!("and {at_least}{} more; mend these first", self.more))
     }
 
     /// The source that a span points into.
@@ -101,6 +118,9 @@ impl fmt::Display for Problems {
                 write!(f, "\n  help: {}", help.replace('\n', "\n        "))?;
             }
         }
+        if let Some(rest) = self.rest() {
+            write!(f, "\n{rest}")?;
+        }
         Ok(())
     }
 }
@@ -123,7 +143,12 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 
 /// `a, b or c`.
 pub(crate) fn alternatives<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
-    let words: Vec<String> = words.into_iter().map(|w| format!("`{w}`")).collect();
+    let mut all = words.into_iter();
+    let mut words: Vec<String> = all.by_ref().take(MOST_WORDS).map(|w| format!("`{w}`")).collect();
+    let more = all.count();
+    if more > 0 {
+        words.push(format!("{more} others"));
+    }
     match words.split_last() {
         None => "nothing".to_owned(),
         Some((last, [])) => last.clone(),

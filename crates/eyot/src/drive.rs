@@ -21,9 +21,11 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 mod commands;
+mod recording;
 mod streamed;
 
 use commands::{Asked, Commands};
+use recording::Recorder;
 
 /// Chunks of steps aim at this long: short enough for commands, long enough to cost nothing.
 const CHUNK_TIME: Duration = Duration::from_millis(300);
@@ -42,6 +44,8 @@ pub(crate) struct End {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Flow {
     Continue,
+    /// The run was set back: world and state say where to go on.
+    Back,
     Stop,
 }
 
@@ -62,6 +66,7 @@ pub(crate) struct Driver {
     /// Steps of the simulation under way that the world's own layers have seen; the engine may be ahead of them.
     settled: u64,
     devices_lost: u32,
+    recorder: Option<Recorder>,
 }
 
 impl Driver {
@@ -95,6 +100,7 @@ impl Driver {
             engine: Engine::cpu(limits),
             settled: 0,
             devices_lost: 0,
+            recorder: None,
         }
     }
 
@@ -125,18 +131,23 @@ impl Driver {
         if self.state.streamed {
             return self.drive_streamed();
         }
+        self.begin_recording();
         let steps = std::mem::take(&mut self.recipe.steps);
         let mut flow = Flow::Continue;
-        for step in steps.iter().skip(self.state.done_steps) {
-            if step.enabled {
-                flow = self.step(step, &steps)?;
-                if flow == Flow::Stop {
-                    break;
+        while let Some(step) = steps.get(self.state.done_steps) {
+            flow = if step.enabled { self.step(step, &steps)? } else { Flow::Continue };
+            match flow {
+                Flow::Stop => break,
+                Flow::Back => flow = Flow::Continue,
+                Flow::Continue => {
+                    self.state.done_steps += 1;
+                    self.state.done = 0;
+                    self.checkpoint_if_due();
                 }
             }
-            self.state.done_steps += 1;
-            self.state.done = 0;
-            self.checkpoint_if_due();
+        }
+        if flow == Flow::Continue {
+            self.record();
         }
         self.recipe.steps = steps;
         self.engine.keep_pipelines();
@@ -144,8 +155,12 @@ impl Driver {
     }
 
     fn step(&mut self, step: &Step, all: &[Step]) -> Result<Flow, RunError> {
-        if self.commands(step, None)? == Flow::Stop {
-            return Ok(Flow::Stop);
+        // A simulation listens before each of its own steps.
+        if matches!(step.work, Work::Generate(_)) {
+            let flow = self.commands(step, None)?;
+            if flow != Flow::Continue {
+                return Ok(flow);
+            }
         }
         let total = if let Work::Simulate(s) = &step.work { s.steps } else { 1 };
         self.tell(Event::StepBegun { number: step.number, name: step.name.clone(), total });
@@ -168,6 +183,7 @@ impl Driver {
     fn generate(&mut self, step: &Step, work: &GenerateStep, all: &[Step]) -> Result<Flow, RunError> {
         let fail = |source| RunError::Step { step: label(step), source };
         let generator = work.make().map_err(fail)?;
+        self.go_on_from_here();
         self.world.ensure(&layers::spec(&work.layer, &step.name, all), 0.0);
         let (before, share) = overall(all, step.number);
         let last = Mutex::new(Instant::now());
@@ -215,6 +231,9 @@ impl Driver {
         // Steps before this one may have changed the world.
         self.engine.release();
         self.settled = self.state.done;
+        if self.state.done == 0 {
+            self.record();
+        }
         let mut uses = self.uses_now(step, work)?;
         let mut scheduled = schedule(&uses).map_err(fail)?;
         let mut chunk = self.options.chunk.unwrap_or(1).max(1);
@@ -233,14 +252,16 @@ impl Driver {
                 }
             }
             let changes = self.state.journal.len();
-            if self.commands(step, Some(&mut uses))? == Flow::Stop {
-                return Ok(Flow::Stop);
+            let flow = self.commands(step, Some(&mut uses))?;
+            if flow != Flow::Continue {
+                return Ok(flow);
             }
+            self.go_on_from_here();
             self.replay_due(step, &mut uses)?;
             if self.state.journal.len() > changes {
                 scheduled = schedule(&uses).map_err(fail)?;
             }
-            let mut steps = chunk.min(work.steps - self.state.done);
+            let mut steps = chunk.min(work.steps - self.state.done).min(self.steps_to_frame());
             steps = steps.min(self.commands.allowed());
             if let Some(next) = self
                 .state
@@ -290,6 +311,9 @@ impl Driver {
                 eta_s: Some(eta),
                 overall: before + share * self.state.done as f64 / work.steps as f64,
             }));
+            if self.steps_to_frame() == self.frame_distance() || self.state.done >= work.steps {
+                self.record();
+            }
             self.checkpoint_if_due();
         }
     }
@@ -317,12 +341,12 @@ impl Driver {
             let message =
                 format!("{e}; {} steps since the world was last saved are lost", self.state.done - self.settled);
             self.tell(Event::Warning { message });
-            self.rewind();
+            self.unwind();
         }
     }
 
     /// Takes the steps back that only the engine knew; changes by hand since then will be made again at their steps.
-    fn rewind(&mut self) {
+    fn unwind(&mut self) {
         self.state.done = self.settled;
         let number = self.state.done_steps + 1;
         let (settled, journal) = (self.settled, std::mem::take(&mut self.state.journal));
@@ -333,7 +357,7 @@ impl Driver {
 
     /// Goes on from the last world that was brought back: on the device opened anew, or on the processor if that was left open.
     fn go_on_without(&mut self, error: GpuError, step: &Step) -> Result<(), RunError> {
-        self.rewind();
+        self.unwind();
         self.devices_lost += 1;
         let auto = self.options.engine.choice == EngineChoice::Auto;
         let again = if error.is_lost() && self.devices_lost <= MOST_DEVICES_LOST {
@@ -384,6 +408,15 @@ impl Driver {
                     let world = Arc::new(self.world.clone());
                     self.tell(Event::Snapshot { recipe_step: step.number, step: self.state.done, world });
                 }
+                Asked::Rewind(to, forget) => match self.rewind_to(to, forget) {
+                    Ok(()) => return Ok(Flow::Back),
+                    Err(e) => self.tell(Event::Warning { message: format!("the run was not set back: {e}") }),
+                },
+                Asked::Branch(from, out) => {
+                    if let Err(e) = self.branch(from, &out) {
+                        self.tell(Event::Warning { message: format!("`{}` was not made: {e}", out.display()) });
+                    }
+                }
             }
         }
     }
@@ -397,6 +430,7 @@ impl Driver {
             None => "no simulation is under way".to_owned(),
             Some(uses) => match self.apply(uses, &set) {
                 Ok(()) => {
+                    self.go_on_from_here();
                     let entry = JournalEntry { recipe_step: step.number, step: self.state.done, set };
                     self.state.journal.push(entry.clone());
                     return self.tell(Event::Changed(entry));

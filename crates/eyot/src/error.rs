@@ -1,6 +1,7 @@
 //! What can go wrong with a run.
 
 use crate::diagnostic::Problems;
+use eyot_gpu::GpuError;
 use std::path::{Path, PathBuf};
 
 /// An error of a run, with its remedy.
@@ -134,7 +135,9 @@ impl RunError {
             | Self::Checkpoint { .. }
             | Self::Replay { .. }
             | Self::NotStreamed(_) => true,
-            Self::Gpu(e) => matches!(e, eyot_gpu::GpuError::NoAdapter { .. }),
+            Self::Gpu(e) => {
+                matches!(e, GpuError::NoAdapter { .. } | GpuError::Picture { .. } | GpuError::OutOfMemory { .. })
+            }
             Self::Step { .. }
             | Self::File(_)
             | Self::Export(_)

@@ -19,6 +19,21 @@ pub enum Command {
     Set(String),
     /// Send the world as it is.
     Snapshot,
+    /// Go back to the last recorded frame that has at most so many steps of simulation done. Later frames stay until the run
+    /// goes on, so that one can go forth again.
+    Rewind {
+        /// Steps of simulation, of all steps of the recipe together.
+        step: u64,
+        /// Whether changes by hand that came later are dropped; else they will be made again.
+        forget: bool,
+    },
+    /// Put the last recorded frame that has at most so many steps done into another folder, where it can be resumed.
+    Branch {
+        /// Steps of simulation, of all steps of the recipe together.
+        step: u64,
+        /// A new folder.
+        out: PathBuf,
+    },
     /// Write a checkpoint and end.
     Stop,
 }
@@ -122,6 +137,33 @@ pub enum Event {
     Checkpoint {
         /// The file.
         path: PathBuf,
+    },
+    /// A frame of the recording was written.
+    Recorded {
+        /// Its number, from 0; frames are numbered anew when old ones thin out.
+        frame: usize,
+        /// Steps of simulation done.
+        steps_done: u64,
+        /// Bytes of its files.
+        bytes: u64,
+    },
+    /// The run went back to a recorded frame.
+    Rewound {
+        /// Number of the frame, from 0.
+        frame: usize,
+        /// Steps of simulation done.
+        steps_done: u64,
+        /// Number of the recipe's step that comes next or is under way, from 1.
+        recipe_step: usize,
+        /// Steps done of it.
+        step: u64,
+    },
+    /// A recorded frame was put into another folder.
+    Branched {
+        /// The folder.
+        out: PathBuf,
+        /// Steps of simulation done.
+        steps_done: u64,
     },
     /// The world as it is.
     Snapshot {

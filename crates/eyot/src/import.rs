@@ -10,6 +10,7 @@
 //!
 //! # Layers
 //! Cells without a value are filled from their neighbours. A grid that is taken `from` a file keeps its place on Earth.
+//! Heights that the file says are feet become metres; other units stay as they are.
 
 use crate::backend::io::{self, ReadOptions, Sample};
 use crate::builtin;
@@ -22,7 +23,8 @@ use std::path::{Path, PathBuf};
 
 /// A height map from a file: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, or raw numbers (R16, R32).
 ///
-/// A file of another size than the grid is resampled to it: averaged when it is finer, interpolated when it is coarser.
+/// A file of another size than the grid is resampled to it: averaged when it is finer, interpolated when it is coarser. Heights
+/// in feet become metres.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Import {
@@ -59,7 +61,8 @@ pub(crate) const IMPORT: Entry<dyn Generator> =
 
 impl Generator for Import {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        let raster = self.read(&site.grid)?;
+        let mut raster = self.read(&site.grid)?;
+        raster.to_metres();
         site.control.check()?;
         Ok(resample(&raster.field, &site.grid))
     }
@@ -95,6 +98,7 @@ impl Import {
             sample: numbers.map(|n| n.0),
             byte_order: numbers.map(|n| n.1),
             row_order: self.first_row.map(FirstRow::row_order),
+            ..ReadOptions::default()
         };
         let mut limits = Limits::default();
         limits.max_bytes = self.max_bytes.unwrap_or(limits.max_bytes);

@@ -4,6 +4,7 @@ use crate::merge::Merge;
 use eyot_core::Edge;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The head of a recipe.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
@@ -155,6 +156,90 @@ impl Default for Schedule {
     }
 }
 
+/// A number, or an expression.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum Amount {
+    Number(#[schemars(range(min = -3e38, max = 3e38))] f64),
+    Text(String),
+}
+
+/// A layer of the recipe's own, and the rule that changes it. Name it in `simulate` to let the rule act.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct Layer {
+    /// The layer's name, and the rule's.
+    #[schemars(regex(pattern = r"^[a-z_][a-z0-9_]*$"))]
+    pub(crate) name: String,
+    /// One sentence: what the layer holds.
+    pub(crate) about: Option<String>,
+    /// Unit, for example `m`, `m/s` or `1` for a plain number. Units of sums are checked where it is given.
+    pub(crate) unit: Option<String>,
+    /// First values: a number, or an expression over layers that are there before and the recipe's layers above this one.
+    pub(crate) start: Amount,
+    /// Smallest and largest value. What a rule makes beyond is moved to the nearer end and counted in the ledger.
+    #[schemars(inner(range(min = -3e38, max = 3e38)))]
+    pub(crate) range: Option<[f64; 2]>,
+    /// An expression: the value after a step, from the values before. Without it nothing changes the layer.
+    pub(crate) next: Option<String>,
+    /// A condition: where the rule applies. Everywhere if not given.
+    pub(crate) mask: Option<String>,
+    /// The rule acts in every n-th step.
+    #[schemars(range(min = 1, max = 1_000_000_000), extend("unit" = "1"))]
+    pub(crate) every: u64,
+    /// Numbers that the expressions name, and that a step, `--set` and a running simulation can change.
+    pub(crate) parameters: BTreeMap<String, f64>,
+}
+
+impl Default for Layer {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            about: None,
+            unit: None,
+            start: Amount::Number(0.0),
+            range: None,
+            next: None,
+            mask: None,
+            every: 1,
+            parameters: BTreeMap::new(),
+        }
+    }
+}
+
+/// A rule of the recipe's own that changes layers that are there. Name it in `simulate` to let it act.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct Rule {
+    /// The rule's name.
+    #[schemars(regex(pattern = r"^[a-z_][a-z0-9_]*$"))]
+    pub(crate) name: String,
+    /// One sentence: what the rule does.
+    pub(crate) about: Option<String>,
+    /// For each layer that the rule changes an expression: its value after a step, from all values before.
+    pub(crate) set: BTreeMap<String, String>,
+    /// A condition: where the rule applies. Everywhere if not given.
+    pub(crate) mask: Option<String>,
+    /// The rule acts in every n-th step.
+    #[schemars(range(min = 1, max = 1_000_000_000), extend("unit" = "1"))]
+    pub(crate) every: u64,
+    /// Numbers that the expressions name, and that a step, `--set` and a running simulation can change.
+    pub(crate) parameters: BTreeMap<String, f64>,
+}
+
+impl Default for Rule {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            about: None,
+            set: BTreeMap::new(),
+            mask: None,
+            every: 1,
+            parameters: BTreeMap::new(),
+        }
+    }
+}
+
 /// What a file holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -184,6 +269,18 @@ pub enum ExportFormat {
     Splat,
     /// Picture of a layer in colours, PNG.
     Map,
+    /// What `corals` counted each month: a table of comma-separated values.
+    Census,
+    /// Pictures of what `corals` grew, SVG: cover of each species over the years, and the plot from above.
+    Plots,
+    /// A body for each colony that `corals` grew, glTF 2.0 binary, with species, age and bleaching.
+    Corals,
+    /// The bodies of all colonies as Wavefront OBJ.
+    CoralsObj,
+    /// The bodies of all colonies as PLY with colours.
+    CoralsPly,
+    /// Pictures of the corals' bodies, PNG: as a diver sees them, and from above.
+    Dive,
 }
 
 /// All files that a program wants, in its sizes, scales and orders, with a JSON file that says what to enter where.
@@ -289,6 +386,8 @@ impl Default for Export {
 pub struct View {
     /// Whether the pictures are made.
     pub enabled: bool,
+    /// Draw the preview from above as a map, too: for planets, which no camera on the ground sees.
+    pub from_above: bool,
     /// Width and height of the picture in pixels.
     #[schemars(inner(range(min = 16, max = 16384)), extend("unit" = "1"))]
     pub size: [u32; 2],
@@ -319,6 +418,7 @@ impl Default for View {
     fn default() -> Self {
         Self {
             enabled: true,
+            from_above: false,
             size: [1280, 800],
             azimuth: None,
             elevation: None,

@@ -18,12 +18,16 @@ const KNOWN: [LayerSpec; 10] = [
     known::DRAINED_AREA,
 ];
 
+/// The layer of that name, if it is one that comes with Eyot.
+pub(crate) fn known(name: &str) -> Option<LayerSpec> {
+    KNOWN.into_iter().find(|s| s.name == name)
+}
+
 /// The specification of a layer that a generator makes: what a process of the recipe takes it for, a known one, or a plain
 /// number without bounds.
 pub(crate) fn spec(name: &str, step: &str, all: &[Step]) -> LayerSpec {
     let uses = all.iter().flat_map(|s| if let Work::Simulate(w) = &s.work { w.processes.as_slice() } else { &[] });
-    let theirs =
-        uses.filter_map(|u| (u.entry.make)(u.parameters.clone()).ok()).flat_map(|p| p.layers()).map(|(s, _)| s);
+    let theirs = uses.filter_map(|u| u.make().ok()).flat_map(|p| p.layers()).map(|(s, _)| s);
     theirs.chain(KNOWN).find(|s| s.name == name).unwrap_or_else(|| LayerSpec {
         name: Cow::Owned(name.to_owned()),
         meaning: Cow::Owned(format!("Made by the step `{step}` of the recipe")),

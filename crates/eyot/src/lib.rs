@@ -25,16 +25,21 @@
 //!
 //! What is wrong with a recipe comes back as [`Problems`], each with its place and its remedy.
 
+pub use eyot_climate as climate;
 pub use eyot_core as core;
 pub use eyot_gpu as gpu;
 pub use eyot_io as io;
 pub use eyot_land as land;
 pub use eyot_mesh as mesh;
+pub use eyot_plates as plates;
 pub use eyot_render as render;
+pub use eyot_rules as rules;
 
+mod artist;
 mod backend;
 pub mod bench;
 pub mod bench_gpu;
+mod bench_rule;
 mod builtin;
 mod check;
 mod cite;
@@ -47,6 +52,7 @@ mod engines;
 mod error;
 mod event;
 mod exports;
+pub mod film;
 mod import;
 mod keys;
 mod layers;
@@ -64,8 +70,10 @@ mod set;
 mod state;
 pub mod store;
 mod stream;
+pub mod timeline;
 mod validate;
 
+pub use artist::{Drawn, Scenery, draw_view};
 pub use builtin::{BuiltIn, RECIPES};
 pub use cite::{Citation, Citations, all_citations, cite};
 pub use describe::{Choice, Description, ParameterInfo, describe};
@@ -74,15 +82,17 @@ pub use engines::{EngineChoice, EngineOptions};
 pub use error::{RunError, shell_word};
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
+pub use eyot_io::timeline::Record;
 pub use import::Import;
 pub use keys::{Bytes, Export, ExportFormat, FirstRow, Preset, View};
 pub use merge::Merge;
 pub use node::Span;
-pub use recipe::{GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, SimulateStep, Step, Work};
+pub use recipe::{Actor, GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, SimulateStep, Step, Work};
 pub use registry::Registry;
 pub use run::{Handle, Outcome, Remote, Run, RunOptions};
 pub use schema::recipe_schema;
 pub use stream::{OVERVIEW, Stream};
+pub use timeline::Timeline;
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -2,34 +2,42 @@
 
 use crate::error::RunError;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{Read, Write};
+use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the lock file in an output folder.
 pub(crate) const LOCK_FILE: &str = "eyot.lock";
+/// A process number is far shorter; anything longer is no lock.
+const MOST_BYTES: u64 = 64;
 
 /// Holds the lock of a folder until it is dropped.
 pub(crate) struct FolderLock {
     path: PathBuf,
-    _file: File,
+    file: File,
 }
 
 impl FolderLock {
-    /// Takes the lock of a folder. A file left behind by a dead process does not hold it.
+    /// Takes the lock of a folder. A file left behind by a dead process does not hold it; what is no lock of a run is not
+    /// touched.
     pub(crate) fn take(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(LOCK_FILE);
         let fail = |source| RunError::Folder { path: path.clone(), source };
         // The former owner may remove its file between our opening and our locking it: then try again.
         for _ in 0..16 {
+            // A link would lead to a file that is not ours to write, a pipe nowhere.
+            if std::fs::symlink_metadata(&path).is_ok_and(|m| !m.is_file()) {
+                return Err(foreign(&path));
+            }
             let mut file =
                 OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
-            match file.try_lock() {
+            let locked = file.try_lock();
+            let mut text = String::new();
+            // On some systems a file that another process has locked cannot be read, and no number stands in one of letters.
+            let read = (&mut file).take(MOST_BYTES).read_to_string(&mut text);
+            match locked {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
-                    let mut pid = String::new();
-                    // The pid is only for the message; on some systems a locked file cannot be read.
-                    let _ = file.read_to_string(&mut pid);
-                    return Err(RunError::Busy { folder: folder.to_owned(), pid: pid.trim().parse().ok() });
+                    return Err(RunError::Busy { folder: folder.to_owned(), pid: text.trim().parse().ok() });
                 }
                 // File systems without locks: better an unguarded run than none.
                 Err(TryLockError::Error(e)) if e.kind() == std::io::ErrorKind::Unsupported => {}
@@ -38,11 +46,29 @@ impl FolderLock {
             if !same_file(&file, &path) {
                 continue;
             }
-            file.set_len(0).map_err(fail)?;
-            writeln!(file, "{}", std::process::id()).map_err(fail)?;
-            return Ok(Self { path, _file: file });
+            if read.is_err() || !text.trim().bytes().all(|b| b.is_ascii_digit()) {
+                return Err(foreign(&path));
+            }
+            // From here on the file goes with its owner, also if the disk is full.
+            let mut lock = Self { path: path.clone(), file };
+            lock.sign().map_err(fail)?;
+            return Ok(lock);
         }
         Err(RunError::Busy { folder: folder.to_owned(), pid: None })
+    }
+
+    /// Writes who holds the lock.
+    fn sign(&mut self) -> std::io::Result<()> {
+        self.file.set_len(0)?;
+        self.file.rewind()?;
+        writeln!(self.file, "{}", std::process::id())
+    }
+}
+
+fn foreign(path: &Path) -> RunError {
+    RunError::Input {
+        reason: format!("`{}` is not the lock of a run", path.display()),
+        help: Some("move it away, or choose another folder with --out"),
     }
 }
 
@@ -56,7 +82,8 @@ impl Drop for FolderLock {
 #[cfg(unix)]
 fn same_file(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
-    match (file.metadata(), std::fs::metadata(path)) {
+    // Not through a link that has been put there meanwhile.
+    match (file.metadata(), std::fs::symlink_metadata(path)) {
         (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
         _ => false,
     }
@@ -83,5 +110,27 @@ mod tests {
         drop(first);
         assert!(!folder.path().join(LOCK_FILE).exists());
         FolderLock::take(folder.path()).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_lock_is_not_touched() {
+        let folder = tempfile::tempdir().unwrap();
+        let (victim, lock) = (folder.path().join("victim"), folder.path().join(LOCK_FILE));
+        std::fs::write(&victim, "4711").unwrap();
+        let refused = || matches!(FolderLock::take(folder.path()), Err(RunError::Input { .. }));
+        // A link to a file, to nothing, the file itself by another name, and a file of letters.
+        std::os::unix::fs::symlink(&victim, &lock).unwrap();
+        assert!(refused() && std::fs::read_to_string(&victim).unwrap() == "4711");
+        std::fs::remove_file(&lock).unwrap();
+        std::os::unix::fs::symlink(folder.path().join("nothing"), &lock).unwrap();
+        assert!(refused() && !folder.path().join("nothing").exists());
+        std::fs::remove_file(&lock).unwrap();
+        std::fs::write(&victim, "precious").unwrap();
+        std::fs::hard_link(&victim, &lock).unwrap();
+        assert!(refused() && std::fs::read_to_string(&victim).unwrap() == "precious");
+        std::fs::remove_file(&lock).unwrap();
+        std::fs::create_dir(&lock).unwrap();
+        assert!(refused());
     }
 }

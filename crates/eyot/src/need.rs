@@ -20,6 +20,8 @@ pub(crate) struct Peak<'a> {
     pub(crate) bytes: u128,
     /// Of all layers once the last step is done.
     pub(crate) world_bytes: u128,
+    /// Their number.
+    pub(crate) layers: usize,
 }
 
 /// What the enabled steps need in one piece: the layers so far, and what generators and processes hold beside them.
@@ -29,7 +31,7 @@ pub(crate) struct Peak<'a> {
 pub(crate) fn working<'a>(steps: &'a [Step], grid: &Grid) -> Result<Peak<'a>> {
     let field = Field::bytes_of(grid.width, grid.height);
     let mut layers: Vec<String> = Vec::new();
-    let mut peak = Peak { step: None, bytes: field, world_bytes: 0 };
+    let mut peak = Peak { step: None, bytes: field, world_bytes: 0, layers: 0 };
     for step in steps.iter().filter(|s| s.enabled) {
         let bytes = match &step.work {
             Work::Generate(work) => {
@@ -47,6 +49,7 @@ pub(crate) fn working<'a>(steps: &'a [Step], grid: &Grid) -> Result<Peak<'a>> {
             (peak.bytes, peak.step) = (bytes, Some(step));
         }
     }
+    peak.layers = layers.len();
     peak.world_bytes = field * layers.len() as u128;
     Ok(peak)
 }

@@ -64,7 +64,9 @@ impl Outputs<'_> {
         }
         let (world, view) = (self.world, &self.recipe.view);
         if view.enabled && world.get("height").is_some() {
-            for (name, subject) in [(PREVIEW_FILE, Subject::View), (RELIEF_FILE, Subject::Relief)] {
+            let preview =
+                if view.from_above { Subject::ReliefAt(view.size[0].max(view.size[1])) } else { Subject::View };
+            for (name, subject) in [(PREVIEW_FILE, preview), (RELIEF_FILE, Subject::Relief)] {
                 let path = self.begin(self.out.join(name), &mut written)?;
                 let picture = draw(world, view, subject, self.limits, self.control).map_err(stopped)?;
                 io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
@@ -145,6 +147,7 @@ impl Outputs<'_> {
         let mut job = exports::Job {
             world,
             source: self.source,
+            corals: exports::corals_of(recipe),
             name: &recipe.name,
             out: self.out,
             attributes: exports::origin(world, &recipe.name, Some(&recipe.source.text)),
@@ -211,7 +214,17 @@ pub(crate) fn draw(
         Subject::View => render::perspective_controlled(world, &view_options(options), control),
         Subject::Relief => render::relief_controlled(world, &relief_options(options, None), control),
         Subject::ReliefAt(n) => render::relief_controlled(world, &relief_options(options, Some(n)), control),
-        Subject::Layer(name) => render::layer_map(world, name, &render::MapOptions::default()),
+        Subject::Layer(name) => render::layer_map(world, name, &map_options(name)),
+    }
+}
+
+/// How a layer is mapped: classes by their names and colours, wind with arrows.
+pub(crate) fn map_options(layer: &str) -> render::MapOptions {
+    let arrows = ["wind_x", "wind_y"];
+    render::MapOptions {
+        classes: eyot_climate::zones::classes(layer),
+        arrows: arrows.contains(&layer).then_some(arrows),
+        ..Default::default()
     }
 }
 

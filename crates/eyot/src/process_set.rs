@@ -23,8 +23,8 @@ pub(crate) fn apply(
     let mut out = Vec::new();
     let mut changes = Vec::new();
     for (key, table) in node.entries() {
-        let Some(i) = uses.iter().position(|u| u.entry.name == key.name) else {
-            let names = uses.iter().map(|u| u.entry.name);
+        let Some(i) = uses.iter().position(|u| u.actor.name() == key.name) else {
+            let names = uses.iter().map(|u| u.actor.name());
             let help = match nearest(&key.name, names.clone()) {
                 Some(n) => format!("did you mean `{n}`?"),
                 None => format!("this step simulates {}", alternatives(names)),
@@ -33,15 +33,14 @@ pub(crate) fn apply(
             out.push(Diagnostic::at(key.span.clone(), message, "not here").help(help));
             continue;
         };
-        let entry = uses[i].entry;
-        let own = (entry.schema)().to_value();
-        check::table(&own, table, entry.name, &SCHEDULE_KEYS, &mut out);
+        let name = uses[i].actor.name();
+        check::table(&uses[i].actor.schema(), table, name, &SCHEDULE_KEYS, &mut out);
         let schedule = schema_of::<Schedule>().to_value();
         for (k, v) in table.entries() {
             if SCHEDULE_KEYS.contains(&k.name.as_str()) {
                 let mut one = table.clone();
                 one.kind = crate::node::Kind::Table(vec![(k.clone(), v.clone())]);
-                check::table(&schedule, &one, entry.name, &[], &mut out);
+                check::table(&schedule, &one, name, &[], &mut out);
             }
             changes.push((i, k.name.clone(), v.to_json()));
         }
@@ -64,8 +63,8 @@ pub(crate) fn apply(
         }
     }
     for u in &changed {
-        let refuse = |e: String| fail(vec![Diagnostic::whole(format!("{}: {e}", u.entry.name))]);
-        let process = (u.entry.make)(u.parameters.clone()).map_err(|e| refuse(e.to_string()))?;
+        let refuse = |e: String| fail(vec![Diagnostic::whole(format!("{}: {e}", u.actor.name()))]);
+        let process = u.make().map_err(|e| refuse(e.to_string()))?;
         if u.enabled {
             // Whatever would end the run at its next step.
             process.check(grid).map_err(|e| refuse(e.to_string()))?;

@@ -8,9 +8,11 @@ use crate::registry::Registry;
 use crate::validate;
 use eyot_core::process::{Entry, Generator, Process, Scheduled};
 use eyot_core::{Georeference, Grid, Limits};
+use eyot_rules::{Acting, TextRule};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Where a recipe came from: enough to read it again after a resume.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -112,11 +114,20 @@ pub struct SimulateStep {
     pub processes: Vec<ProcessUse>,
 }
 
+/// What acts in a step.
+#[derive(Clone)]
+pub enum Actor {
+    /// A process that comes with Eyot.
+    Process(&'static Entry<dyn Process>),
+    /// A rule of the recipe's own.
+    Rule(Arc<TextRule>),
+}
+
 /// A process with its parameters in a step.
 #[derive(Clone)]
 pub struct ProcessUse {
     /// The process.
-    pub entry: &'static Entry<dyn Process>,
+    pub actor: Actor,
     /// Its parameters, checked.
     pub parameters: Value,
     /// It acts in every n-th step.
@@ -145,11 +156,62 @@ impl SimulateStep {
     }
 }
 
+impl Actor {
+    /// Its name in recipes.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Process(entry) => entry.name,
+            Self::Rule(rule) => rule.name,
+        }
+    }
+
+    /// JSON Schema of its parameters.
+    pub(crate) fn schema(&self) -> Value {
+        let rule = match self {
+            Self::Process(entry) => return (entry.schema)().to_value(),
+            Self::Rule(rule) => rule,
+        };
+        let parameter = |(name, value): &(String, f32)| {
+            let about = "A parameter of the recipe's own rule.";
+            (name.clone(), json!({ "type": "number", "format": "float", "default": value, "description": about }))
+        };
+        let properties: serde_json::Map<String, Value> = rule.parameters.iter().map(parameter).collect();
+        json!({ "type": "object", "properties": properties })
+    }
+
+    /// Keys of the literature behind it.
+    pub(crate) fn cites(&self) -> &'static [&'static str] {
+        match self {
+            Self::Process(entry) => entry.cites,
+            Self::Rule(_) => &[],
+        }
+    }
+
+    /// The process; parameters that are missing have their defaults.
+    pub(crate) fn make(&self, parameters: &Value) -> Result<Box<dyn Process>, serde_json::Error> {
+        match self {
+            Self::Process(entry) => (entry.make)(parameters.clone()),
+            Self::Rule(rule) => {
+                let value = |(name, usual): &(String, f32)| parameters[name].as_f64().map_or(*usual, |v| v as f32);
+                let values = rule.parameters.iter().map(value).collect();
+                Ok(Box::new(Acting { rule: Arc::clone(rule), values }))
+            }
+        }
+    }
+}
+
+impl ProcessUse {
+    /// The process with its parameters.
+    pub(crate) fn make(&self) -> Result<Box<dyn Process>, serde_json::Error> {
+        self.actor.make(&self.parameters)
+    }
+}
+
 /// The processes that are switched on, ready for the engine.
 pub(crate) fn schedule(uses: &[ProcessUse]) -> Result<Vec<Scheduled>, eyot_core::Error> {
     let scheduled = |u: &ProcessUse| {
-        let process = (u.entry.make)(u.parameters.clone()).map_err(|e| unfit(u.entry.name, &e))?;
-        Ok(Scheduled { name: u.entry.name, process, every: u.every.max(1) })
+        let process = u.make().map_err(|e| unfit(u.actor.name(), &e))?;
+        Ok(Scheduled { name: u.actor.name(), process, every: u.every.max(1) })
     };
     uses.iter().filter(|u| u.enabled).map(scheduled).collect()
 }

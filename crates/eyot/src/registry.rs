@@ -1,8 +1,10 @@
 //! Every generator and process that recipes can name, in one place.
 
 use crate::import::IMPORT;
+use eyot_climate::PROCESSES as CLIMATE;
 use eyot_core::process::{Entry, Generator, Process};
 use eyot_land::{generate::GENERATORS, simulate::PROCESSES};
+use eyot_plates::PROCESSES as TECTONICS;
 
 /// Keys of a generating step that are not the generator's own.
 pub(crate) const GENERATE_KEYS: [&str; 9] =
@@ -12,7 +14,8 @@ pub(crate) const SIMULATE_KEYS: [&str; 5] = ["name", "about", "enabled", "simula
 /// Keys of a process's table that are not the process's own.
 pub(crate) const SCHEDULE_KEYS: [&str; 2] = ["every", "enabled"];
 /// Tables and keys of a document that are neither a process nor the name of a step.
-pub(crate) const DOCUMENT_KEYS: [&str; 8] = ["name", "about", "seed", "sea_level", "grid", "step", "export", "view"];
+pub(crate) const DOCUMENT_KEYS: [&str; 10] =
+    ["name", "about", "seed", "sea_level", "grid", "layer", "rule", "step", "export", "view"];
 
 /// The generators and processes that a recipe may use.
 #[derive(Clone)]
@@ -32,7 +35,8 @@ impl Registry {
     pub fn standard() -> Self {
         let mut generators: Vec<_> = GENERATORS.iter().filter(|e| e.name != IMPORT.name).collect();
         generators.push(&IMPORT);
-        Self { generators, processes: PROCESSES.iter().collect() }
+        let processes = PROCESSES.iter().chain(CLIMATE).chain(TECTONICS).chain(eyot_reef::PROCESSES).collect();
+        Self { generators, processes }
     }
 
     /// Only what is given, and the import of files.

@@ -1,6 +1,6 @@
 //! A run: a thread that works, commands that go in and events that come out.
 
-use crate::backend::io::{self, checkpoint};
+use crate::backend::io::{self, timeline::Record};
 use crate::drive::Driver;
 use crate::engines::EngineOptions;
 use crate::error::RunError;
@@ -10,8 +10,9 @@ use crate::process_set;
 use crate::recipe::{ProcessUse, Recipe, Work};
 use crate::registry::Registry;
 use crate::state::State;
-use crate::store::{self, REPORT_FILE};
+use crate::store::{self, REPORT_FILE, TIMELINE_STORE};
 use crate::stream::{self, Stream};
+use crate::timeline;
 use eyot_core::{Cancel, Limits, World};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -41,6 +42,8 @@ pub struct RunOptions {
     pub restart: bool,
     /// Commands of an earlier run that are to be given again at the same steps.
     pub replay: Vec<JournalEntry>,
+    /// How the run is recorded, if it is; a resumed run goes on with the recording in its folder without being told.
+    pub record: Option<Record>,
 }
 
 impl Default for RunOptions {
@@ -56,6 +59,7 @@ impl Default for RunOptions {
             paused: false,
             restart: false,
             replay: Vec::new(),
+            record: None,
         }
     }
 }
@@ -143,8 +147,8 @@ impl Run {
     /// Finds what [`Run::start`] would refuse beside the folder for the results, and says whether the run would be streamed.
     ///
     /// # Errors
-    /// If the options ask for a streamed run, or one in one piece, and it cannot be, or if the commands to be given again do
-    /// not fit the recipe.
+    /// If the options ask for a streamed run, or one in one piece, or a recording, and it cannot be, or if the commands to be
+    /// given again do not fit the recipe.
     pub fn check(recipe: &Recipe, options: &RunOptions) -> Result<bool, RunError> {
         let mut steps: Vec<(usize, Vec<ProcessUse>)> = Vec::new();
         for step in recipe.enabled_steps() {
@@ -159,6 +163,7 @@ impl Run {
             };
             process_set::apply(uses, &entry.set, &recipe.grid, &|_| true).map_err(|p| misfit(p.to_string()))?;
         }
+        timeline::check(recipe, options)?;
         stream::chosen(recipe, options)
     }
 
@@ -178,14 +183,18 @@ impl Run {
                 std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
             }
         }
+        let mut warnings = Vec::new();
+        if let Some(out) = &options.out {
+            warnings.extend(remove_recording(out, options.record.is_some())?);
+        }
         let mut world = World::new(recipe.grid, recipe.seed);
         world.sea_level_m = recipe.sea_level_m;
         world.georeference = recipe.georeference.clone();
         let state = State { streamed, ..State::new(&recipe, options.replay.clone()) };
-        launch(recipe, options, world, state, lock, Vec::new())
+        launch(recipe, options, world, state, lock, warnings)
     }
 
-    /// Continues a stopped run at the exact step.
+    /// Continues a stopped run at the exact step: that of its checkpoint, or of the last recorded frame if it is later.
     ///
     /// # Errors
     /// If another run works in the folder, it holds no stopped run, the checkpoint is damaged, the recipe no longer passes its checks, or as
@@ -199,15 +208,13 @@ impl Run {
         let lock = prepare_folder(folder)?;
         let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
         let damaged = |reason: String| RunError::Checkpoint { folder: folder.to_owned(), reason };
-        let saved = checkpoint::load(&path, &options.limits).map_err(|e| damaged(e.to_string()))?;
-        let state: State = serde_json::from_value(saved.state)
-            .map_err(|e| damaged(format!("`{}` holds no state of a run: {e}", path.display())))?;
+        let mut warnings = Vec::new();
+        let (saved, state) = timeline::latest(folder, &path, &options.limits, &mut warnings).map_err(damaged)?;
         let recipe =
             Recipe::parse(state.source(saved.recipe_toml), state.overrides.clone(), registry, &options.limits)?;
         if state.done_steps > recipe.steps.len() || saved.world.grid != recipe.grid {
             return Err(damaged(format!("`{}` does not fit its recipe", path.display())));
         }
-        let mut warnings = Vec::new();
         if saved.engine_version != crate::VERSION {
             let message = format!(
                 "the checkpoint was written by version {}, this is {}; the result may differ from a run in one piece",
@@ -218,11 +225,22 @@ impl Run {
         }
         let stream = if state.streamed { Stream::Always } else { options.stream };
         let options = RunOptions { out: Some(folder.to_owned()), stream, ..options };
+        timeline::check(&recipe, &options)?;
         if state.streamed {
             stream::chosen(&recipe, &options)?;
         }
         launch(recipe, options, saved.world, state, Some(lock), warnings)
     }
+}
+
+/// Removes the recording of an earlier run, whose frames are none of the new one's. Says so.
+fn remove_recording(out: &Path, is_in_the_way: bool) -> Result<Option<String>, RunError> {
+    let path = out.join(TIMELINE_STORE);
+    let was_one = io::timeline::is_recording(&path);
+    if was_one || is_in_the_way {
+        io::timeline::remove(&path).map_err(RunError::input)?;
+    }
+    Ok(was_one.then(|| format!("`{}` of an earlier run was removed", path.display())))
 }
 
 fn prepare_folder(folder: &Path) -> Result<FolderLock, RunError> {

@@ -19,6 +19,14 @@ pub fn recipe_schema(registry: &Registry) -> Value {
     };
     let p = &mut document["properties"];
     p["grid"] = table(schema_of::<keys::Grid>().to_value());
+    for (key, what, schema) in [
+        ("layer", "Layers of the recipe's own.", schema_of::<keys::Layer>()),
+        ("rule", "Rules of the recipe's own.", schema_of::<keys::Rule>()),
+    ] {
+        let mut items = table(schema.to_value());
+        items["required"] = json!(["name"]);
+        p[key] = json!({ "description": what, "type": "array", "items": items });
+    }
     p["step"] = json!({ "description": "What to do, in order.", "type": "array", "minItems": 1, "items": { "type": "object", "anyOf": steps } });
     p["export"] = json!({ "description": "Files to write when the run is done.", "type": "array", "items": table(schema_of::<keys::Export>().to_value()) });
     p["view"] = table(schema_of::<keys::View>().to_value());
@@ -46,9 +54,11 @@ fn generate(name: &str, schema: &Value) -> Value {
 fn simulate(registry: &Registry) -> Value {
     let mut own = schema_of::<keys::Simulate>().to_value();
     let names: Vec<&str> = registry.process_names().collect();
+    // Beside those of the registry there are the layers and rules of the recipe's own.
+    let name = json!({ "anyOf": [{ "enum": names }, { "type": "string", "pattern": "^[a-z_][a-z0-9_]*$" }] });
     own["properties"]["simulate"] = json!({
         "description": "The processes, in the order in which they act within one step.",
-        "anyOf": [{ "enum": names }, { "type": "array", "items": { "enum": names }, "minItems": 1, "uniqueItems": true }],
+        "anyOf": [name, { "type": "array", "items": name, "minItems": 1, "uniqueItems": true }],
     });
     let schedule = schema_of::<keys::Schedule>().to_value()["properties"].as_object().cloned().unwrap_or_default();
     for e in registry.processes() {
@@ -60,7 +70,10 @@ fn simulate(registry: &Registry) -> Value {
     }
     own["title"] = json!("simulate = [...]");
     own["required"] = json!(["simulate"]);
-    finish(own)
+    let mut step = finish(own);
+    step["additionalProperties"] =
+        json!({ "type": "object", "description": "Parameters of a rule of the recipe's own." });
+    step
 }
 
 fn finish(mut schema: Value) -> Value {

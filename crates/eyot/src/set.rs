@@ -58,7 +58,7 @@ pub(crate) fn parse(flag: &str, source: usize) -> (String, Result<Node, Vec<Diag
 
 fn place(doc: &mut Node, key: &Key, value: &Node, registry: &Registry) -> Result<(), Diagnostic> {
     let name = key.name.as_str();
-    if name == "step" || name == "export" {
+    if ["step", "export", "layer", "rule"].contains(&name) {
         return into_element(doc, key, value);
     }
     if DOCUMENT_KEYS.contains(&name) {
@@ -72,7 +72,7 @@ fn place(doc: &mut Node, key: &Key, value: &Node, registry: &Registry) -> Result
         doc.put(key, value.clone());
         return Ok(());
     }
-    if registry.process(name).is_some() {
+    if registry.process(name).is_some() || declares(doc, name) {
         let mut found = false;
         for step in steps_mut(doc) {
             if simulates(step, name) {
@@ -154,6 +154,12 @@ fn nobody(key: &Key, verb: &str, doc: &mut Node) -> Diagnostic {
     let targets = targets(doc).join(", ");
     Diagnostic::at(key.span.clone(), format!("no step of this recipe {verb} `{}`", key.name), "not in this recipe")
         .help(format!("this recipe has: {targets}"))
+}
+
+/// True if the recipe has a layer or rule of its own of that name.
+fn declares(doc: &Node, name: &str) -> bool {
+    let lists = ["layer", "rule"].into_iter().filter_map(|key| doc.get(key));
+    lists.flat_map(Node::elements).any(|item| item.get("name").and_then(Node::text) == Some(name))
 }
 
 fn entry_mut<'a>(doc: &'a mut Node, name: &str) -> Option<&'a mut Node> {

@@ -32,6 +32,9 @@ pub(crate) struct State {
     /// Exports of a streamed run that are written, switched-off ones included.
     #[serde(default)]
     pub(crate) done_exports: usize,
+    /// True if the run was set back and has not gone on since: recorded frames may be later than it is.
+    #[serde(default)]
+    pub(crate) rewound: bool,
 }
 
 impl State {
@@ -50,7 +53,24 @@ impl State {
             finished: false,
             streamed: false,
             done_exports: 0,
+            rewound: false,
         }
+    }
+
+    /// How far the run is: steps of the recipe, and steps of the simulation under way.
+    pub(crate) fn place(&self) -> (usize, u64) {
+        (self.done_steps, self.done)
+    }
+
+    /// All changes by hand, those that are still to be made last.
+    pub(crate) fn changes(&self) -> Vec<JournalEntry> {
+        self.journal.iter().chain(&self.replay).cloned().collect()
+    }
+
+    /// This earlier moment of a run with all its `changes`, from where it goes on: later ones are made again, or forgotten.
+    pub(crate) fn again(self, changes: &[JournalEntry], forget: bool) -> Self {
+        let later = if forget { Vec::new() } else { changes.iter().skip(self.journal.len()).cloned().collect() };
+        Self { replay: later, rewound: true, ..self }
     }
 
     /// The same without anything that differs between two runs of one recipe: what a finished world carries.

@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 pub const WORLD_FILE: &str = "world.eyot";
 /// Where a stopped run can be continued from.
 pub const CHECKPOINT_FILE: &str = "checkpoint.eyot";
+/// The recording of a run.
+pub const TIMELINE_STORE: &str = "timeline.zarr";
 /// The land as a camera sees it.
 pub const PREVIEW_FILE: &str = "preview.png";
 /// The land from above.
@@ -50,7 +52,7 @@ pub struct Opened {
 /// # Errors
 /// If there is nothing that can be opened; the text says what would be right.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
-    open_with(path, &ReadOptions::default(), limits)
+    open_with(path, &ReadOptions { bare_numbers: true, ..ReadOptions::default() }, limits)
 }
 
 /// As [`open`], with what a height map itself leaves open.
@@ -73,12 +75,12 @@ pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<
     if path.extension().is_some_and(|e| e == "eyot") {
         return saved(path, limits);
     }
-    let raster = import::read(&path.display().to_string(), options, limits).map_err(unusable)?;
+    let raster = import::read(&path.display().to_string(), options, limits).map_err(RunError::input)?;
     of_raster(raster, path, limits)
 }
 
 /// The world of a height map.
-pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Result<Opened, RunError> {
+pub(crate) fn of_raster(mut raster: io::Raster, path: &Path, limits: &Limits) -> Result<Opened, RunError> {
     let (dx, dy) = raster.cell_m.unwrap_or((1.0, 1.0));
     let grid = Grid {
         width: raster.field.width(),
@@ -88,7 +90,10 @@ pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Res
         rim: Rim::CLOSED,
     };
     let grid = grid.checked(limits).map_err(RunError::input)?;
-    let notes = notes(&raster);
+    let mut notes = notes(&raster, false);
+    if raster.to_metres() {
+        notes.push("heights in feet were turned into metres".to_owned());
+    }
     let mut world = World::new(grid, 0);
     world.georeference = raster.georeference;
     world.put(&known::HEIGHT, raster.field).map_err(RunError::input)?;
@@ -97,15 +102,23 @@ pub(crate) fn of_raster(raster: io::Raster, path: &Path, limits: &Limits) -> Res
     Ok(Opened { world, file: path.to_owned(), has_sea: false, notes })
 }
 
-/// What one should know of a height map.
-pub(crate) fn notes(raster: &io::Raster) -> Vec<String> {
+/// What one should know of a height map; `holes_stay` if what is made of it marks missing cells.
+pub(crate) fn notes(raster: &io::Raster, holes_stay: bool) -> Vec<String> {
     let mut notes = Vec::new();
     if raster.cell_m.is_none() {
         notes
             .push("the file does not say how large its cells are; 1 m is assumed (eyot convert has --cell)".to_owned());
     }
-    if raster.filled > 0 {
-        notes.push(format!("{} cells without a value were filled from their neighbours", raster.filled));
+    if raster.numbers == io::Numbers::Bare {
+        notes.push(
+            "the file does not say which heights its whole numbers stand for; metres are assumed (eyot convert has \
+             --from-range)"
+                .to_owned(),
+        );
+    }
+    if raster.missing.is_some() {
+        let fate = if holes_stay { "stay without one" } else { "were filled from their neighbours" };
+        notes.push(format!("{} cells without a value {fate}", raster.filled()));
     }
     if raster.rounded_by > 0.0 {
         let by = raster.rounded_by;
@@ -144,7 +157,7 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, RunError>> 
 }
 
 fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
-    let saved = checkpoint::load(file, limits).map_err(|e| unusable(e.to_string()))?;
+    let saved = checkpoint::load(file, limits).map_err(RunError::input)?;
     let mut notes = Vec::new();
     if saved.state["finished"] != Value::Bool(true) {
         notes.push("this run is not finished; this is its last checkpoint".to_owned());
@@ -171,17 +184,22 @@ pub enum Subject<'a> {
 /// If `path` has another extension than `.png`, the layer is not there, the picture exceeds the limits, or the file cannot be
 /// written, which is found out first.
 pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, limits: &Limits) -> Result<(), RunError> {
+    check_picture_name(path)?;
+    if let Subject::Layer(name) = subject {
+        world.layer(name).map_err(RunError::input)?;
+    }
+    let picture =
+        outputs::draw(world, options, subject, limits, &Control::none()).map_err(|e| RunError::File(e.to_string()))?;
+    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
+}
+
+/// Fails unless a PNG picture can be written to `path`.
+pub(crate) fn check_picture_name(path: &Path) -> Result<(), RunError> {
     if let Some(other) = path.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
         let reason = format!("`{}` would be a PNG picture that is called .{}", path.display(), other.display());
         return Err(RunError::Input { reason, help: Some("give it a name that ends in .png") });
     }
-    if let Subject::Layer(name) = subject {
-        world.layer(name).map_err(RunError::input)?;
-    }
-    io::check_place(path).map_err(|e| RunError::File(e.to_string()))?;
-    let picture =
-        outputs::draw(world, options, subject, limits, &Control::none()).map_err(|e| RunError::File(e.to_string()))?;
-    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::File(e.to_string()))
+    io::check_place(path).map_err(|e| RunError::File(e.to_string()))
 }
 
 /// Something that cannot be opened.
@@ -190,7 +208,7 @@ fn unusable(reason: String) -> RunError {
     RunError::Input { reason, help: Some(help) }
 }
 
-/// Statistics of a world's terrain.
+/// Statistics of a world's terrain, and of its climate if it has one.
 ///
 /// # Errors
 /// If the world has no height, or one that cannot be measured within the limits.
@@ -199,5 +217,13 @@ pub fn stats(opened: &Opened, limits: &Limits) -> Result<Value, RunError> {
     let height = &world.layer("height").map_err(RunError::input)?.field;
     let sea = opened.has_sea.then_some(world.sea_level_m);
     let stats = analyse::terrain_stats(height, &world.grid, sea, &analyse::TerrainOptions::default(), limits);
-    serde_json::to_value(stats.map_err(RunError::file)?).map_err(|e| RunError::Fault(e.to_string()))
+    let fault = |e: serde_json::Error| RunError::Fault(e.to_string());
+    let mut all = serde_json::to_value(stats.map_err(RunError::file)?).map_err(fault)?;
+    if let Some(planet) = eyot_climate::stats::planet(world) {
+        all["planet"] = serde_json::to_value(planet).map_err(fault)?;
+    }
+    if let Some(plates) = eyot_plates::report(world).map_err(RunError::file)? {
+        all["plates"] = serde_json::to_value(plates).map_err(fault)?;
+    }
+    Ok(all)
 }

@@ -4,6 +4,7 @@ mod common;
 
 use common::{json, raster, recipe, run};
 use eyot::convert::{ConvertOptions, convert};
+use eyot::core::CoordinateSystem;
 use eyot::io::{About, ByteOrder, RasterFormat, ReadOptions, RowOrder, Sample, WriteOptions, write_rows, write_store};
 use eyot::{Field, Georeference, Limits, Preset, RunError};
 use std::path::{Path, PathBuf};
@@ -46,7 +47,8 @@ fn rasters() -> Vec<(&'static str, Field, About)> {
         tags: [("SOURCE".to_owned(), "USGS <public domain>".to_owned())].into(),
         range: None,
     };
-    let place = |transform, epsg, geographic, nodata| Some(Georeference { transform, epsg, geographic, nodata });
+    let place =
+        |transform, epsg, geographic, nodata| Some(Georeference { transform, epsg, geographic, nodata, system: None });
     let utm = place([499_980.0, 30.0, 0.0, 4_000_020.0, 0.0, -30.0], Some(32611), false, Some(-32768.0));
     let (s, c) = 0.3f64.sin_cos();
     let turned = place([5e5, 25.0 * c, 25.0 * s, 4e6, 25.0 * s, -25.0 * c], Some(25832), false, None);
@@ -396,7 +398,7 @@ fn what_is_lost_is_said() {
     assert!(e.contains("column 0, row 0 is NaN") && e.contains("--nodata"), "{e}");
     let nan = ReadOptions { nodata: Some(f64::NAN), ..ReadOptions::default() };
     let said = notes("holes.npy", &ConvertOptions { read: nan, ..plain() });
-    assert!(said.contains("4 cells without a value were filled"), "{said}");
+    assert!(said.contains("4 cells without a value stay without one"), "{said}");
     assert!(raster(&at("o.tif")).field.iter().all(|v| v == -3.0));
     // The marker of other programs, which is far beyond 32 bits, is no rounding.
     npy64(&at("marked.npy"), (4, 4), |i| if i == 3 { -f64::MAX } else { 0.25 });
@@ -411,5 +413,157 @@ fn what_is_lost_is_said() {
     );
     assert!(e.contains("every cell is marked as missing"), "{e}");
     npy64(&at("huge.npy"), (2, 2), |_| 1e300);
-    assert!(refused(&at("huge.npy"), &at("o.tif"), &plain()).contains("inf"));
+    assert!(refused(&at("huge.npy"), &at("o.tif"), &plain()).contains("do not fit the 32 bits"));
+}
+
+/// An Albers projection as its parameters, without a code, and WGS 84 with heights above the EGM2008 geoid.
+fn systems() -> [(Option<u32>, bool, CoordinateSystem); 2] {
+    let keys = |directory: &[u16], doubles: &[f64], ascii: &str| CoordinateSystem::GeoKeys {
+        directory: directory.to_vec(),
+        doubles: doubles.to_vec(),
+        ascii: ascii.to_owned(),
+    };
+    let albers = [
+        [1, 1, 0, 7],
+        [1024, 0, 1, 1],
+        [1025, 0, 1, 1],
+        [1026, 34737, 8, 0],
+        [3072, 0, 1, 32767],
+        [3075, 0, 1, 11],
+        [3076, 0, 1, 9001],
+        [3078, 34736, 1, 0],
+    ];
+    let compound = [[1, 1, 1, 4], [1024, 0, 1, 2], [1025, 0, 1, 1], [2048, 0, 1, 4326], [4096, 0, 1, 3855]];
+    [
+        (None, false, keys(albers.as_flattened(), &[29.5], "Albers 7|")),
+        (Some(4326), true, keys(compound.as_flattened(), &[], "")),
+    ]
+}
+
+#[test]
+fn coordinate_systems_without_a_code_survive() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for (epsg, geographic, system) in systems() {
+        let (step, scale) = if geographic { (0.01, 1113.0) } else { (30.0, 30.0) };
+        let transform = [-84.0, step, 0.0, 36.0, 0.0, -step];
+        let place = Georeference { transform, epsg, geographic, nodata: Some(-9999.0), system: Some(system) };
+        let about = About {
+            name: "height".to_owned(),
+            unit: "m".to_owned(),
+            cell_m: (scale, scale),
+            georeference: Some(place.clone()),
+            ..About::default()
+        };
+        let options = WriteOptions::default();
+        write_rows(&at("a.tif"), &mut &heights(9, 7), &about, RasterFormat::GeoTiff, &options).unwrap();
+        assert_eq!(raster(&at("a.tif")).georeference, Some(place.clone()));
+        for format in RasterFormat::ALL {
+            let (there, back) = (at(&format!("there.{}", format.extension())), at("back.tif"));
+            let notes = go(&at("a.tif"), &there, &plain());
+            // What others do not find is said.
+            assert_eq!(
+                notes.iter().any(|n| n.contains("only Eyot finds it")),
+                format == RasterFormat::Zarr,
+                "{notes:?}"
+            );
+            assert_eq!(go(&there, &back, &plain()), Vec::<String>::new());
+            assert_eq!(raster(&back).georeference, Some(place.clone()), "{}", format.name());
+        }
+        // Through a recipe, with the same cells and with others.
+        let text = "[grid]\nfrom = \"FILE\"\n[[step]]\ngenerate = \"import\"\nfile = \"FILE\"\n[[export]]\nformat = \
+                    \"geotiff\"\n[view]\nenabled = false\n";
+        let text = text.replace("FILE", &at("a.tif").display().to_string());
+        run(recipe(&text, &[]), &at("run"));
+        let found = raster(&at("run/height.tif")).georeference.unwrap();
+        assert_eq!((found.system, found.epsg), (place.system, epsg));
+        std::fs::remove_dir_all(at("run")).unwrap();
+    }
+    // Words that a GeoTIFF has no place for: kept where they can be, and missed aloud.
+    let words = CoordinateSystem::Text("PROJCS[\"mine\",UNIT[\"metre\",1,AUTHORITY[\"EPSG\",\"9001\"]]]".to_owned());
+    let place =
+        Georeference { transform: [5.0, 2.0, 0.0, 9.0, 0.0, -2.0], system: Some(words), ..Georeference::default() };
+    let about =
+        About { name: "height".to_owned(), cell_m: (2.0, 2.0), georeference: Some(place.clone()), ..About::default() };
+    write_rows(&at("w.zarr"), &mut &heights(9, 7), &about, RasterFormat::Zarr, &WriteOptions::default()).unwrap();
+    assert_eq!(go(&at("w.zarr"), &at("w2.zarr"), &plain()), Vec::<String>::new());
+    assert_eq!(raster(&at("w2.zarr")).georeference, Some(place));
+    assert!(go(&at("w2.zarr"), &at("w.tif"), &plain()).join("").contains("is lost"));
+}
+
+/// Whole numbers keep their values in 16 bits, and numbers of 16 bits come back from any format of floats.
+#[test]
+fn whole_numbers_stay_themselves() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let npy = |name: &str, descr: &str, bytes: Vec<u8>| {
+        let mut text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': (2, 4), }}");
+        text = format!("{text:<117}\n");
+        let head = [b"\x93NUMPY\x01\x00", &(text.len() as u16).to_le_bytes()[..], text.as_bytes()].concat();
+        std::fs::write(at(name), [head, bytes].concat()).unwrap();
+    };
+    let (small, signed) = ([7u16, 0, 300, 65535, 12, 90, 1000, 4242], [-7i16, 0, 300, -32768, 32767, 90, 1, -1]);
+    npy("u.npy", "<u2", small.iter().flat_map(|n| n.to_le_bytes()).collect());
+    npy("part.npy", "<u2", small.iter().flat_map(|n| (n / 2 + 5).to_le_bytes()).collect());
+    npy("i.npy", "<i2", signed.iter().flat_map(|n| n.to_le_bytes()).collect());
+    npy("b.npy", "|u1", small.iter().map(|n| *n as u8).collect());
+    for source in ["u.npy", "part.npy", "i.npy", "b.npy"] {
+        for to in ["o.png", "o.r16"] {
+            go(&at(source), &at(to), &ConvertOptions { cell_m: Some((1.0, 1.0)), ..plain() });
+            assert_eq!(raster(&at(to)).field, raster(&at(source)).field, "{source} -> {to}");
+        }
+    }
+    go(&at("part.npy"), &at("o.r16"), &plain());
+    let numbers = |n: &u16| (n / 2 + 5).to_le_bytes();
+    assert_eq!(std::fs::read(at("o.r16")).unwrap(), small.iter().flat_map(numbers).collect::<Vec<_>>());
+    // A scale that the values do not fill.
+    let scaled = ConvertOptions { range: Some((-100.0, 1234.5)), ..plain() };
+    let land = Field::from_fn(9, 6, |x, y| (x * y) as f32 * 3.7);
+    let about = About { name: "height".to_owned(), cell_m: (2.0, 2.0), ..About::default() };
+    write_rows(&at("land.tif"), &mut &land, &about, RasterFormat::GeoTiff, &WriteOptions::default()).unwrap();
+    go(&at("land.tif"), &at("a.r16"), &scaled);
+    for format in RasterFormat::ALL {
+        let there = at(&format!("there.{}", format.extension()));
+        go(&at("a.r16"), &there, &plain());
+        assert!(raster(&there).tags.is_empty(), "{:?}", raster(&there).tags);
+        go(&there, &at("back.r16"), &plain());
+        assert_eq!(std::fs::read(at("back.r16")).unwrap(), std::fs::read(at("a.r16")).unwrap(), "{}", format.name());
+        let (low, high) = raster(&at("back.r16")).scale.unwrap();
+        assert_eq!((low, high), (-100.0, 1234.5), "{}", format.name());
+    }
+}
+
+/// Heights in feet are never taken for metres, and a conversion leaves them as they are.
+#[test]
+fn feet_are_no_metres() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let feet = Field::from_fn(8, 8, |x, y| 1000.0 + (x * y) as f32);
+    for (unit, factor) in [("ft", 0.3048), ("US survey foot", 1200.0 / 3937.0), ("m", 1.0), ("kg", 1.0)] {
+        let about = About { name: "height".to_owned(), unit: unit.to_owned(), cell_m: (5.0, 5.0), ..About::default() };
+        write_rows(&at("a.tif"), &mut &feet, &about, RasterFormat::GeoTiff, &WriteOptions::default()).unwrap();
+        go(&at("a.tif"), &at("a.exr"), &plain());
+        assert_eq!((&raster(&at("a.exr")).field, &*raster(&at("a.exr")).unit), (&feet, unit));
+        let opened = eyot::store::open(&at("a.exr"), &Limits::default()).unwrap();
+        let metres = Field::from_fn(8, 8, |x, y| (f64::from(feet.get(x, y)) * factor) as f32);
+        assert_eq!(opened.world.get("height").unwrap(), &metres, "{unit}");
+        assert_eq!(opened.notes.iter().any(|n| n.contains("feet")), factor != 1.0);
+        let text = format!(
+            "[grid]\nsize = 8\n[[step]]\ngenerate = \"import\"\nfile = '{}'\n[view]\nenabled = false\n",
+            at("a.tif").display()
+        );
+        assert_eq!(run(recipe(&text, &[]), &at("run")).get("height").unwrap(), &metres, "{unit}");
+        std::fs::remove_dir_all(at("run")).unwrap();
+    }
+}
+
+/// Names in files of others stay in the folder that they are written to.
+#[test]
+fn names_of_layers_do_not_leave_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let about = About { name: "../up".to_owned(), cell_m: (5.0, 5.0), ..About::default() };
+    write_rows(&at("a.npy"), &mut &heights(4, 4), &about, RasterFormat::Npy, &WriteOptions::default()).unwrap();
+    let e = refused(&at("a.npy"), &at("deep/gis"), &ConvertOptions { preset: Some(Preset::Gis), ..plain() });
+    assert!(e.contains("cannot name a file") && !at("deep").exists(), "{e}");
 }

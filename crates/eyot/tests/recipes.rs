@@ -118,12 +118,13 @@ fn number(m: &Map<String, Value>, name: &str) -> f64 {
 #[test]
 fn built_in_recipes_make_the_land_they_promise() {
     let mut found = Map::new();
-    for recipe in RECIPES {
+    // The others have measures and tests of their own: `own_rules.rs`, `climates.rs`, `corals.rs`, and those of the plates' crate.
+    let others = ["world", "iceage", "locked", "earth", "pangaea", "reef"];
+    for recipe in RECIPES.iter().filter(|r| !r.text.contains("[[layer]]") && !others.contains(&r.name)) {
         // The size of a measured map is given, and nothing of it is grown: a few steps show that it runs.
-        let world = if recipe.name == "real" {
-            run("real", None, &["rain.steps=60"])
-        } else {
-            run(recipe.name, Some((128, None)), &[])
+        let world = match recipe.name {
+            "real" => run("real", None, &["rain.steps=60"]),
+            name => run(name, Some((128, None)), &[]),
         };
         found.insert(recipe.name.to_owned(), Value::Object(measures(&world)));
     }

@@ -4,6 +4,7 @@
 //! coarsest overview, and so on up to full resolution. Memory holds one band of tiles for each level.
 
 mod directory;
+pub(crate) mod keys;
 pub(crate) mod metadata;
 mod pyramid;
 
@@ -11,7 +12,7 @@ use crate::about::About;
 use crate::atomic::{put, watched, write_atomically};
 use crate::error::{Error, Result};
 use crate::format::{WriteOptions, size_u32};
-use crate::rows::{Rows, band_rows, each_band};
+use crate::rows::{Rows, band_rows, each_band, each_marked_band};
 use directory::{Tagged, directory, header, header_bytes};
 use metadata::{GDAL_METADATA, Metadata, TEXTS};
 use pyramid::{Level, Pyramid, TILE};
@@ -27,8 +28,8 @@ BLOCK_LEADER=SIZE_AS_UINT4\n\
 BLOCK_TRAILER=LAST_4_BYTES_REPEATED\n\
 KNOWN_INCOMPATIBLE_EDITION=NO\n ";
 
-/// Writes the values, all of which are valid, so the nodata value must be one that does not occur: the caller's, or the
-/// source file's, -9999, or the lowest `f32`, whichever is free first.
+/// Writes the values. The nodata value must be one that does not occur: the caller's, or the source file's, -9999, or the
+/// lowest `f32`, whichever is free first.
 pub(crate) fn write(path: &Path, rows: &mut dyn Rows, about: &About, options: &WriteOptions) -> Result<()> {
     let (width, height) = rows.size();
     size_u32(path, width, height)?;
@@ -37,9 +38,10 @@ pub(crate) fn write(path: &Path, rows: &mut dyn Rows, about: &About, options: &W
     more.extend(words(about));
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let spool = |e| Error::io(folder, "write temporary data to")(e);
+    let holes = nodata.filter(|_| rows.missing().is_some());
     write_atomically(path, |file| {
-        let mut pyramid = Pyramid::new(width, height, folder).map_err(spool)?;
-        each_band(path, rows, TILE, |_, band| pyramid.push(band).map_err(spool))?;
+        let mut pyramid = Pyramid::new(width, height, holes, folder).map_err(spool)?;
+        each_marked_band(path, rows, TILE, holes, |_, band| pyramid.push(band).map_err(spool))?;
         let head = head(&pyramid.levels, nodata, &more);
         watched(file, path, |mut out| {
             put(&mut out, path, &head)?;
@@ -124,7 +126,10 @@ fn place(about: &About, height: usize) -> Vec<(u16, Tagged)> {
     // GeoTIFF keys have 16 bits; larger codes are not EPSG's own and cannot be said. Without a code nothing is said:
     // that pixels are areas is the default, and saying so makes GDAL invent a local system of unknown unit.
     let code = about.georeference.as_ref().and_then(|g| Some((u16::try_from(g.epsg?).ok()?, g.geographic)));
-    if let Some((code, geographic)) = code {
+    let system = about.georeference.as_ref().and_then(|g| keys::tags(g.system.as_ref()?));
+    if let Some(keys) = system {
+        tags.extend(keys);
+    } else if let Some((code, geographic)) = code {
         let (model, key) = if geographic { (2, 2048) } else { (1, 3072) };
         let keys = vec![1, 1, 0, 3, 1024, 0, 1, model, 1025, 0, 1, 1, key, 0, 1, code];
         tags.push((34735, Tagged::Short(keys)));

@@ -41,11 +41,13 @@ pub(super) struct Level {
 /// Full resolution and overviews, each half of the one before, down to a single tile.
 pub(super) struct Pyramid {
     pub(super) levels: Vec<Level>,
+    /// Value of the cells that are missing, if some are.
+    holes: Option<f32>,
 }
 
 impl Pyramid {
     /// An empty pyramid. Its temporary files lie in `folder`, where the result will need the same space again.
-    pub(super) fn new(width: usize, height: usize, folder: &Path) -> io::Result<Self> {
+    pub(super) fn new(width: usize, height: usize, holes: Option<f32>, folder: &Path) -> io::Result<Self> {
         let sizes = std::iter::successors(Some((width, height)), |&(w, h)| {
             (w.max(h) > TILE).then(|| (w.div_ceil(2), h.div_ceil(2)))
         });
@@ -60,12 +62,12 @@ impl Pyramid {
                 rows_done: 0,
             })
         };
-        Ok(Self { levels: sizes.map(level).collect::<io::Result<_>>()? })
+        Ok(Self { levels: sizes.map(level).collect::<io::Result<_>>()?, holes })
     }
 
     /// Takes the next rows of the full resolution.
     pub(super) fn push(&mut self, rows: &[f32]) -> io::Result<()> {
-        push(&mut self.levels, rows)
+        push(&mut self.levels, rows, self.holes)
     }
 }
 
@@ -90,7 +92,7 @@ impl Level {
     }
 }
 
-fn push(levels: &mut [Level], rows: &[f32]) -> io::Result<()> {
+fn push(levels: &mut [Level], rows: &[f32], holes: Option<f32>) -> io::Result<()> {
     let Some((level, coarser)) = levels.split_first_mut() else { return Ok(()) };
     level.pending.extend_from_slice(rows);
     loop {
@@ -102,16 +104,16 @@ fn push(levels: &mut [Level], rows: &[f32]) -> io::Result<()> {
         let across = level.width.div_ceil(TILE);
         let tiles =
             (0..across).into_par_iter().map(|i| tile(band, level.width, i * TILE)).collect::<io::Result<Vec<_>>>()?;
-        let halved = if coarser.is_empty() { Vec::new() } else { halve(band, level.width) };
+        let halved = if coarser.is_empty() { Vec::new() } else { halve(band, level.width, holes) };
         level.pending.drain(..ready);
         level.rows_done += ready / level.width;
         level.store(&tiles)?;
-        push(coarser, &halved)?;
+        push(coarser, &halved, holes)?;
     }
 }
 
-/// Means over two by two cells; over fewer at the eastern and southern end of odd sizes.
-fn halve(band: &[f32], width: usize) -> Vec<f32> {
+/// Means over two by two cells; over fewer at the eastern and southern end of odd sizes, and without missing ones.
+fn halve(band: &[f32], width: usize, holes: Option<f32>) -> Vec<f32> {
     let half = width.div_ceil(2);
     let mut out = vec![0.0; half * (band.len() / width).div_ceil(2)];
     out.par_chunks_mut(half).zip(band.par_chunks(2 * width)).for_each(|(out, pair)| {
@@ -119,10 +121,19 @@ fn halve(band: &[f32], width: usize) -> Vec<f32> {
         let south = if south.is_empty() { north } else { south };
         let sums = |row: &[f32]| f64::from(row[0]) + f64::from(row[row.len() - 1]);
         for ((o, n), s) in out.iter_mut().zip(north.chunks(2)).zip(south.chunks(2)) {
-            *o = ((sums(n) + sums(s)) / 4.0) as f32;
+            *o = match holes {
+                Some(hole) if n.contains(&hole) || s.contains(&hole) => mean_without(hole, n.iter().chain(s)),
+                _ => ((sums(n) + sums(s)) / 4.0) as f32,
+            };
         }
     });
     out
+}
+
+/// The mean of the values that are not missing, or the mark of missing ones if all are.
+fn mean_without<'a>(hole: f32, values: impl Iterator<Item = &'a f32>) -> f32 {
+    let (sum, count) = values.filter(|v| **v != hole).fold((0.0, 0), |(sum, n), v| (sum + f64::from(*v), n + 1));
+    if count == 0 { hole } else { (sum / f64::from(count)) as f32 }
 }
 
 /// The compressed tile whose westernmost column is `left`. Beyond the raster, its last values go on.
@@ -157,7 +168,7 @@ mod tests {
     use super::*;
 
     fn sizes(width: usize, height: usize) -> Vec<(usize, usize)> {
-        let p = Pyramid::new(width, height, &std::env::temp_dir()).unwrap();
+        let p = Pyramid::new(width, height, None, &std::env::temp_dir()).unwrap();
         p.levels.iter().map(|l| (l.width, l.height)).collect()
     }
 
@@ -171,7 +182,9 @@ mod tests {
 
     #[test]
     fn means_keep_values_and_odd_ends() {
-        assert_eq!(halve(&[1.0, 3.0, 5.0, 3.0, 5.0, 7.0, 8.0, 10.0, 1.0], 3), [3.0, 6.0, 9.0, 1.0]);
+        assert_eq!(halve(&[1.0, 3.0, 5.0, 3.0, 5.0, 7.0, 8.0, 10.0, 1.0], 3, None), [3.0, 6.0, 9.0, 1.0]);
+        let holed = [1.0, -9.0, 5.0, -9.0, -9.0, -9.0, -9.0, -9.0, -9.0, -9.0, -9.0, 2.0];
+        assert_eq!(halve(&holed, 3, Some(-9.0)), [1.0, 5.0, -9.0, 2.0]);
     }
 
     #[test]
@@ -179,7 +192,7 @@ mod tests {
         let (w, h) = (300, 700);
         let values: Vec<f32> = (0..w * h).map(|i| (i % 977) as f32 * 0.1).collect();
         let spooled = |portion: usize| {
-            let mut p = Pyramid::new(w, h, &std::env::temp_dir()).unwrap();
+            let mut p = Pyramid::new(w, h, None, &std::env::temp_dir()).unwrap();
             values.chunks(portion * w).for_each(|rows| p.push(rows).unwrap());
             p.levels
                 .iter_mut()

@@ -25,11 +25,11 @@ const FREE_PIECE_BYTES: u128 = 32 << 20;
 const MAX_EXCESS: u128 = 16;
 
 /// An array whose sizes are sound.
-pub(super) struct Array {
+pub(crate) struct Array {
     pub(super) folder: PathBuf,
-    pub(super) shape: Vec<u64>,
-    pub(super) piece: Vec<u64>,
-    pub(super) sample: Sample,
+    pub(crate) shape: Vec<u64>,
+    pub(crate) piece: Vec<u64>,
+    pub(crate) sample: Sample,
     pub(super) fill: f64,
     pub(super) codecs: Codecs,
     pub(super) attributes: Map<String, Value>,
@@ -39,7 +39,7 @@ pub(super) struct Array {
 }
 
 /// Reads a metadata file as JSON.
-pub(super) fn metadata(folder: &Path) -> Result<Value> {
+pub(crate) fn metadata(folder: &Path) -> Result<Value> {
     let path = folder.join(METADATA);
     let file = open(&path)?;
     let mut text = Vec::new();
@@ -62,12 +62,16 @@ pub(super) fn metadata(folder: &Path) -> Result<Value> {
 impl Array {
     /// Reads and checks the metadata in `folder`; nothing else is read or allocated.
     pub(super) fn open(folder: &Path, limits: &Limits) -> Result<Self> {
-        let value = metadata(folder)?;
-        Self::of(folder, &value, limits).map_err(|reason| match reason {
+        Self::described(folder, &metadata(folder)?, limits)
+    }
+
+    /// As [`Array::open`] with metadata from elsewhere: those in the root of a store.
+    pub(crate) fn described(folder: &Path, value: &Value, limits: &Limits) -> Result<Self> {
+        Self::of(folder, value, limits).map_err(|reason| match reason {
             Reason::Broken(what) => {
                 Error::format(&folder.join(METADATA), what, "write it again, for example with zarr-python's defaults")
             }
-            Reason::Core(e) => Error::core(folder)(e),
+            Reason::Core(e) => Error::beyond(folder)(e),
         })
     }
 
@@ -147,7 +151,7 @@ impl Array {
     }
 
     /// Refuses arrays whose rows and columns lie in too many files.
-    pub(super) fn check_pieces(&self) -> Result<()> {
+    pub(crate) fn check_pieces(&self) -> Result<()> {
         let sizes = self.shape.iter().zip(&self.piece).rev().take(2);
         let pieces: u128 = sizes.map(|(s, p)| u128::from(s.div_ceil(*p))).product();
         if pieces <= MAX_PIECES {
@@ -163,7 +167,7 @@ impl Array {
     }
 
     /// The values of a piece as bytes, or `None` if it was never written and so holds the fill value.
-    pub(super) fn piece(&self, at: &[u64]) -> Result<Option<Vec<u8>>> {
+    pub(crate) fn piece(&self, at: &[u64]) -> Result<Option<Vec<u8>>> {
         let path = self.path(at);
         let file = match open(&path) {
             Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -180,6 +184,11 @@ impl Array {
         }
         let fill = self.fill_bytes();
         self.codecs.decode(packed, &self.piece, self.sample, &fill).map(Some).map_err(broken)
+    }
+
+    /// True for values that lie in the file as this program writes them.
+    pub(crate) fn holds(&self, sample: Sample) -> bool {
+        self.sample == sample && self.codecs.order == ByteOrder::Little
     }
 
     /// The number at the start of `b`.

@@ -2,24 +2,27 @@
 //!
 //! Formats: <https://zarr-specs.readthedocs.io/en/latest/v3/core/> and the codec `sharding_indexed`. Arrays have the
 //! dimensions (time, y, x), with one step of time, CF attributes and coordinates; their pieces are shards of 512 x 512
-//! values, each with 16 chunks of 128 x 128 that can be read alone. Written here instead of with a library because metadata of others must meet the
-//! limits before anything is allocated.
+//! values, each with 16 chunks of 128 x 128 that can be read alone; [`crate::timeline`] puts many steps into one store.
+//! Written here instead of with a library because metadata of others must meet the limits before anything is allocated.
 
 mod array;
 mod codec;
+pub(crate) mod metadata;
 mod read;
 mod write;
 
+pub(crate) use array::{Array, metadata as node};
 pub use read::store_attributes;
 pub(crate) use read::{is_node, names, read};
 pub use write::write_store;
+pub(crate) use write::{Flush, check_name, write_coordinates, write_layer, write_piece};
 
 /// The name of every metadata file.
-const METADATA: &str = "zarr.json";
+pub(crate) const METADATA: &str = "zarr.json";
 /// Rows and columns of a shard, the piece that is a file.
-const SHARD: usize = 512;
+pub(crate) const SHARD: usize = 512;
 /// Rows and columns of a chunk, the piece that is compressed.
-const CHUNK: usize = 128;
+pub(crate) const CHUNK: usize = 128;
 /// Attributes of an array that have a meaning in CF or here; others are words that go along.
 const ATTRIBUTES: [&str; 12] = [
     "long_name",
@@ -38,6 +41,8 @@ const ATTRIBUTES: [&str; 12] = [
 /// What the root says of how many steps of simulation were done, which is the coordinate along [`TIME`].
 const STEPS: &str = "steps_done";
 /// The first dimension.
-const TIME: &str = "time";
+pub(crate) const TIME: &str = "time";
 /// Array whose attributes say where a store lies, as CF and GDAL have it.
 const PLACE: &str = "spatial_ref";
+/// Attribute of [`PLACE`] with what only a GeoTIFF can say of its coordinate system, as JSON.
+const SYSTEM: &str = "geotiff_system";

@@ -1,14 +1,14 @@
 //! Zarr stores, in: one array as a raster.
 
 use super::array::{Array, metadata};
-use super::{ATTRIBUTES, METADATA, PLACE};
+use super::{ATTRIBUTES, METADATA, PLACE, SYSTEM};
 use crate::error::{Error, Result};
 use crate::fill::Missing;
 use crate::georef::{cell_size_m, is_nowhere, is_sound};
 use crate::geotiff_read::face_north;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::sample::{ByteOrder, Narrowed, Sample};
-use eyot_core::{Field, Georeference, Limits};
+use eyot_core::{CoordinateSystem, Field, Georeference, Limits};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
     let piece: u128 = array.piece.iter().map(|&n| u128::from(n)).product();
     limits
         .check_bytes("the array with a chunk of it", held + 3 * piece * array.sample.bytes() as u128)
-        .map_err(Error::core(&folder))?;
+        .map_err(Error::beyond(&folder))?;
     array.check_pieces()?;
     check_stored(&array, held)?;
     let nodata = options.nodata.or_else(|| missing_value(&array));
@@ -56,9 +56,11 @@ pub(crate) fn read(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         // Unscaled values stay as they are to the bit.
         field.set(x, y, if (factor, offset) == (1.0, 0.0) { narrowed.of(v) } else { (v * factor + offset) as f32 });
     })?;
-    let filled = missing.fill(&folder, &mut field)?;
+    let missing = missing.fill(&folder, &mut field)?;
+    let stands_for = |(low, high): (f64, f64)| (low * factor + offset, high * factor + offset);
+    let scale = array.sample.scale().map(stands_for).filter(|(low, high)| low < high);
     let steps = array.shape.iter().rev().skip(2).product();
-    let mut raster = Raster { filled, steps, rounded_by: narrowed.by(), ..Raster::of(field) };
+    let mut raster = Raster { missing, steps, scale, rounded_by: narrowed.by(), ..Raster::of(field) };
     describe(&array, path, &mut raster, limits);
     Ok(raster)
 }
@@ -255,7 +257,7 @@ fn describe(array: &Array, store: &Path, raster: &mut Raster, limits: &Limits) {
         ..Georeference::default()
     });
     for g in georeference.iter_mut().chain(own.iter_mut()).take(1) {
-        face_north(&mut raster.field, g);
+        face_north(&mut raster.field, &mut raster.missing, g);
     }
     let number = |key: &str| array.attributes.get(key).and_then(Value::as_f64);
     let said = number("cell_x_m").zip(number("cell_y_m"));
@@ -272,24 +274,30 @@ fn georeference(array: &Array) -> Option<Georeference> {
     let numbers: Vec<f64> = text("GeoTransform")?.split_whitespace().map_while(|n| n.parse().ok()).collect();
     let transform: [f64; 6] = numbers.try_into().ok()?;
     let code = text("spatial_ref").or_else(|| text("crs_wkt")).and_then(epsg);
+    let keys = text(SYSTEM).and_then(|json| serde_json::from_str(json).ok());
+    let words = || text("crs_wkt").or_else(|| text("spatial_ref")).map(|t| CoordinateSystem::Text(t.to_owned()));
+    let system = keys.or_else(|| words().filter(|_| code.is_none()));
     let wkt = text("crs_wkt").or_else(|| text("spatial_ref")).unwrap_or("");
     let geographic = match array.attributes.get("geographic").and_then(Value::as_u64) {
         Some(known) => known == 1,
         None => wkt.starts_with("GEOG") || text("grid_mapping_name") == Some("latitude_longitude"),
     };
     let nodata = array.attributes.get("source_nodata").and_then(Value::as_f64);
-    Some(Georeference { transform, epsg: code, geographic, nodata }).filter(is_sound)
+    Some(Georeference { transform, epsg: code, geographic, nodata, system }).filter(is_sound)
 }
 
-/// The code in `EPSG:32611` or in the last authority of a WKT.
+/// The code in `EPSG:32611`, or that of a well-known text as a whole. Codes inside are those of its parts, such as its unit,
+/// and one of a compound system says two at once.
 fn epsg(text: &str) -> Option<u32> {
     if let Some(code) = text.strip_prefix("EPSG:") {
         return code.parse().ok();
     }
-    let at = text.rfind("\"EPSG\"")?;
-    let digits: String =
-        text[at + 6..].chars().skip_while(|c| !c.is_ascii_digit()).take_while(char::is_ascii_digit).collect();
-    digits.parse().ok()
+    let text: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+    if text.starts_with("COMP") {
+        return None;
+    }
+    let (_, last) = text.rsplit_once("[\"EPSG\",")?;
+    last.strip_suffix("]]")?.trim_matches('"').parse().ok()
 }
 
 /// First value and step of a list of `n` evenly spaced numbers.
@@ -303,4 +311,21 @@ fn regular(array: &Array, n: usize) -> Option<(f64, f64)> {
     let step = (list[n - 1] - list[0]) / (n - 1) as f64;
     let even = list.windows(2).all(|w| ((w[1] - w[0]) - step).abs() <= 1e-3 * step.abs());
     (step.is_finite() && step != 0.0 && even).then_some((list[0], step))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_code_of_the_whole_counts() {
+        let unit = "UNIT[\"metre\",1,AUTHORITY[\"EPSG\",\"9001\"]]";
+        assert_eq!(epsg("EPSG:32611"), Some(32611));
+        assert_eq!(epsg(&format!("PROJCS[\"UTM\",{unit},AUTHORITY[\"EPSG\",\"32611\"]]")), Some(32611));
+        assert_eq!(epsg("PROJCRS[\"UTM\",\n  ID[\"EPSG\", 32611 ]\n]"), Some(32611));
+        assert_eq!(epsg(&format!("PROJCS[\"Albers\",{unit},AUTHORITY[\"ESRI\",\"102039\"]]")), None);
+        assert_eq!(epsg(&format!("PROJCS[\"mine\",{unit}]")), None);
+        assert_eq!(epsg("COMPOUNDCRS[\"WGS 84 + EGM2008\",ID[\"EPSG\",9518]]"), None);
+        assert_eq!((epsg("ESRI:102039"), epsg("")), (None, None));
+    }
 }

@@ -20,6 +20,7 @@ mod fbm;
 mod fill;
 mod flow;
 pub mod fractal;
+mod hypsometry;
 pub mod mask;
 pub mod noise;
 mod ramp;
@@ -43,6 +44,7 @@ pub use faulting::Faulting;
 pub use fbm::Fbm;
 pub use fill::Fill;
 pub use flow::Flow;
+pub use hypsometry::Hypsometry;
 pub use mask::{MaskCurvature, MaskHeight, MaskNoise, MaskSlope};
 pub use ramp::Ramp;
 pub use random_additions::RandomAdditions;
@@ -82,6 +84,7 @@ pub const GENERATORS: &[Entry<dyn Generator>] = &[
         about!("flow.rs"),
         &["ocallaghan1984", "barnes2014flats", "freeman1991", "tarboton1997"],
     ),
+    Entry::<dyn Generator>::generator::<Hypsometry>("hypsometry", about!("hypsometry.rs"), &["gerteis2017"]),
     Entry::<dyn Generator>::generator::<MaskCurvature>("mask_curvature", about!("mask/curvature.rs"), &[]),
     Entry::<dyn Generator>::generator::<MaskHeight>("mask_height", about!("mask/height.rs"), &[]),
     Entry::<dyn Generator>::generator::<MaskNoise>("mask_noise", about!("mask/noise.rs"), &["perlin2001"]),

@@ -59,7 +59,7 @@ pub(super) fn inner(rays: &Rays) -> f32 {
 
 /// Number of the ray on the clockwise side of the direction (dx, dy).
 #[inline]
-fn sector(dx: f32, dy: f32) -> usize {
+pub(crate) fn sector(dx: f32, dy: f32) -> usize {
     let (x, y) = (dx.abs(), dy.abs());
     let first = TAN.iter().filter(|&&t| y >= t * x).count();
     match (dx >= 0.0, dy >= 0.0) {

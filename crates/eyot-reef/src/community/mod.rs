@@ -23,8 +23,9 @@
 //! 9. Larvae settle: `N = floor(sum of 2 pi r^2 surface_factor propagules retention)` over mature colonies, and as many from
 //!    elsewhere.
 //! 10. Census, then grazing: algae die, and cells of turf lose half, with
-//!     `p = 0.08 (1 - (7.5 % / cover)^2) + 0.14`. From month 600 to 1200 the middle of that range, 0.18, is
-//!     `0.18 (rugosity - 1) / 2.5`, and the intervals of disturbances shrink by a tenth for each year with a rugosity below 1.75.
+//!     `p = 0.08 (1 - (7.5 % / cover)^2) + 0.14`. While rugosity feeds back (`feedback_from`), the middle of that range,
+//!     0.18, is `0.18 (rugosity - 1) / 2.5`, and the intervals of disturbances shrink by a tenth for each year with a rugosity
+//!     below 1.75.
 //!
 //! # Source
 //! The individual-based model of Kubicek, Muhando and Reuter 2012 in its published parameters and described behaviour. Light
@@ -41,6 +42,8 @@
 //!   (`nobody_leaves_the_plot_except_in_the_original`).
 //! - Algae end at their largest height (`algae_give_way...`), and have 0, 1 or 2 fragments instead of 0 or 2
 //!   (`algae_grow_in_width...`).
+//! - Larvae come from elsewhere, too, whatever lives here (`imported_recruits`), so that a reef outlives centuries
+//!   (`a_reef_outlives_centuries`); in the original a species that is gone never comes back.
 //! - Fragments and discs are not biased by 10 cm. The heat index sums 20 days, not 21. Gaps in temperatures are bridged instead of
 //!   being cold, if the reader of the file asks for it.
 //! - Disturbances come in proportion to the area; in the original a plot of any size gets one (`disturbances_fit_the_area...`).
@@ -63,6 +66,7 @@
 
 mod algae;
 mod census;
+mod chart;
 mod colony;
 mod competition;
 mod disturbance;
@@ -74,6 +78,7 @@ mod parallel;
 mod parameters;
 mod plot;
 mod random;
+mod record;
 mod settling;
 mod site;
 mod species;
@@ -81,8 +86,10 @@ mod temperature;
 mod turf;
 
 pub use census::{Census, Deaths, SpeciesCensus};
+pub use chart::{Curve, cover_svg, plan_svg};
 pub use colony::{Alga, Colony};
 pub use forcing::{CHUMBE, Forcing, Heat, Variability};
+pub(crate) use geometry::sector as sector_of;
 pub use geometry::{DIRECTIONS, RAYS, Rays};
 pub use grazing::grazing_probability;
 pub use parameters::{Algae, Community, Disturbances, Grazing, HeatRules, Stress, Turf};

@@ -49,10 +49,12 @@ pub struct Community {
     pub small_disturbances: Disturbances,
     /// Large disturbances: storms.
     pub large_disturbances: Disturbances,
-    /// Month from which the rugosity of the reef feeds back on grazing and on the interval of disturbances.
+    /// Month from which the rugosity of the reef feeds back on grazing and on the interval of disturbances. The original program
+    /// does so from month 600 to 1200; with its numbers a reef of a rugosity below 1.75 then dies within decades, so that it is
+    /// off unless asked for.
     #[schemars(range(min = 0, max = 1000000), extend("unit" = "month"))]
     pub feedback_from: u32,
-    /// Month at which that ends.
+    /// Month at which that ends; 0 for never having it.
     #[schemars(range(min = 0, max = 1000000), extend("unit" = "month"))]
     pub feedback_until: u32,
     /// Pore space of the limestone that skeletons become, for the thickness that the terrain gains. 0.5 lies between
@@ -79,8 +81,8 @@ impl Default for Community {
             heat: HeatRules::default(),
             small_disturbances: Disturbances::small(),
             large_disturbances: Disturbances::large(),
-            feedback_from: 600,
-            feedback_until: 1200,
+            feedback_from: 0,
+            feedback_until: 0,
             porosity: 0.5,
         }
     }

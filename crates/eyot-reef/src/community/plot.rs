@@ -405,14 +405,30 @@ impl Plot {
     }
 
     /// Adds what the last month's skeletons become to a layer of limestone (m) on square cells, row 0 north, that begins at the
-    /// plot's corner. Each colony counts where its centre is.
-    pub fn deposit(&self, cell_m: f64, limestone: &mut Field) {
-        let cell = |v: f32| (f64::from(v) / cell_m).floor();
-        for c in &self.colonies {
-            let (i, j) = (cell(c.x), cell(c.y));
-            if i >= 0.0 && j >= 0.0 && (i as usize) < limestone.width() && (j as usize) < limestone.height() {
-                let (i, j) = (i as usize, j as usize);
-                let gain = self.limestone_m3(f64::from(c.calcified_kg)) / (cell_m * cell_m);
+    /// plot's corner. Waves spread it into a flat heap (a paraboloid) that reaches `range_m` from a colony's centre, or as far as
+    /// the colony if that is wider. None leaves the layer.
+    pub fn deposit(&self, cell_m: f64, range_m: f64, limestone: &mut Field) {
+        let (w, h) = (limestone.width() as isize, limestone.height() as isize);
+        for c in self.colonies.iter().filter(|c| c.calcified_kg > 0.0) {
+            let [x, y] = [c.x, c.y].map(|v| f64::from(v) / cell_m);
+            let reach = range_m.max(f64::from(c.radius)) / cell_m;
+            let within =
+                |v: f64, n: isize| ((v - reach).floor() as isize).max(0)..=((v + reach).floor() as isize).min(n - 1);
+            let share = |i: isize, j: isize| {
+                let [dx, dy] = [i as f64 + 0.5 - x, j as f64 + 0.5 - y];
+                (1.0 - (dx * dx + dy * dy) / (reach * reach)).max(0.0)
+            };
+            let cells = || within(y, h).flat_map(|j| within(x, w).map(move |i| (i, j)));
+            let shares: f64 = cells().map(|(i, j)| share(i, j)).sum();
+            let all = self.limestone_m3(f64::from(c.calcified_kg)) / (cell_m * cell_m);
+            if shares <= 0.0 {
+                // Less than a cell: where the centre is.
+                let [i, j] = [(x, w), (y, h)].map(|(v, n)| (v.max(0.0) as usize).min(n as usize - 1));
+                limestone.set(i, j, limestone.get(i, j) + all as f32);
+                continue;
+            }
+            for (i, j) in cells() {
+                let (gain, i, j) = (all * share(i, j) / shares, i as usize, j as usize);
                 limestone.set(i, j, limestone.get(i, j) + gain as f32);
             }
         }

@@ -241,7 +241,8 @@ impl Plot {
         let radii2: f64 = self.colonies.iter().filter(mature).map(|c| f64::from(c.radius).powi(2)).sum();
         let surface_cm2 = 2.0 * std::f64::consts::PI * radii2 * 1e4 * f64::from(s.surface_factor);
         let own = (surface_cm2 * f64::from(s.propagules) * f64::from(s.retention)).floor();
-        let fixed = f64::from(s.imported_recruits) * self.site.area_m2();
+        let open = if self.community.compat { 0.0 } else { s.imported_recruits };
+        let fixed = f64::from(open) * self.site.area_m2();
         own + (own * f64::from(self.community.import_factor) + fixed).floor()
     }
 
@@ -297,7 +298,7 @@ impl Plot {
     }
 
     /// True if somebody at this place lives on: on the plot, or with `compat` not too far outside.
-    fn keeps(&self, x: f32, y: f32) -> bool {
+    pub(super) fn keeps(&self, x: f32, y: f32) -> bool {
         let halo = f64::from(self.halo_m());
         let within = |v: f32, side: f64| (-halo..=side + halo).contains(&f64::from(v));
         within(x, self.site.width_m) && within(y, self.site.length_m)

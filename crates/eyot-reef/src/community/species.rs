@@ -1,5 +1,6 @@
 //! What a species is: data, which a recipe may change or add to.
 
+use crate::bodies::{BodyPlan, Shape};
 use eyot_core::process::check_ranges;
 use eyot_core::{Error, Result};
 use schemars::JsonSchema;
@@ -57,7 +58,8 @@ pub struct Species {
     /// Months from one settling to the next.
     #[schemars(range(min = 1, max = 1200), extend("unit" = "month"))]
     pub recruitment_interval: u32,
-    /// Larvae from elsewhere that settle at each event, whatever lives here.
+    /// Larvae from elsewhere that settle at each event, whatever lives here: what lets a reef come back that a storm or heat has
+    /// emptied. About a third of what a default plot makes itself. Not used with `compat`.
     #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "1/m2"))]
     pub imported_recruits: f32,
     /// Heat index from which colonies bleach.
@@ -105,8 +107,10 @@ pub struct Species {
     /// 100 % makes 20 to 30 kg of limestone a year and square metre.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
     pub solid_share: f32,
-    /// Colour in pictures, sRGB.
+    /// Colour in plots and maps, sRGB.
     pub colour: [u8; 3],
+    /// What its bodies look like.
+    pub body: BodyPlan,
 }
 
 impl Default for Species {
@@ -126,7 +130,7 @@ impl Default for Species {
             recruit_radius: 0.001,
             first_recruitment: 3,
             recruitment_interval: 12,
-            imported_recruits: 0.0,
+            imported_recruits: 0.006,
             bleaching_min: 29.9,
             bleaching_max: 31.0,
             death_min: 29.4,
@@ -142,6 +146,7 @@ impl Default for Species {
             skeletal_density: 1280.0,
             solid_share: 1.0,
             colour: [58, 96, 190],
+            body: BodyPlan::default(),
         }
     }
 }
@@ -157,6 +162,7 @@ impl Species {
             propagules: 1375.0,
             competition: 0.9,
             colour: [232, 140, 48],
+            body: BodyPlan { roughness: 0.2, colours: [[176, 150, 78], [128, 138, 84]], ..BodyPlan::default() },
             ..lobata.clone()
         };
         let muricata = Self {
@@ -170,12 +176,18 @@ impl Species {
             propagules: 109.5,
             retention: 3.75e-8,
             recruit_radius: 0.0012,
+            imported_recruits: 0.02,
             bleaching_min: 29.4,
             death_min: 28.2,
             heating_week_sensitivity: 1.5,
             skeletal_density: 1300.0,
             solid_share: 0.15,
             colour: [204, 52, 60],
+            body: BodyPlan {
+                shape: Shape::Branching,
+                colours: [[150, 104, 62], [92, 104, 150]],
+                ..BodyPlan::default()
+            },
             ..lobata.clone()
         };
         let damicornis = Self {
@@ -189,12 +201,19 @@ impl Species {
             recruit_radius: 0.002,
             first_recruitment: 1,
             recruitment_interval: 1,
+            imported_recruits: 0.003,
             bleaching_min: 30.0,
             death_min: 21.5,
             death_max: 30.4,
             heating_week_sensitivity: 1.4,
             solid_share: 0.3,
             colour: [64, 190, 196],
+            body: BodyPlan {
+                shape: Shape::Branching,
+                grammar: "cauliflower".into(),
+                colours: [[186, 112, 124], [160, 128, 84]],
+                ..BodyPlan::default()
+            },
             ..muricata.clone()
         };
         vec![lobata, lutea, muricata, damicornis]

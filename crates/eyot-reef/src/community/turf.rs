@@ -24,6 +24,15 @@ impl TurfGrid {
         Self { columns, rows, cell: rules.cell, cover }
     }
 
+    /// Cover of each cell, row by row from the north.
+    pub(super) fn cover(&self) -> &[f32] {
+        &self.cover
+    }
+
+    pub(super) fn cover_mut(&mut self) -> &mut [f32] {
+        &mut self.cover
+    }
+
     /// Cover at a place, 0..=1; outside none.
     pub(super) fn at(&self, x: f32, y: f32) -> f32 {
         if x < 0.0 || y < 0.0 {

@@ -6,7 +6,7 @@ use eyot_reef::community::{Community, Forcing, Heat, Plot, Site};
 /// No larvae, no fragments, no breakage, no disturbances, no turf, no grazing, no feedback.
 pub(crate) fn quiet() -> Community {
     let mut c = Community { breakage: 0.0, fragmentation: 0.0, feedback_until: 0, ..Community::default() };
-    c.species.iter_mut().for_each(|s| s.propagules = 0.0);
+    c.species.iter_mut().for_each(|s| (s.propagules, s.imported_recruits) = (0.0, 0.0));
     c.algae.recruits = 0.0;
     c.turf.growth = 0.0;
     (c.grazing.probability, c.grazing.half_range) = (0.0, 0.0);

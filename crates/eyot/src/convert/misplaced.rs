@@ -1,10 +1,13 @@
 //! Options that could not have an effect, which somebody who gave them would not notice.
 
 use super::{Conversion, Input, Output};
-use crate::backend::io::{Raster, RasterFormat};
+use crate::backend::io::{Numbers, Raster, RasterFormat};
 use crate::error::RunError;
 use crate::exports;
 use crate::keys::Preset;
+
+/// Extensions of files, which name no folder that somebody means.
+const FILES: [&str; 11] = ["tif", "tiff", "png", "r16", "raw", "r32", "exr", "npy", "zarr", "glb", "obj"];
 
 impl Conversion<'_> {
     /// What is wrong with an option, and the remedy.
@@ -72,6 +75,11 @@ impl Conversion<'_> {
                 format!("{}, or write .r16, .raw or .r32", leave_out("--rows")),
             ),
             (
+                is_preset && self.output.extension().is_some_and(|e| FILES.iter().any(|f| e.eq_ignore_ascii_case(f))),
+                format!("`{output}` would be a folder with the files of the preset"),
+                "give it another name, or leave out --preset to write one file".to_owned(),
+            ),
+            (
                 options.size.is_some() && !is_preset,
                 format!("`{output}` keeps the size of the input"),
                 format!("{}, or choose --preset unreal or unity", leave_out("--size")),
@@ -89,13 +97,20 @@ impl Conversion<'_> {
     pub(super) fn check(&self, raster: &Raster) -> Result<(), RunError> {
         let input = self.input.display();
         let read = &self.options.read;
-        if (read.low_m.is_some() || read.high_m.is_some()) && raster.scale.is_none() {
+        if (read.low_m.is_some() || read.high_m.is_some()) && raster.numbers != Numbers::Scaled {
             let message = "holds values as they are, which have no scale; leave out --from-range";
-            return Err(RunError::File(format!("`{input}` {message}")));
+            return Err(RunError::input(format!("`{input}` {message}")));
         }
         if self.options.cell_m.is_some() && raster.georeference.is_some() {
             let message = "says where it lies, and so how large its cells are; leave out --cell";
-            return Err(RunError::File(format!("`{input}` {message}")));
+            return Err(RunError::input(format!("`{input}` {message}")));
+        }
+        let folder_of_several = self.to == Output::Preset(Preset::Gis);
+        if folder_of_several && (raster.name.starts_with('.') || raster.name.contains(['/', '\\', '\0'])) {
+            let name = &raster.name;
+            return Err(RunError::input(format!(
+                "`{input}` has a layer {name:?}, which cannot name a file; rename it"
+            )));
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! What a client asks of a run while it is at work.
 
 use crate::event::{Command, Event};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::time::Duration;
 
@@ -29,6 +30,10 @@ pub(super) enum Asked {
     Set(String),
     /// Show the world.
     Snapshot,
+    /// Go back to a recorded frame; true if later changes by hand are dropped.
+    Rewind(u64, bool),
+    /// Put a recorded frame into another folder.
+    Branch(u64, PathBuf),
 }
 
 impl Commands {
@@ -80,6 +85,8 @@ impl Commands {
                 }
                 Command::Set(set) => return Asked::Set(set),
                 Command::Snapshot => return Asked::Snapshot,
+                Command::Rewind { step, forget } => return Asked::Rewind(step, forget),
+                Command::Branch { step, out } => return Asked::Branch(step, out),
                 Command::Stop => return Asked::Stop,
             }
         }

@@ -123,6 +123,10 @@ impl Watch {
                     let message = format!("`{set}` was not set: no simulation is under way");
                     self.tell(Event::Warning { message });
                 }
+                Asked::Rewind(..) | Asked::Branch(..) => {
+                    let message = "a streamed run is not recorded: there is no way back".to_owned();
+                    self.tell(Event::Warning { message });
+                }
                 Asked::Snapshot => {
                     let message = "a streamed run has no world to show before its end".to_owned();
                     self.tell(Event::Warning { message });

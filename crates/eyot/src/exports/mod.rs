@@ -1,20 +1,23 @@
 //! Exports: which files they are, and how they come from a world.
 
+mod corals;
 mod fit;
 mod materials;
 mod preset;
 mod source;
 
 use crate::backend::io::{self, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
-use crate::backend::{mesh, render};
+use crate::backend::{self, mesh, render};
 use crate::error::RunError;
 use crate::keys::{Bytes, Export, ExportFormat, FirstRow, Preset};
 use crate::outputs::stopped;
 use eyot_core::{Control, Limits, World};
+use eyot_reef::corals::Corals;
 use materials::{MATERIALS, Materials};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
+pub(crate) use corals::of as corals_of;
 pub(crate) use preset::{free_prefix, size_problem};
 pub(crate) use source::Source;
 
@@ -24,6 +27,8 @@ pub(crate) struct Job<'a> {
     pub(crate) world: &'a World,
     /// The layers in full.
     pub(crate) source: &'a dyn Source,
+    /// The corals, if the recipe has some.
+    pub(crate) corals: Option<Corals>,
     /// What the landscape is called.
     pub(crate) name: &'a str,
     /// The folder.
@@ -49,6 +54,7 @@ impl Job<'_> {
         Job {
             world,
             source: world,
+            corals: self.corals.clone(),
             name: self.name,
             out: self.out,
             attributes: self.attributes.clone(),
@@ -86,7 +92,10 @@ impl Export {
     pub(crate) fn uses_layers(&self) -> bool {
         match self.preset {
             Some(preset) => preset == Preset::Gis,
-            None => !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj | ExportFormat::Splat),
+            None => {
+                !self.format.is_of_corals()
+                    && !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj | ExportFormat::Splat)
+            }
         }
     }
 
@@ -111,7 +120,7 @@ impl Export {
     pub(crate) fn streams(&self) -> bool {
         match self.preset {
             Some(preset) => preset == Preset::Gis,
-            None => !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
+            None => !self.format.is_of_corals() && !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
         }
     }
 
@@ -133,6 +142,12 @@ impl Export {
             (ExportFormat::Obj, _) => vec![format!("{p}terrain.obj")],
             (ExportFormat::Splat, _) => vec![format!("{p}splat.png")],
             (ExportFormat::Mask, _) => each("_mask.png"),
+            (ExportFormat::Census, _) => vec![format!("{p}census.csv")],
+            (ExportFormat::Plots, _) => vec![format!("{p}cover.svg"), format!("{p}plot.svg")],
+            (ExportFormat::Corals, _) => vec![format!("{p}corals.glb")],
+            (ExportFormat::CoralsObj, _) => vec![format!("{p}corals.obj")],
+            (ExportFormat::CoralsPly, _) => vec![format!("{p}corals.ply")],
+            (ExportFormat::Dive, _) => vec![format!("{p}dive.png"), format!("{p}above.png")],
             _ => each("_map.png"),
         }
     }
@@ -158,6 +173,12 @@ impl FirstRow {
 }
 
 impl ExportFormat {
+    /// True for what `corals` leaves beside layers.
+    pub(crate) fn is_of_corals(self) -> bool {
+        use ExportFormat::{Census, Corals, CoralsObj, CoralsPly, Dive, Plots};
+        matches!(self, Census | Plots | Corals | CoralsObj | CoralsPly | Dive)
+    }
+
     /// The raster format, if it is one.
     pub(crate) fn raster(self) -> Option<RasterFormat> {
         Some(match self {
@@ -168,7 +189,7 @@ impl ExportFormat {
             Self::Exr => RasterFormat::Exr,
             Self::Npy => RasterFormat::Npy,
             Self::Zarr => RasterFormat::Zarr,
-            Self::Glb | Self::Obj | Self::Mask | Self::Splat | Self::Map => return None,
+            _ => return None,
         })
     }
 }
@@ -193,14 +214,31 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
             if layers.is_empty() {
                 return Ok(());
             }
+            say_place(job, export.format.raster());
             let path = job.file(&files[0])?;
             write_together(&path, &mut layers, export.format, &job.attributes)
+        }
+        format if format.is_of_corals() => {
+            let Some(reef) = job.corals.clone() else {
+                (job.note)(format!("`{}` is not written: no step with `corals` is switched on", files[0]));
+                return Ok(());
+            };
+            let texts = match format {
+                ExportFormat::Census => vec![corals::census(&reef, world)],
+                ExportFormat::Plots => vec![corals::cover(&reef, world, job.name), corals::plan(&reef, world)?],
+                _ => return corals::write_bodies(job, &reef, format, &files),
+            };
+            for (name, text) in files.iter().zip(texts) {
+                let path = job.file(name)?;
+                backend::write_text(&path, &text).map_err(RunError::file)?;
+            }
+            Ok(())
         }
         ExportFormat::Map => {
             for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
                 let path = job.file(name)?;
                 let picture =
-                    render::layer_map(world, layer, &render::MapOptions::default()).map_err(RunError::file)?;
+                    render::layer_map(world, layer, &crate::outputs::map_options(layer)).map_err(RunError::file)?;
                 io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
             }
             Ok(())
@@ -221,6 +259,7 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
         }
         other => {
             let Some(format) = other.raster() else { return Ok(()) };
+            say_place(job, Some(format));
             for (name, layer) in files.iter().zip(&export.layers) {
                 if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) {
                     let path = job.file(name)?;
@@ -229,6 +268,14 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
             }
             Ok(())
         }
+    }
+}
+
+/// Notes what a file of this format cannot say of the world's place.
+fn say_place(job: &Job<'_>, format: Option<RasterFormat>) {
+    let place = job.world.georeference.as_ref();
+    if let Some(lost) = place.zip(format).and_then(|(g, format)| io::unsaid(g, format)) {
+        (job.note)(lost.to_owned());
     }
 }
 

@@ -262,6 +262,7 @@ fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
 fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     let options = WriteOptions { nodata: Some(NODATA), ..WriteOptions::default() };
     let (source, sea_level_m) = (job.source, job.world.sea_level_m);
+    super::say_place(job, Some(RasterFormat::GeoTiff));
     for (name, layer) in export.files().iter().zip(&export.layers) {
         let Some((mut about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) else { continue };
         let path = job.file(name)?;
@@ -294,4 +295,27 @@ fn sea_level(world: &World) -> Result<Option<f64>, RunError> {
 fn describe(job: &mut Job<'_>, names: &[String], about: &Value) -> Result<(), RunError> {
     let path = job.file(&names[names.len() - 1])?;
     backend::write_text(&path, &format!("{about:#}\n")).map_err(RunError::file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Epic, Landscape Technical Guide: a component has 1 or 2 x 2 sections of 7 to 255 quads, a landscape at most 1024
+    /// components, and components share no vertices but those of their borders.
+    #[test]
+    fn landscapes_of_unreal_are_made_of_whole_components() {
+        for (vertices, quads, sections, components) in UNREAL {
+            assert_eq!(vertices, quads * sections * components + 1);
+            assert!((quads + 1).is_power_of_two() && (7..=255).contains(&quads));
+            assert!((1..=2).contains(&sections) && components * components <= 1024, "{vertices}");
+        }
+    }
+
+    /// Unity, TerrainData.heightmapResolution: 33 to 4097, a power of two and one.
+    #[test]
+    fn terrains_of_unity_are_powers_of_two_and_one() {
+        assert!(UNITY.iter().all(|n| (n - 1).is_power_of_two() && (33..=4097).contains(n)));
+        assert!(UNITY.is_sorted() && UNITY.len() == 8);
+    }
 }

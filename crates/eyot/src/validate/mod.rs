@@ -2,7 +2,7 @@
 
 use crate::backend::io::ReadOptions;
 use crate::check;
-use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
+use crate::diagnostic::{Diagnostic, ENOUGH, Problems, Source, alternatives, nearest};
 use crate::exports;
 use crate::import;
 use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View};
@@ -14,7 +14,7 @@ use crate::set;
 use crate::store::Subject;
 use crate::stream::{self, Obstacle, Place};
 use eyot_core::process::{Parameters, schema_of};
-use eyot_core::{Error, Georeference, Grid, Limits, Rim};
+use eyot_core::{Error, Georeference, Grid, LayerSpec, Limits, Rim};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
@@ -41,19 +41,25 @@ pub(crate) fn recipe(
         folder: &source.folder,
         out,
         layers: Vec::new(),
+        specs: Vec::new(),
         resting: Vec::new(),
+        own: Vec::new(),
+        sources: &sources,
         grid: None,
     };
-    let document: keys::Document = v.keys_of(&doc, "recipe", &["grid", "step", "export", "view"]);
+    let document: keys::Document = v.keys_of(&doc, "recipe", &["grid", "layer", "rule", "step", "export", "view"]);
     let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
     v.grid = grid;
+    v.declare(&doc);
     let steps = v.steps(&doc, document.seed);
+    v.unused();
     let mut exports = v.exports(doc.get("export"));
     exports.extend(v.presets(&overrides.presets, &exports));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
     v.memory(&doc, grid, &steps, &exports, &view);
-    if !v.out.is_empty() {
-        return Err(Problems::new(sources, v.out));
+    let out = v.out;
+    if !out.is_empty() {
+        return Err(Problems::new(sources, out));
     }
     let Some(grid) = grid else {
         return Err(Problems::new(
@@ -68,6 +74,7 @@ pub(crate) fn recipe(
     Ok(Recipe { name, about, seed, grid, georeference, sea_level_m, steps, exports, view, source, overrides })
 }
 
+mod rules;
 mod steps;
 
 struct Validator<'a> {
@@ -77,6 +84,11 @@ struct Validator<'a> {
     out: Vec<Diagnostic>,
     /// Layers that exist after the steps checked so far.
     layers: Vec<String>,
+    /// What the layers of processes and of the recipe's own are.
+    specs: Vec<LayerSpec>,
+    /// The recipe's own layers and rules.
+    own: Vec<rules::Own>,
+    sources: &'a [Source],
     /// Layers that steps and processes would make that are switched off.
     resting: Vec<String>,
     /// The grid, once it has been checked and is sound.
@@ -224,6 +236,9 @@ impl Validator<'_> {
         // If a step is wrong, nobody knows which layers it would have made.
         let sure = self.out.is_empty();
         for item in items {
+            if self.out.len() >= ENOUGH {
+                break;
+            }
             let export: Export = self.keys_of(item, "export", &[]);
             let place = |key: &str| item.get(key).map_or_else(|| item.span.clone(), |n| n.span.clone());
             if !export.prefix.chars().all(|c| c.is_alphanumeric() || "_-. ".contains(c))

@@ -2,12 +2,13 @@
 
 use super::{Validator, without};
 use crate::check;
-use crate::diagnostic::{Diagnostic, alternatives, nearest};
+use crate::diagnostic::{Diagnostic, ENOUGH, alternatives, nearest};
 use crate::keys::{self, Names, Schedule};
 use crate::merge::Merge;
 use crate::node::{Kind, Node};
-use crate::recipe::{GenerateStep, ProcessUse, SimulateStep, Step, Work};
+use crate::recipe::{Actor, GenerateStep, ProcessUse, SimulateStep, Step, Work};
 use crate::registry::{DOCUMENT_KEYS, GENERATE_KEYS, SCHEDULE_KEYS, SIMULATE_KEYS};
+use eyot_core::LayerSpec;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use serde_json::Value;
 use std::collections::HashSet;
@@ -30,6 +31,9 @@ impl Validator<'_> {
         let mut names = HashSet::new();
         let mut steps = Vec::new();
         for (i, item) in items.iter().enumerate() {
+            if self.out.len() >= ENOUGH {
+                break;
+            }
             if let Some(named) = item.get("name").filter(|n| n.text().is_some()) {
                 self.name(named, &mut names);
             }
@@ -116,7 +120,10 @@ impl Validator<'_> {
             parameters["max_bytes"] = Value::from(self.limits.max_bytes);
         }
         if self.out.len() > before {
-            self.layers.extend(node.get("layer").and_then(Node::text).or(Some("height")).map(str::to_owned));
+            let layer = node.get("layer").and_then(Node::text).unwrap_or("height");
+            if !self.layers.iter().any(|l| l == layer) {
+                self.layers.push(layer.to_owned());
+            }
             return None;
         }
         let keys: keys::Generate = self.keys_of(&mine, "step", &[]);
@@ -131,7 +138,7 @@ impl Validator<'_> {
             self.out.push(refused(&e, entry.name, node));
             return None;
         }
-        if !layer_name_ok(&keys.layer) {
+        if !LayerSpec::is_name(&keys.layer) {
             let span = node.get("layer").map_or_else(|| node.span.clone(), |n| n.span.clone());
             let message = format!("a layer cannot be named \"{}\"", keys.layer);
             self.out.push(
@@ -201,21 +208,27 @@ impl Validator<'_> {
         let list = node.get("simulate")?;
         let single = std::slice::from_ref(list);
         let named = if list.text().is_some() { single } else { list.elements() };
-        let mut uses: Vec<(&Node, &'static Entry<dyn Process>)> = Vec::new();
+        let mut uses: Vec<(&Node, Named)> = Vec::new();
         for n in named {
+            if self.out.len() >= ENOUGH {
+                break;
+            }
             let Some(name) = n.text() else { continue };
-            match self.registry.process(name) {
-                Some(entry) if uses.iter().any(|(_, e)| e.name == name) => {
-                    let message = format!("`{}` is listed twice", entry.name);
+            let own = || self.own.iter().position(|o| o.name == name).map(Named::Own);
+            match self.registry.process(name).map(Named::Process).or_else(own) {
+                Some(_) if uses.iter().any(|(n, _)| n.text() == Some(name)) => {
+                    let message = format!("`{name}` is listed twice");
                     let help = "a process acts once a step; use a second [[step]] to let it act twice";
                     self.out.push(Diagnostic::at(n.span.clone(), message, "again").help(help));
                 }
-                Some(entry) => uses.push((n, entry)),
+                Some(found) => uses.push((n, found)),
                 None => {
                     let help = if self.registry.generator(name).is_some() {
                         format!("`{name}` is a generator: write generate = \"{name}\"")
                     } else {
-                        suggestion(name, self.registry.process_names().collect(), "eyot list")
+                        let mut known: Vec<&str> = self.registry.process_names().collect();
+                        known.extend(self.own.iter().map(|o| o.name.as_str()));
+                        suggestion(name, known, "eyot list")
                     };
                     self.out.push(
                         Diagnostic::at(n.span.clone(), format!("there is no process `{name}`"), "unknown process")
@@ -227,12 +240,12 @@ impl Validator<'_> {
         let complete = self.out.len() == before;
         let tables: Vec<&str> =
             node.entries().iter().map(|(k, _)| k.name.as_str()).filter(|k| !SIMULATE_KEYS.contains(k)).collect();
-        let own: Vec<&str> = uses.iter().map(|(_, e)| e.name).collect();
+        let own: Vec<&str> = uses.iter().filter_map(|(n, _)| n.text()).collect();
         for (key, _) in
             node.entries().iter().filter(|(k, _)| tables.contains(&k.name.as_str()) && !own.contains(&k.name.as_str()))
         {
             let name = key.name.as_str();
-            let (message, help) = if self.registry.process(name).is_some() {
+            let (message, help) = if self.registry.process(name).is_some() || self.own.iter().any(|o| o.name == name) {
                 (
                     format!("`{name}` is not simulated in this step"),
                     format!("add \"{name}\" to `simulate`, or remove its parameters"),
@@ -241,9 +254,12 @@ impl Validator<'_> {
                 continue; // Most likely the table of the process whose name is wrong.
             } else {
                 let known: Vec<&str> = own.iter().copied().chain(SIMULATE_KEYS).collect();
-                let inside = uses.iter().find(|(_, e)| !(e.schema)().to_value()["properties"][name].is_null());
-                let help = match (inside, nearest(name, known.iter().copied())) {
-                    (Some((_, e)), _) => format!("parameters of a process carry its name: write {}.{name}", e.name),
+                let inside = uses.iter().find(|(_, what)| match what {
+                    Named::Process(e) => !(e.schema)().to_value()["properties"][name].is_null(),
+                    Named::Own(i) => self.own[*i].parameters.iter().any(|(p, _)| p == name),
+                });
+                let help = match (inside.and_then(|(n, _)| n.text()), nearest(name, known.iter().copied())) {
+                    (Some(e), _) => format!("parameters of a process carry its name: write {e}.{name}"),
                     (None, Some(n)) => format!("did you mean `{n}`?"),
                     (None, None) => format!("it takes {}", alternatives(known)),
                 };
@@ -254,7 +270,7 @@ impl Validator<'_> {
         let keys: keys::Simulate = self.keys_of(node, "step", &tables);
         let processes = uses
             .iter()
-            .filter_map(|(place, entry)| self.process(node.get(entry.name), place, entry, keys.enabled))
+            .filter_map(|(place, what)| self.acting(place.text().and_then(|n| node.get(n)), place, what, keys.enabled))
             .collect();
         if matches!(&keys.simulate, Names::Many(names) if names.is_empty()) && self.out.len() == before {
             self.out.push(Diagnostic::at(list.span.clone(), "no process is listed", "empty").help("see `eyot list`"));
@@ -273,17 +289,16 @@ impl Validator<'_> {
         Some(Step { number, name, enabled: keys.enabled, work })
     }
 
-    fn process(
-        &mut self,
-        table: Option<&Node>,
-        place: &Node,
-        entry: &'static Entry<dyn Process>,
-        step_enabled: bool,
-    ) -> Option<ProcessUse> {
+    fn acting(&mut self, table: Option<&Node>, place: &Node, what: &Named, step_enabled: bool) -> Option<ProcessUse> {
+        let actor = match what {
+            Named::Process(entry) => Actor::Process(entry),
+            Named::Own(i) => Actor::Rule(self.rule(*i)?),
+        };
+        let usual = if let Named::Own(i) = what { self.own[*i].every } else { 1 };
         let empty = Node { span: place.span.clone(), kind: Kind::Table(Vec::new()) };
         let node = table.unwrap_or(&empty);
         let before = self.out.len();
-        let own = (entry.schema)().to_value();
+        let (name, own) = (actor.name(), actor.schema());
         let schedule = schema_of::<Schedule>().to_value();
         let theirs = Node {
             span: node.span.clone(),
@@ -291,43 +306,56 @@ impl Validator<'_> {
                 node.entries().iter().filter(|(k, _)| SCHEDULE_KEYS.contains(&k.name.as_str())).cloned().collect(),
             ),
         };
-        check::table(&own, node, entry.name, &SCHEDULE_KEYS, &mut self.out);
-        check::table(&schedule, &theirs, entry.name, &[], &mut self.out);
+        check::table(&own, node, name, &SCHEDULE_KEYS, &mut self.out);
+        check::table(&schedule, &theirs, name, &[], &mut self.out);
         if self.out.len() > before {
             return None;
         }
-        let schedule: Schedule = serde_json::from_value(theirs.to_json()).unwrap_or_default();
+        let mut schedule: Schedule = serde_json::from_value(theirs.to_json()).unwrap_or_default();
+        if theirs.get("every").is_none() {
+            schedule.every = usual;
+        }
         let parameters = without(node, &SCHEDULE_KEYS);
         let acts = step_enabled && schedule.enabled;
-        match (entry.make)(parameters.clone()) {
+        match actor.make(&parameters) {
             Ok(process) => {
                 if let Some(Err(e)) = self.grid.filter(|_| acts).map(|g| process.check(&g)) {
-                    self.out.push(refused(&e, entry.name, node));
+                    self.out.push(refused(&e, name, node));
                     return None;
                 }
                 let needs = process.needs().into_iter().filter(|_| acts);
-                for name in needs.filter(|name| !self.layers.iter().any(|l| l == name)).collect::<Vec<_>>() {
-                    let span = node.get(name).map_or_else(|| node.span.clone(), |n| n.span.clone());
-                    let mut problem = self.no_layer(name, span);
-                    problem.message = format!("`{}` needs another layer: {}", entry.name, problem.message);
-                    let help = format!("make it before with a generate step that has layer = \"{name}\"");
+                for layer in needs.filter(|name| !self.layers.iter().any(|l| l == name)).collect::<Vec<_>>() {
+                    let span = node.get(layer).map_or_else(|| node.span.clone(), |n| n.span.clone());
+                    let mut problem = self.no_layer(layer, span);
+                    problem.message = format!("`{name}` needs another layer: {}", problem.message);
+                    let help = format!("make it before with a generate step that has layer = \"{layer}\"");
                     self.out.push(problem.help(help));
                 }
                 for (spec, _) in process.layers() {
+                    if !self.specs.iter().any(|s| s.name == spec.name) {
+                        self.specs.push(spec.clone());
+                    }
                     if !schedule.enabled {
                         self.resting.push(spec.name.into_owned());
                     } else if !self.layers.iter().any(|l| *l == *spec.name) {
                         self.layers.push(spec.name.into_owned());
                     }
                 }
-                Some(ProcessUse { entry, parameters, every: schedule.every, enabled: schedule.enabled })
+                Some(ProcessUse { actor, parameters, every: schedule.every, enabled: schedule.enabled })
             }
             Err(e) => {
-                self.out.push(Diagnostic::at(node.span.clone(), format!("`{}`: {e}", entry.name), "here"));
+                self.out.push(Diagnostic::at(node.span.clone(), format!("`{name}`: {e}"), "here"));
                 None
             }
         }
     }
+}
+
+/// What a name in `simulate` means.
+enum Named {
+    Process(&'static Entry<dyn Process>),
+    /// The recipe's own layer or rule of this number.
+    Own(usize),
 }
 
 /// What a process or generator says of its parameters, at the parameter if it names one.
@@ -341,19 +369,12 @@ fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
     Diagnostic::at(span, e.to_string(), "this does not work").help(help)
 }
 
-fn suggestion(name: &str, known: Vec<&'static str>, command: &str) -> String {
+fn suggestion(name: &str, known: Vec<&str>, command: &str) -> String {
     match nearest(name, known.iter().copied()) {
         Some(n) => format!("did you mean `{n}`? `{command}` shows all of them"),
         None if known.is_empty() => "this build of Eyot has none".to_owned(),
         None => format!("there is {}; `{command}` says what they do", alternatives(known)),
     }
-}
-
-fn layer_name_ok(name: &str) -> bool {
-    let mut chars = name.chars();
-    chars.next().is_some_and(|c| c.is_ascii_lowercase() || c == '_')
-        && name.len() <= 64
-        && chars.all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
 }
 
 /// The seed of a step (splitmix64), so that neighbouring steps and seeds share nothing.

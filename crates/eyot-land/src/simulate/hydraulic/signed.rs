@@ -1,5 +1,6 @@
 //! The rules of hydraulic erosion with one signed flux an edge; equation numbers as in the parent module.
 
+use eyot_core::ledger::known::{DRAINED, EVAPORATED, RAIN, WATER_CLAMPED};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
 use eyot_core::rule_params;
@@ -213,20 +214,10 @@ pub(super) fn spare<R: Real>(h: R, load: R) -> R {
 
 /// The accounts of both forms.
 pub(super) const SHARED: [Tally; 6] = [
-    Tally { account: "water.rain", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell" },
-    Tally { account: "water.evaporated", unit: TallyUnit::Thickness, sign: -1, meaning: "Water that evaporated" },
-    Tally {
-        account: "water.drained",
-        unit: TallyUnit::Thickness,
-        sign: -1,
-        meaning: "Water that reached the sea or left over an open rim",
-    },
-    Tally {
-        account: "water.clamped",
-        unit: TallyUnit::Thickness,
-        sign: 1,
-        meaning: "Water added where rounding had made a depth negative",
-    },
+    RAIN,
+    EVAPORATED,
+    DRAINED,
+    WATER_CLAMPED,
     Tally {
         account: "hydraulic.dig_limited",
         unit: TallyUnit::Thickness,

@@ -1,0 +1,192 @@
+//! `film`: pictures along a camera's path, or of a run at work.
+
+use crate::args::{Draws, Look, size};
+use crate::progress::{bar, time};
+use crate::{Failure, look, print, report};
+use clap::Args;
+use eyot::film::{FilmOptions, FilmPath, FilmProgress, Video, film_run};
+use eyot::{Cancel, Control, Limits, RunError, Scenery, View};
+use indicatif::ProgressBar;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Without a terminal a line is enough now and then.
+const LINE_TIME: Duration = Duration::from_secs(10);
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot film island                                         once around it: 250 pictures
+  eyot film island --path fly --size 1920x1080 --engine gpu
+  eyot film island --path way.toml --fps 30 --out my-film
+  eyot film island --drape water --frames 60
+  eyot film island --run --frames 100                      how it came to be, step by step
+
+A file of key frames:
+  closed = false             # true: the last key is the first again
+  [[key]]
+  time = 0                   # s; without times the keys are evenly spaced
+  azimuth = 205              # and elevation, distance, target, target_height, field_of_view
+  [[key]]
+  time = 5
+  azimuth = 300              # what a key leaves out is as in the key before
+
+The same command goes on with a film that was stopped. With ffmpeg installed, a video is made of the pictures.")]
+pub(crate) struct Film {
+    /// Folder of a run, or a height map
+    from: PathBuf,
+    /// Folder for the pictures [default: FOLDER/film, or beside the height map]
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Film the run itself: its recipe is carried out again, by the processor, and filmed from the first step to the last
+    #[arg(long)]
+    run: bool,
+    /// The way of the camera: orbit, fly, still, or a TOML file of key frames [default: orbit; still with --run]
+    #[arg(long, value_name = "PATH", value_parser = way)]
+    path: Option<FilmPath>,
+    /// Pictures in all [default: 10 seconds, or the time of the key frames]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<u32>,
+    /// Pictures a second
+    #[arg(long, value_name = "F", default_value = "25", allow_negative_numbers = true, value_parser = |s: &str| crate::args::number(s, 1.0, 240.0))]
+    fps: f32,
+    /// Width x height of the pictures in pixels
+    #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = size)]
+    size: Option<(u32, Option<u32>)>,
+    /// Show the land in the colours of this layer, with a legend
+    #[arg(long, value_name = "NAME")]
+    drape: Option<String>,
+    /// The video to make where ffmpeg is installed: mp4, webm or none
+    #[arg(long, value_name = "FORMAT", default_value = "mp4", value_parser = video)]
+    video: Video,
+    /// Replace the film of something else in the folder
+    #[arg(long)]
+    restart: bool,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+    #[command(flatten)]
+    engine: Draws,
+    #[command(flatten)]
+    look: Look,
+}
+
+/// Films a run or a height map.
+pub(crate) fn film(args: &Film) -> Result<(), Failure> {
+    let opened = look::open(&args.from)?;
+    if let Some(layer) = &args.drape {
+        look::known(&opened, &args.from, "drape", layer)?;
+    }
+    let size = match args.size {
+        None => View::default().size,
+        Some((w, h)) => [w, h.unwrap_or((w * 5 / 8).max(1))],
+    };
+    let view = args.look.view(size)?;
+    let options = FilmOptions {
+        scenery: Scenery { view, drape: args.drape.clone(), engine: args.engine.options() },
+        path: args.path.clone().unwrap_or(if args.run { FilmPath::Still } else { FilmPath::Orbit }),
+        frames: args.frames,
+        fps: args.fps,
+        video: args.video,
+        restart: args.restart,
+    };
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| if args.from.is_dir() { args.from.join("film") } else { args.from.with_extension("film") });
+    let cancel = Cancel::default();
+    let stop = cancel.clone();
+    let handler = move || {
+        if stop.is_raised() {
+            std::process::exit(130);
+        }
+        print::note("stopping after this picture; Ctrl-C again ends at once");
+        stop.raise();
+    };
+    if let Err(e) = ctrlc::set_handler(handler) {
+        print::note(&format!("warning: Ctrl-C will end the film in the middle of a picture: {e}"));
+    }
+    let control = Control::new(cancel, &|_, _| {});
+    let mut shown = Shown::new(args.quiet);
+    let limits = Limits::default();
+    let tell: &mut dyn FnMut(&FilmProgress) = &mut |p| shown.show(p);
+    let filmed = if args.run {
+        // It reads the world, too.
+        drop(opened);
+        film_run(&args.from, &options, &out, &limits, &control, tell)
+    } else {
+        eyot::film::film(&opened.world, &options, &out, &limits, &control, tell)
+    };
+    shown.end();
+    let filmed = match filmed {
+        Err(RunError::Stopped) => {
+            print::note("stopped; the same command goes on");
+            return Err(Failure::Stopped);
+        }
+        other => other.map_err(|e| report::run(&e))?,
+    };
+    filmed.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+    let there = filmed.frames - filmed.drawn;
+    let kept = if there > 0 { format!(" ({there} were there)") } else { String::new() };
+    print::line(&format!("{} pictures in {}{kept}", filmed.frames, out.display()))?;
+    match filmed.video {
+        Some(video) => print::line(&format!("wrote {}", video.display())),
+        None => Ok(()),
+    }
+}
+
+/// How far the film is, on the terminal.
+struct Shown {
+    quiet: bool,
+    bar: Option<ProgressBar>,
+    last_line: Option<Instant>,
+}
+
+impl Shown {
+    fn new(quiet: bool) -> Self {
+        Self { quiet, bar: None, last_line: None }
+    }
+
+    fn show(&mut self, p: &FilmProgress) {
+        if self.quiet {
+            return;
+        }
+        let left = p.seconds_left.map_or(String::new(), |s| format!(", {} left", time(s)));
+        if std::io::stderr().is_terminal() {
+            let new = || bar("{prefix} {bar:30.cyan/black} {pos}/{len}{msg}", u64::from(p.frames));
+            let bar = self.bar.get_or_insert_with(new);
+            bar.set_prefix(p.engine.clone());
+            bar.set_position(u64::from(p.done));
+            bar.set_message(left);
+        } else if self.last_line.is_none_or(|at| at.elapsed() >= LINE_TIME) && p.done < p.frames {
+            self.last_line = Some(Instant::now());
+            print::note(&format!("  {}: {} of {} pictures{left}", p.engine, p.done, p.frames));
+        }
+    }
+
+    fn end(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn way(text: &str) -> Result<FilmPath, String> {
+    match text {
+        "orbit" => Ok(FilmPath::Orbit),
+        "fly" => Ok(FilmPath::Fly),
+        "still" => Ok(FilmPath::Still),
+        file if Path::new(file).extension().is_some_and(|e| e == "toml") => Ok(FilmPath::File(file.into())),
+        _ => Err("choose orbit, fly or still, or give a .toml file of key frames".to_owned()),
+    }
+}
+
+fn video(text: &str) -> Result<Video, String> {
+    match text {
+        "mp4" => Ok(Video::Mp4),
+        "webm" => Ok(Video::Webm),
+        "none" => Ok(Video::None),
+        _ => Err("choose mp4, webm or none".to_owned()),
+    }
+}

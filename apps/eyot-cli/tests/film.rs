@@ -1,0 +1,105 @@
+//! `eyot film`, and views by another engine.
+
+mod common;
+
+use common::{eyot, said, text};
+use std::path::Path;
+
+/// A folder with a run of a small hill in `hill`.
+fn hill(folder: &Path) {
+    let recipe = "name = \"Hill\"\n[grid]\nsize = 24\ncell = 20.0\n[[step]]\ngenerate = \"cone\"\nheight = 90.0\n";
+    std::fs::write(folder.join("hill.toml"), recipe).unwrap();
+    said(folder, &["run", "hill.toml", "--quiet"], 0, &[]);
+}
+
+const SMALL: [&str; 6] = ["--size", "32x20", "--frames", "3", "--fps", "5"];
+
+#[test]
+fn a_film_is_made_and_goes_on() {
+    let dir = tempfile::tempdir().unwrap();
+    hill(dir.path());
+    let args: Vec<&str> = ["film", "hill"].into_iter().chain(SMALL).collect();
+    let o = eyot(dir.path(), &args).env("PATH", "").output().unwrap();
+    let words = text(&o);
+    assert!(o.status.success() && words.contains("3 pictures in hill/film"), "{words}");
+    assert!(words.contains("ffmpeg is not installed"), "{words}");
+    let o = eyot(dir.path(), &args).env("PATH", "").output().unwrap();
+    assert!(text(&o).contains("(3 were there)"), "{}", text(&o));
+    let other: Vec<&str> = args.iter().copied().chain(["--azimuth", "10"]).collect();
+    said(dir.path(), &other, 2, &["another film", "--restart"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn ffmpeg_gets_all_pictures_and_its_video_its_place() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    hill(dir.path());
+    let bin = dir.path().join("bin");
+    std::fs::create_dir(&bin).unwrap();
+    // Writes what it was asked into the last argument, which is the file to make.
+    let script = "#!/bin/sh\nfor last; do :; done\necho \"$@\" >\"$last\"\n";
+    std::fs::write(bin.join("ffmpeg"), script).unwrap();
+    std::fs::set_permissions(bin.join("ffmpeg"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let args: Vec<&str> = ["film", "hill", "--video", "webm"].into_iter().chain(SMALL).collect();
+    let o = eyot(dir.path(), &args).env("PATH", &bin).output().unwrap();
+    assert!(text(&o).contains("wrote hill/film/film.webm"), "{}", text(&o));
+    let asked = std::fs::read_to_string(dir.path().join("hill/film/film.webm")).unwrap();
+    assert!(asked.contains("-framerate 5") && asked.contains("frame_%05d.png") && asked.contains("vp9"), "{asked}");
+    // A failure is told, and the pictures stay.
+    std::fs::write(bin.join("ffmpeg"), "#!/bin/sh\necho no such codec >&2\nexit 1\n").unwrap();
+    let o = eyot(dir.path(), &args).env("PATH", &bin).output().unwrap();
+    assert!(o.status.success() && text(&o).contains("ffmpeg made no video: no such codec"), "{}", text(&o));
+}
+
+#[test]
+fn a_run_is_filmed_while_it_is_done_again() {
+    let dir = tempfile::tempdir().unwrap();
+    hill(dir.path());
+    // So steep that it slides.
+    let recipe = std::fs::read_to_string(dir.path().join("hill.toml")).unwrap().replace("90.0", "900.0");
+    let more = "[[step]]\nsimulate = [\"thermal\"]\nsteps = 40\n";
+    std::fs::write(dir.path().join("slides.toml"), recipe + more).unwrap();
+    said(dir.path(), &["run", "slides.toml", "--out", "slides", "--quiet"], 0, &[]);
+    let args: Vec<&str> = ["film", "slides", "--run", "--video", "none"].into_iter().chain(SMALL).collect();
+    said(dir.path(), &args, 0, &["3 pictures in slides/film"]);
+    let frame = |i: u32| std::fs::read(dir.path().join(format!("slides/film/frame_0000{i}.png"))).unwrap();
+    assert!(frame(0) != frame(2), "the land changes");
+    // A hill that nothing happens to is no film.
+    said(dir.path(), &["film", "hill", "--run"], 2, &["simulates nothing"]);
+}
+
+#[test]
+fn what_cannot_be_filmed_or_drawn_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    hill(dir.path());
+    let refused: [(&[&str], &[&str]); 6] = [
+        (&["film", "hill", "--path", "way.toml"], &["way.toml", "[[key]]"]),
+        (&["film", "hill", "--path", "round"], &["orbit, fly or still"]),
+        (&["film", "hill", "--drape", "heigth"], &["did you mean --drape height?"]),
+        (&["film", "nowhere"], &["nowhere"]),
+        (&["render", "hill", "--engine", "gpu", "--adapter", "no such card"], &["no graphics adapter", "no such card"]),
+        (&["render", "hill", "--engine", "gpu", "--relief"], &["drawn by the processor", "--drape"]),
+    ];
+    for (args, answers) in refused {
+        said(dir.path(), args, 2, answers);
+    }
+    assert!(!dir.path().join("hill/film").exists());
+}
+
+#[test]
+fn a_graphics_card_draws_the_same_view() {
+    let dir = tempfile::tempdir().unwrap();
+    hill(dir.path());
+    let args = ["render", "hill", "--engine", "gpu", "--size", "64x40"];
+    let o = eyot(dir.path(), &args).output().unwrap();
+    let words = text(&o);
+    if !o.status.success() && words.contains("no graphics adapter") {
+        assert!(std::env::var_os("EYOT_REQUIRE_GPU").is_none(), "{words}");
+        eprintln!("skipped: {words}");
+        return;
+    }
+    assert!(o.status.success() && words.contains("drawn by gpu ("), "{words}");
+    assert!(dir.path().join("hill/render.png").is_file());
+    said(dir.path(), &["render", "hill", "--engine", "auto", "--size", "64x40"], 0, &["drawn by"]);
+}

@@ -1,0 +1,250 @@
+//! Humidity: the air takes up water over the sea, carries it, and rains where it cools, rises and meets.
+//!
+//! # Equations
+//! `q` humidity (1: saturated at 30 degrees), `T` in degrees Celsius, `t` hours, `w` share through a face.
+//! 1. `q1 = q + sum over 4 faces of (w_in q_n - w_out q)`: what leaves one cell arrives in the other.
+//! 2. `W = ((T + 60) / 90)^5`: what air can hold, 0 below -60 degrees.
+//! 3. uptake: `(1 - e^(-water_add t / 24)) (W - q1)` where positive, over the sea; a third of it over lakes, half of it
+//!    through sea ice.
+//! 4. rain: `(1 - e^(-t / 96)) q r` with `r = q / W` at most 1, and `1 - e^(-t / 6)` of what exceeds `W`;
+//!    `recycling T / 25` of it, the quotient within 0..=1, rises again over land.
+//! 5. drying: `(1 - e^(-land_dry t / 720)) (q - rain) (0.3 + 0.4 T / 30)` over land, the last bracket within 0..=0.7,
+//!    and the same with `ice_dry` and without it over ice; it is gone without rain.
+//! 6. `precipitation' = precipitation + 0.1 (R - precipitation)`, `R` the rain of (4) in mm a year.
+//!
+//! # Source
+//! Gerteis 2017. (2) follows the relation of Clausius and Clapeyron within 15 in 100 from -20 to 35 degrees.
+//!
+//! # Differences
+//! - In the source rain is a share of the humidity, wherever it is. Here cold air holds less and so rains more:
+//!   mountains are wet on the side of the wind and dry behind, and air that sinks and parts at 30 degrees leaves
+//!   deserts.
+//! - The source has signs that lose water on the way and a temperature factor of drying that multiplies zero. Both are
+//!   mended, and land dries by default.
+//! - Rain that rises again from plants and soil waters the middle of continents.
+//!
+//! # Layers
+//! Reads `height`, `water`, `ice` (m), `temperature` (degrees Celsius), `wind_x`, `wind_y` (m/s); reads and writes
+//! `humidity` (1) and `precipitation` (mm a year).
+//!
+//! # Limits
+//! Stable for all values: no more leaves a cell than is there.
+//!
+//! # Conserves
+//! Water in the air with uptake, rain and drying in the ledger, as the depth it would have (`tests/conservation.rs`).
+//! The rain of the map falls as `water.rain` in its own, slower time; see `water`.
+
+use crate::carry::{Carrier, mixing, shares};
+use crate::ice::ICE;
+use crate::temperature::TEMPERATURE;
+use crate::units::{AIR_WATER, CELSIUS_AT_ZERO, MM_PER_HUMIDITY, RAIN_HOURS, hours_per_step};
+use crate::wind::{WIND_X, WIND_Y};
+use eyot_core::layer::known::{HEIGHT, WATER};
+use eyot_core::plan::Plan;
+use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::real::Real;
+use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
+use eyot_core::{Grid, LayerSpec, Result, math, rule_params};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Water in the air.
+pub const HUMIDITY: LayerSpec =
+    LayerSpec::new("humidity", "1", "Water in the air; 1 saturates it at 30 degrees", (0.0, 1000.0));
+/// Rain and snow.
+pub const PRECIPITATION: LayerSpec =
+    LayerSpec::new("precipitation", "mm/a", "Rain and snow, as the depth that a year of it would make", (0.0, 1e8));
+
+/// The air takes up water over the sea, carries it, and rains where it cools, rises and meets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Humidity {
+    /// How fast air takes up water over the sea. Little makes a dry world.
+    #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "1"))]
+    pub water_add: f32,
+    /// How fast land dries the air without rain, more where it is warm (0 in the source, where land never dries).
+    #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "1"))]
+    pub land_dry: f32,
+    /// How fast ice dries the air.
+    #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "1"))]
+    pub ice_dry: f32,
+    /// Share of the rain over warm land that rises again; none does in frost. Much of it makes green continents and wet
+    /// summers.
+    #[schemars(range(min = 0.0, max = 0.95), extend("unit" = "1"))]
+    pub recycling: f32,
+    /// Mixing by weather that is smaller than the belts and eddies of the wind. A twentieth of a difference mixes in a
+    /// step at most.
+    #[schemars(range(min = 0.0, max = 10000000.0), extend("unit" = "m2/s"))]
+    pub mixing: f32,
+}
+
+impl Default for Humidity {
+    fn default() -> Self {
+        Self { water_add: 1.0, land_dry: 0.5, ice_dry: 0.2, recycling: 0.65, mixing: 5e5 }
+    }
+}
+
+impl Process for Humidity {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        let own = [(HUMIDITY, 0.0), (PRECIPITATION, 0.0)];
+        let others = [(HEIGHT, 0.0), (WATER, 0.0), (ICE, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)];
+        others.into_iter().chain([(WIND_X, 0.0), (WIND_Y, 0.0)]).chain(own).collect()
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check_ranges("humidity", self)
+    }
+
+    fn plan(&self, moment: &Moment, plan: &mut Plan) {
+        let (share_x, share_y) = shares(&moment.grid);
+        let hours = hours_per_step(&moment.grid) as f32;
+        let share = |strength: f32, time: f32| 1.0 - math::exp(-strength * hours / time);
+        let rain = share(1.0, RAIN_HOURS);
+        plan.push::<Moisten>(MoistenParams {
+            uptake: share(self.water_add, 24.0),
+            rain,
+            excess: share(1.0, 6.0),
+            rise: self.recycling,
+            dry: share(self.land_dry, 720.0),
+            ice_dry: share(self.ice_dry, 720.0),
+            // A step's rain as millimetres a year: saturated air rains its humidity in 96 h.
+            per_year: MM_PER_HUMIDITY / (rain.max(1e-30)),
+            depth: AIR_WATER,
+            sea: moment.sea_level_m as f32,
+            share_x,
+            share_y,
+            mixing: mixing(&moment.grid, self.mixing),
+        });
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Moisten`].
+    pub struct MoistenParams {
+        /// Share of what the air lacks that it takes up over the sea in a step, 1.
+        uptake,
+        /// Share of the water of saturated air that rains in a step, 1.
+        rain,
+        /// Share of what exceeds saturation that rains in a step, 1.
+        excess,
+        /// Share of the rain over warm land that rises again, 1.
+        rise,
+        /// Share that warm land dries in a step, 1.
+        dry,
+        /// Share that ice dries in a step, 1.
+        ice_dry,
+        /// Rain of a step as mm a year.
+        per_year,
+        /// Depth of the water in air of humidity 1, m.
+        depth,
+        /// Level of the sea, m.
+        sea,
+        /// Share that a wind of 1 m/s carries through an eastern face, s/m.
+        share_x,
+        /// The same through a southern face, s/m.
+        share_y,
+        /// Share that mixes, 1.
+        mixing,
+    }
+}
+
+/// Equations (1) to (6).
+pub struct Moisten;
+
+#[inline(always)]
+fn carrier<R: Real>(p: &MoistenParams<R>) -> Carrier<R> {
+    Carrier { what: 0, wind_x: 1, wind_y: 2, share_x: p.share_x, share_y: p.share_y, mixing: p.mixing }
+}
+
+/// Equation (2).
+#[inline(always)]
+pub fn capacity<R: Real>(celsius: R) -> R {
+    let x = (celsius + R::of(60.0)).positive() * R::of(1.0 / 90.0);
+    let x2 = x * x;
+    x2 * x2 * x
+}
+
+impl Rule for Moisten {
+    const NAME: &'static str = "humidity_moisten";
+    const READS: &'static [Read] = &[
+        read("humidity", 1),
+        read("wind_x", 1),
+        read("wind_y", 1),
+        read("temperature", 0),
+        read("height", 0),
+        read("water", 0),
+        read("ice", 0),
+        read("precipitation", 0),
+    ];
+    const WRITES: &'static [&'static str] = &["humidity", "precipitation"];
+    const TALLIES: &'static [Tally] = &[
+        Tally {
+            account: "humidity.taken_up",
+            unit: TallyUnit::Thickness,
+            sign: 1,
+            meaning: "Water that the air took up over sea, lakes and wet land",
+        },
+        Tally {
+            account: "humidity.rained",
+            unit: TallyUnit::Thickness,
+            sign: -1,
+            meaning: "Water that rained out of the air",
+        },
+        Tally {
+            account: "humidity.dried",
+            unit: TallyUnit::Thickness,
+            sign: -1,
+            meaning: "Water that land and ice took from the air without rain",
+        },
+        Tally {
+            account: "humidity.left",
+            unit: TallyUnit::Thickness,
+            sign: -1,
+            meaning: "Water in the air that left over an open rim, less what came in",
+        },
+    ];
+    type Params = MoistenParams<()>;
+    type Out<R: Real> = [R; 2];
+    type Sums<R: Real> = [R; 4];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &MoistenParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 4]) {
+        let (zero, one) = (R::of(0.0), R::of(1.0));
+        let (t, sea, frozen) = (c.here(3), c.here(4).lt(p.sea), c.here(6).gt(R::of(0.1)));
+        let q = (c.here(0) + carrier(p).gain(c)).positive().named("(1) carried");
+        let holds = capacity(t).named("(2) holds");
+
+        let lake = c.here(5).gt(R::of(0.5)).pick(R::of(0.33), zero);
+        let sea_share = frozen.pick(R::of(0.5), one);
+        let wet = sea.pick(sea_share, frozen.pick(zero, lake));
+        let uptake = (wet * p.uptake * (holds - q).positive()).named("(3) uptake");
+
+        let relative = (q / holds.max(R::of(1e-6))).min(one);
+        let rain = p.rain * q * relative + p.excess * (q - holds).positive();
+        let rain = rain.min(q).named("(4) rain");
+        let growing = (t * R::of(1.0 / 25.0)).clamp(zero, one);
+        let risen = sea.pick(zero, p.rise * growing * rain);
+
+        let warm = (R::of(0.3) + R::of(0.4 / 30.0) * t).clamp(R::of(0.0), R::of(0.7));
+        let dry = frozen.pick(p.ice_dry, sea.pick(zero, p.dry * warm)).named("(5) dry");
+        let left = (q - rain).positive();
+        let dried = left * dry;
+
+        let humidity = ((left - dried) + (uptake + risen)).flushed();
+        let fallen = c.here(7) + R::of(0.1) * (p.per_year * rain - c.here(7));
+        let sums = [p.depth * (uptake + risen), p.depth * rain, p.depth * dried, zero];
+        ([humidity, fallen.flushed().named("(6) precipitation")], sums)
+    }
+
+    #[inline(always)]
+    fn leaving<R: Real>(p: &MoistenParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 4]> {
+        let (air, zero) = (carrier(p), R::of(0.0));
+        let out = match side {
+            Side::West => -air.east(c, -1),
+            Side::East => air.east(c, 0),
+            Side::North => -air.south(c, -1),
+            Side::South => air.south(c, 0),
+        };
+        Some([zero, zero, zero, p.depth * out])
+    }
+}

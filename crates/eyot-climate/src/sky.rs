@@ -1,0 +1,100 @@
+//! Sun, seasons and latitudes: what depends on the row and the hour alone.
+
+use crate::units::hours_per_step;
+use eyot_core::process::Moment;
+use eyot_core::real::Real;
+use eyot_core::{Grid, math};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// The year. Processes of one world should agree about it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Seasons {
+    /// Tilt of the axis: how far from the equator the noon sun wanders in a year. 0 makes no seasons.
+    #[schemars(range(min = 0.0, max = 90.0), extend("unit" = "degree"))]
+    pub tilt: f32,
+    /// Length of a year. Ten days let one watch the seasons; land and sea store heat for a matching time. 0 stops the
+    /// sun at the northern spring.
+    #[schemars(range(min = 0.0, max = 1000000.0), extend("unit" = "h"))]
+    pub year: f32,
+}
+
+impl Default for Seasons {
+    fn default() -> Self {
+        Self { tilt: 23.4, year: 240.0 }
+    }
+}
+
+impl Seasons {
+    /// Time of the year at this moment: 0 in the northern spring, pi / 2 in its summer, rad.
+    pub fn phase(&self, moment: &Moment) -> f32 {
+        if self.year > 0.0 { turned(hours(moment), TAU / f64::from(self.year)) } else { 0.0 }
+    }
+
+    /// Latitude at which the noon sun stands overhead, rad.
+    pub fn declination(&self, moment: &Moment) -> f32 {
+        self.tilt.to_radians() * math::sin(self.phase(moment))
+    }
+}
+
+/// Hours of weather before this moment.
+pub fn hours(moment: &Moment) -> f64 {
+    hours_per_step(&moment.grid) * moment.step as f64
+}
+
+/// The angle after so many hours at this speed, within a turn, rad.
+pub fn turned(hours: f64, radians_per_hour: f64) -> f32 {
+    (hours * radians_per_hour).rem_euclid(TAU) as f32
+}
+
+/// Parameters of [`latitude`]: the number of rows, and the latitude of half a row, rad.
+pub(crate) fn rows(grid: &Grid) -> (f32, f32) {
+    (grid.height as f32, (FRAC_PI_2 / grid.height as f64) as f32)
+}
+
+/// Latitude of the middle of row `y`, rad, north positive. Rows that mirror each other have opposite ones to the bit:
+/// whole numbers are subtracted before anything is rounded.
+#[inline(always)]
+pub(crate) fn latitude<R: Real>(rows: R, half_row: R, y: R) -> R {
+    ((rows - R::of(1.0)) - (y + y)) * half_row
+}
+
+/// Latitude of the southern edge of row `y`, rad.
+#[inline(always)]
+pub(crate) fn edge_latitude<R: Real>(rows: R, half_row: R, y: R) -> R {
+    ((rows - R::of(2.0)) - (y + y)) * half_row
+}
+
+/// Sine of an angle within a quarter turn of 0, rad; error at most 4e-6. The general function takes four times as long.
+#[inline(always)]
+pub(crate) fn sine<R: Real>(x: R) -> R {
+    let x2 = x * x;
+    let p = R::of(2.755_731_9e-6) * x2 + R::of(-1.984_127e-4);
+    let p = (p * x2 + R::of(8.333_333e-3)) * x2 + R::of(-1.666_666_7e-1);
+    x + x * x2 * p
+}
+
+/// Cosine of an angle of some turns, rad; error at most 5e-6.
+#[inline(always)]
+pub(crate) fn cosine<R: Real>(x: R) -> R {
+    let turns = (x * R::of(1.0 / std::f32::consts::TAU) + R::of(0.5)).floor();
+    let within = x - turns * R::of(std::f32::consts::TAU);
+    sine(R::of(std::f32::consts::FRAC_PI_2) - within.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sine_and_cosine_are_good_enough() {
+        for i in -2000..=2000 {
+            let x = i as f32 * 0.006;
+            assert!((f64::from(cosine(x)) - f64::from(x).cos()).abs() < 5e-6, "{x}");
+            let x = i as f32 * std::f32::consts::FRAC_PI_2 / 2000.0;
+            assert!((f64::from(sine(x)) - f64::from(x).sin()).abs() < 4e-6, "{x}");
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Temperature: the sun warms by latitude, season and hour, height cools, the sea is slow, the wind carries.
+//!
+//! # Equations
+//! `l` latitude, `d` declination of the sun, `s = sin(l - d - angle)` with the angle within -90..=90 degrees, `T` in
+//! degrees Celsius, `z` the surface above the sea, `t` hours.
+//! 1. `day = 0.5 + 4 (sin l sin d + cos l cos d cos(longitude - clock))`, within 0..=1: the height of the sun.
+//! 2. `target = 12 + 24 (1 - s^2 - s^4 + strength + day_night (1 - day)) - lapse max(0, z - cooling_from)`.
+//! 3. `T1 = T + sum over 4 faces of (w_in t / l + mixing) (T_n - T)`, `w_in` the wind towards this cell.
+//! 4. `T' = T1 + (1 - e^(-t / response)) (target - T1)`; over the sea the response takes `sea_slowness` times as long.
+//!
+//! # Source
+//! Gerteis 2017.
+//!
+//! # Differences
+//! - The source adds the sun to the temperature step by step and stops it at -1 and 1. Here temperature tends to a balance.
+//! - Its sun is `cos(2 l)`, that is `1 - 2 s^2`. `1 - s^2 - s^4` has the same equator and poles and the even warmth of
+//!   the Earth's tropics.
+//! - `latFactor` is 0 there; `sun_strength = -0.17` makes the equator 29 degrees, night included.
+//! - Its tilt is a number of pixels and fixed. Here `sun_angle` is in degrees and `tilt` makes a year.
+//! - Its night side has one temperature at all latitudes, and its border is not symmetric. Here night takes warmth
+//!   away, behind the terminator of a sphere, so that mirrored worlds stay mirrored and no polar night is warmer than
+//!   its day.
+//! - It cools by 1.2 units (28.8 degrees) for each 1000 m, from 2.5 units (1550 m) on, with a jump there. Here the
+//!   lapse is the air's, without one.
+//! - Temperature is carried as a property: carried as matter, as there, it would pile up where winds meet. In an even
+//!   wind both are the same.
+//! - The clock turns by 0.262 rad/h, a day of 24 h, instead of 0.02 rad a step. 0 stops it: a world that is tidally locked.
+//!
+//! # Layers
+//! Reads `height` (m), `wind_x`, `wind_y` (m/s); reads and writes `temperature` (degrees Celsius).
+//!
+//! # Limits
+//! Stable for all values: (3) and (4) are means.
+
+use crate::carry::{Carrier, mixing, shares};
+use crate::sky::{Seasons, cosine, hours, latitude, rows, sine, turned};
+use crate::units::{CELSIUS_AT_ZERO, CELSIUS_PER_UNIT, hours_per_step};
+use crate::wind::{WIND_X, WIND_Y};
+use eyot_core::layer::known::HEIGHT;
+use eyot_core::plan::Plan;
+use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::real::Real;
+use eyot_core::rule::{Cell, Read, Rule, read};
+use eyot_core::{Grid, LayerSpec, Result, math, rule_params};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Temperature of the air at the ground.
+pub const TEMPERATURE: LayerSpec =
+    LayerSpec::new("temperature", "°C", "Temperature of the air at the ground", (-600.0, 300.0));
+
+/// The sun warms by latitude, season and hour, height cools, the sea is slow, the wind carries.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Temperature {
+    /// Strength of the sun beyond its curve, in units of 24 degrees: -0.17 makes the equator 29 degrees, night included
+    /// (0 in the source: 36).
+    #[schemars(range(min = -5.0, max = 5.0), extend("unit" = "1"))]
+    pub sun_strength: f32,
+    /// Latitude over which the sun stands at noon, beside the seasons.
+    #[schemars(range(min = -40.0, max = 40.0), extend("unit" = "degree"))]
+    pub sun_angle: f32,
+    /// Height above the sea from which the air gets colder (1550 m in the source).
+    #[schemars(range(min = 0.0, max = 6050.0), extend("unit" = "m"))]
+    pub cooling_from: f32,
+    /// Cooling for each kilometre above that: 6.5 in our air, 28.8 in the source.
+    #[schemars(range(min = 0.0, max = 30.0), extend("unit" = "degree"))]
+    pub lapse: f32,
+    /// Angle by which the sun goes round in an hour: 0.262 is a day of 24 h, 0 keeps one side dark for ever.
+    #[schemars(range(min = -1.0, max = 1.0), extend("unit" = "rad/h"))]
+    pub rotation_speed: f32,
+    /// What night adds to the temperature that the land tends to, in units of 24 degrees: -0.2 as in the source.
+    #[schemars(range(min = -2.0, max = 2.0), extend("unit" = "1"))]
+    pub day_night: f32,
+    /// Time in which land makes good two thirds of what it lacks.
+    #[schemars(range(min = 0.1, max = 10000.0), extend("unit" = "h"))]
+    pub response: f32,
+    /// How many times longer the sea takes: 2 in the source. More makes milder coasts.
+    #[schemars(range(min = 1.0, max = 100.0), extend("unit" = "1"))]
+    pub sea_slowness: f32,
+    /// Mixing by weather that is smaller than the belts and eddies of the wind. A twentieth of a difference mixes in a
+    /// step at most.
+    #[schemars(range(min = 0.0, max = 10000000.0), extend("unit" = "m2/s"))]
+    pub mixing: f32,
+    /// The year.
+    #[serde(flatten)]
+    pub seasons: Seasons,
+}
+
+impl Default for Temperature {
+    fn default() -> Self {
+        Self {
+            sun_strength: -0.17,
+            sun_angle: 0.0,
+            cooling_from: 0.0,
+            lapse: 6.5,
+            rotation_speed: 0.262,
+            day_night: -0.2,
+            response: 24.0,
+            sea_slowness: 4.0,
+            mixing: 5e5,
+            seasons: Seasons::default(),
+        }
+    }
+}
+
+impl Process for Temperature {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0), (WIND_X, 0.0), (WIND_Y, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)]
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check_ranges("temperature", self)
+    }
+
+    fn plan(&self, moment: &Moment, plan: &mut Plan) {
+        let (rows, half_row) = rows(&moment.grid);
+        let (share_x, share_y) = shares(&moment.grid);
+        let hours_a_step = hours_per_step(&moment.grid) as f32;
+        let declination = self.seasons.declination(moment);
+        let rate = |response: f32| 1.0 - math::exp(-hours_a_step / response);
+        plan.push::<Warm>(WarmParams {
+            rows,
+            half_row,
+            column: (std::f64::consts::TAU / moment.grid.width as f64) as f32,
+            clock: turned(hours(moment), f64::from(self.rotation_speed)),
+            sun: declination + self.sun_angle.to_radians(),
+            sin_sun: math::sin(declination),
+            cos_sun: math::cos(declination),
+            warmth: CELSIUS_AT_ZERO + CELSIUS_PER_UNIT * (1.0 + self.sun_strength),
+            contrast: CELSIUS_PER_UNIT,
+            night: CELSIUS_PER_UNIT * self.day_night,
+            lapse: 1e-3 * self.lapse,
+            cooling_from: self.cooling_from,
+            sea: moment.sea_level_m as f32,
+            land_rate: rate(self.response),
+            sea_rate: rate(self.response * self.sea_slowness),
+            share_x,
+            share_y,
+            mixing: mixing(&moment.grid, self.mixing),
+        });
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Warm`].
+    pub struct WarmParams {
+        /// Rows of the grid, 1.
+        rows,
+        /// Latitude of half a row, rad.
+        half_row,
+        /// Longitude of a column, rad.
+        column,
+        /// Longitude of noon, rad.
+        clock,
+        /// Latitude over which the sun stands, rad.
+        sun,
+        /// Sine of its declination, 1.
+        sin_sun,
+        /// Cosine of its declination, 1.
+        cos_sun,
+        /// What land tends to under the sun, degrees Celsius.
+        warmth,
+        /// Half the difference between equator and poles, degrees.
+        contrast,
+        /// What night adds, degrees.
+        night,
+        /// Cooling with height, degrees/m.
+        lapse,
+        /// Height above the sea from which it cools, m.
+        cooling_from,
+        /// Level of the sea, m.
+        sea,
+        /// Share of what land lacks that it gets in a step, 1.
+        land_rate,
+        /// The same of the sea, 1.
+        sea_rate,
+        /// Share that a wind of 1 m/s carries through an eastern face, s/m.
+        share_x,
+        /// The same through a southern face, s/m.
+        share_y,
+        /// Share that mixes, 1.
+        mixing,
+    }
+}
+
+/// Equations (1) to (4).
+pub struct Warm;
+
+impl Rule for Warm {
+    const NAME: &'static str = "temperature_warm";
+    const READS: &'static [Read] = &[read("temperature", 1), read("wind_x", 1), read("wind_y", 1), read("height", 0)];
+    const WRITES: &'static [&'static str] = &["temperature"];
+    type Params = WarmParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &WarmParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        let (zero, one) = (R::of(0.0), R::of(1.0));
+        let lat = latitude(p.rows, p.half_row, c.y());
+        let quarter = R::of(std::f32::consts::FRAC_PI_2);
+        let noon = cosine(p.column * (c.x() + R::of(0.5)) - p.clock);
+        let sun_height = p.sin_sun * sine(lat) + p.cos_sun * sine(quarter - lat.abs()) * noon;
+        let night = (R::of(0.5) - R::of(4.0) * sun_height).clamp(zero, one).named("(1) night");
+
+        let s = sine((lat - p.sun).clamp(-quarter, quarter));
+        let s2 = s * s;
+        let z = c.here(3) - p.sea;
+        let cooled = p.lapse * (z - p.cooling_from).positive();
+        let target = p.warmth - p.contrast * (s2 + s2 * s2) + p.night * night - cooled;
+        let target = target.named("(2) balance");
+
+        let air = Carrier { what: 0, wind_x: 1, wind_y: 2, share_x: p.share_x, share_y: p.share_y, mixing: p.mixing };
+        let carried = (c.here(0) + air.change(c)).named("(3) carried");
+        let rate = z.lt(zero).pick(p.sea_rate, p.land_rate);
+        ([carried + rate * (target - carried)], [])
+    }
+}

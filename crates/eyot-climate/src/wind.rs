@@ -1,0 +1,305 @@
+//! Wind: belts by latitude, eddies that drift, and what mountains do to it.
+//!
+//! # Equations
+//! `l` latitude, turned by `follow` of the sun's; `W` = 10 m/s. On eastern faces `u` (to the east), on southern faces
+//! `v` (to the south):
+//! 1. belts: `u = -0.8 W cos(3.3 l)`, `v = 0.35 W sin(6 l)`: trade winds, westerlies and polar easterlies, that meet at
+//!    the equator and at 60 degrees and part at 30. `cells = "source"`: `u = -W cos(6.6 - 3.5 l)`, `v = W sin(3 l)`.
+//! 2. eddies: `u = W (p_SE - p_NE)`, `v = W (p_SW - p_SE)` from a stream function `p` at the corners of cells, which
+//!    drifts to the east in the north and to the west in the south. They part and gather no air.
+//! 3. pressure: `u = local_pressure 300 m/s (z_e - z_w) / l`, `z` the surface within 12 km above the sea: air is drawn
+//!    up slopes.
+//! 4. `w' = 0.5 w + 0.1 sum of 4 neighbours + 0.1 target`, the target being the weighted sum of (1) to (3), within -W..=W.
+//!
+//! # Source
+//! Gerteis 2017: belts, noise and pressure with a weight for each. The eddies after Bridson, Houriham and Nordenstam 2007.
+//!
+//! # Differences
+//! - The printed belts are not symmetric (`cos(11 (v + 0.1))`) and part at 60 degrees, where they would put the
+//!   deserts. They are kept as `cells = "source"`.
+//! - Wind lives on faces, so that what it carries is conserved whatever it does, and no wind blows through a closed pole.
+//! - Noise that gathers air would gather its water: the eddies are the curl of a noise.
+//! - The weight of the eddies is 0.8 by default and not 1: at full weight they begin to hide the belts.
+//! - Pressure falls evenly with height, and not as its inverse, which is the same for mountains but needs no division.
+//! - The belts follow the sun, for monsoons and dry summers.
+//!
+//! # Layers
+//! Reads `height` (m); reads and writes `wind_x`, `wind_y` (m/s, on faces) and `turbulence` (1, at south-eastern corners).
+//!
+//! # Limits
+//! Stable for all values: (4) is a mean. `turbulence` is made from the world's seed if it is empty.
+
+use crate::sky::{Seasons, cosine, edge_latitude, latitude, rows};
+use crate::turbulence;
+use crate::units::{FULL_WIND, FULL_WIND_CELLS};
+use eyot_core::layer::known::HEIGHT;
+use eyot_core::plan::Plan;
+use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::real::Real;
+use eyot_core::rule::{Cell, Read, Rule, read};
+use eyot_core::{Grid, LayerSpec, Result, Stagger, World, rule_params};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Wind through eastern faces.
+pub const WIND_X: LayerSpec =
+    LayerSpec::new("wind_x", "m/s", "Wind to the east through the eastern edge", (-FULL_WIND, FULL_WIND))
+        .on(Stagger::FaceX);
+/// Wind through southern faces.
+pub const WIND_Y: LayerSpec =
+    LayerSpec::new("wind_y", "m/s", "Wind to the south through the southern edge", (-FULL_WIND, FULL_WIND))
+        .on(Stagger::FaceY);
+/// Stream function of the eddies.
+pub const TURBULENCE: LayerSpec =
+    LayerSpec::new("turbulence", "1", "Stream function of the wind's eddies at the south-eastern corner", (-1e3, 1e3));
+
+/// Belts of wind by latitude.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Cells {
+    /// Trade winds, westerlies and polar easterlies, the same in both hemispheres.
+    #[default]
+    Earth,
+    /// As the source prints them.
+    Source,
+}
+
+/// Belts of wind, drifting eddies, and mountains that draw air up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Wind {
+    /// Weight of the belts. Negative turns them round.
+    #[schemars(range(min = -2.0, max = 2.0), extend("unit" = "1"))]
+    pub global_wind: f32,
+    /// Weight of the eddies (1 in the source).
+    #[schemars(range(min = -2.0, max = 2.0), extend("unit" = "1"))]
+    pub distortion: f32,
+    /// Weight of the pressure that draws air up slopes. Much of it makes all wind end on the nearest ridge.
+    #[schemars(range(min = -2.0, max = 2.0), extend("unit" = "1"))]
+    pub local_pressure: f32,
+    /// Speed at which eddies drift, as a share of the strongest wind: to the east in the north and to the west in the
+    /// south.
+    #[schemars(range(min = -1.0, max = 1.0), extend("unit" = "1"))]
+    pub wind_speed: f32,
+    /// Strength of each octave of the eddies to the one before. Above 1 the small ones win.
+    #[schemars(range(min = 0.0, max = 8.0), extend("unit" = "1"))]
+    pub roughness: f32,
+    /// Octaves of the eddies.
+    #[schemars(range(min = 1, max = 20), extend("unit" = "1"))]
+    pub turbulence: u32,
+    /// Share of the sun's way to north and south by which the belts follow it.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub follow: f32,
+    /// The belts.
+    pub cells: Cells,
+    /// The year.
+    #[serde(flatten)]
+    pub seasons: Seasons,
+}
+
+impl Default for Wind {
+    fn default() -> Self {
+        Self {
+            global_wind: 1.0,
+            distortion: 0.8,
+            local_pressure: 1.0,
+            wind_speed: 0.2,
+            roughness: 0.6,
+            turbulence: 4,
+            follow: 0.3,
+            cells: Cells::Earth,
+            seasons: Seasons::default(),
+        }
+    }
+}
+
+/// Wind up a slope whose gradient is 1, m/s. Slopes of whole degrees of latitude are below a hundredth.
+const WIND_PER_GRADIENT: f32 = 300.0;
+impl Wind {
+    /// Steps in which the eddies drift by a cell; `None` if they stand.
+    fn steps_per_cell(&self) -> Option<u64> {
+        let cells = f64::from(FULL_WIND_CELLS * self.wind_speed.abs());
+        (cells > 1e-9).then(|| (1.0 / cells).round().max(1.0) as u64)
+    }
+}
+
+impl Process for Wind {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0), (WIND_X, 0.0), (WIND_Y, 0.0), (TURBULENCE, 0.0)]
+    }
+
+    fn check(&self, _grid: &Grid) -> Result<()> {
+        check_ranges("wind", self)
+    }
+
+    fn prepare(&self, world: &mut World) -> Result<()> {
+        turbulence::prepare(world, self.turbulence, self.roughness)
+    }
+
+    fn plan(&self, moment: &Moment, plan: &mut Plan) {
+        let (rows, half_row) = rows(&moment.grid);
+        let east = if self.wind_speed < 0.0 { -1.0 } else { 1.0 };
+        let mut drift = 0.0;
+        if let Some(n) = self.steps_per_cell() {
+            // Whole cells move with the layer, the rest is looked up between two cells.
+            drift = (moment.step % n) as f32 / n as f32;
+            if moment.step.is_multiple_of(n) {
+                plan.push::<Drift>(DriftParams { rows, east });
+            }
+        }
+        let turn = self.follow * self.seasons.declination(moment);
+        let full = FULL_WIND * self.global_wind;
+        let (x, x_turn, x_start, y, y_turn) = match self.cells {
+            Cells::Earth => (0.8 * full, 3.3, 0.0, 0.35 * full, 6.0),
+            Cells::Source => (full, -11.0 / std::f32::consts::PI, 6.6, full, 3.0),
+        };
+        let slope = WIND_PER_GRADIENT * self.local_pressure;
+        plan.push::<Blow>(BlowParams {
+            rows,
+            half_row,
+            turn,
+            x,
+            x_turn,
+            x_start,
+            y,
+            y_turn,
+            eddies: FULL_WIND * self.distortion,
+            drift,
+            east,
+            slope_x: (f64::from(slope) / moment.grid.cell_x_m) as f32,
+            slope_y: (f64::from(slope) / moment.grid.cell_y_m) as f32,
+            sea: moment.sea_level_m as f32,
+            most: FULL_WIND,
+        });
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Drift`].
+    pub struct DriftParams {
+        /// Rows of the grid, 1.
+        rows,
+        /// 1 if northern eddies drift to the east, -1 if to the west.
+        east,
+    }
+}
+
+/// The eddies move by a cell.
+pub struct Drift;
+
+impl Rule for Drift {
+    const NAME: &'static str = "wind_drift";
+    const READS: &'static [Read] = &[read("turbulence", 1)];
+    const WRITES: &'static [&'static str] = &["turbulence"];
+    type Params = DriftParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &DriftParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        ([upstream(p.rows, p.east, c, 0, 0, 0)], [])
+    }
+}
+
+/// The stream function one cell upstream of the eddies' drift.
+#[inline(always)]
+fn upstream<R: Real>(rows: R, east: R, c: &impl Cell<R>, slot: usize, dx: isize, dy: isize) -> R {
+    // Corners north of the equator; the one on it is 0.
+    let y = c.y() + R::of(dy as f32);
+    let north = (y + y).lt(rows - R::of(2.0)).pick(east, -east);
+    north.gt(R::of(0.0)).pick(c.at(slot, dx - 1, dy), c.at(slot, dx + 1, dy))
+}
+
+rule_params! {
+    /// Parameters of [`Blow`].
+    pub struct BlowParams {
+        /// Rows of the grid, 1.
+        rows,
+        /// Latitude of half a row, rad.
+        half_row,
+        /// Latitude to which the belts have followed the sun, rad.
+        turn,
+        /// Strength of the belts along x, m/s.
+        x,
+        /// Their angle for each radian of latitude, 1.
+        x_turn,
+        /// Their angle at the equator, rad.
+        x_start,
+        /// Strength of the belts along y, m/s.
+        y,
+        /// Their angle for each radian of latitude, 1.
+        y_turn,
+        /// Strength of the eddies, m/s.
+        eddies,
+        /// Share of a cell that the eddies have drifted since they last moved, 1.
+        drift,
+        /// 1 if northern eddies drift to the east, -1 if to the west.
+        east,
+        /// Wind between columns for a difference in height, 1/s.
+        slope_x,
+        /// Wind between rows for a difference in height, 1/s.
+        slope_y,
+        /// Level of the sea, m.
+        sea,
+        /// Strongest wind, m/s.
+        most,
+    }
+}
+
+/// Equations (1) to (4).
+pub struct Blow;
+
+const HEIGHT_SLOT: usize = 0;
+const X: usize = 1;
+const Y: usize = 2;
+const EDDIES: usize = 3;
+
+impl Rule for Blow {
+    const NAME: &'static str = "wind_blow";
+    const READS: &'static [Read] = &[read("height", 1), read("wind_x", 1), read("wind_y", 1), read("turbulence", 2)];
+    const WRITES: &'static [&'static str] = &["wind_x", "wind_y"];
+    type Params = BlowParams<()>;
+    type Out<R: Real> = [R; 2];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &BlowParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 0]) {
+        let here = latitude(p.rows, p.half_row, c.y()) - p.turn;
+        let south = edge_latitude(p.rows, p.half_row, c.y()) - p.turn;
+        let belts_x = (-(p.x * cosine(p.x_start + p.x_turn * here))).named("(1) belts_x");
+        let belts_y = (p.y * cosine(p.y_turn * south - R::of(std::f32::consts::FRAC_PI_2))).named("(1) belts_y");
+
+        let corner = stream(p, c, 0, 0);
+        let eddies_x = (p.eddies * (corner - stream(p, c, 0, -1))).named("(2) eddies_x");
+        let eddies_y = (p.eddies * (stream(p, c, -1, 0) - corner)).named("(2) eddies_y");
+
+        let z = surface(p, c, 0, 0);
+        let slope_x = (p.slope_x * (surface(p, c, 1, 0) - z)).named("(3) slope_x");
+        let slope_y = (p.slope_y * (surface(p, c, 0, 1) - z)).named("(3) slope_y");
+
+        let x = settled(c, X, belts_x + eddies_x + slope_x, p.most);
+        let y = settled(c, Y, belts_y + eddies_y + slope_y, p.most);
+        ([x, y], [])
+    }
+}
+
+#[inline(always)]
+fn stream<R: Real>(p: &BlowParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    let here = c.at(EDDIES, dx, dy);
+    here + p.drift * (upstream(p.rows, p.east, c, EDDIES, dx, dy) - here)
+}
+
+/// Height of the surface above the sea, m.
+#[inline(always)]
+fn surface<R: Real>(p: &BlowParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    (c.at(HEIGHT_SLOT, dx, dy) - p.sea).clamp(R::of(0.0), R::of(12_000.0))
+}
+
+/// Equation (4).
+#[inline(always)]
+fn settled<R: Real>(c: &impl Cell<R>, slot: usize, target: R, most: R) -> R {
+    let around = (c.at(slot, 1, 0) + c.at(slot, -1, 0)) + (c.at(slot, 0, 1) + c.at(slot, 0, -1));
+    let target = target.clamp(-most, most);
+    (R::of(0.5) * c.here(slot) + R::of(0.1) * (around + target)).clamp(-most, most)
+}

@@ -1,0 +1,370 @@
+//! What a world and its run are beside the values of the layers: the head of a checkpoint, and of a frame of a recording.
+//!
+//! Its bytes are described in [`crate::checkpoint`].
+
+use crate::atomic::{put, row_bytes};
+use crate::checkpoint::Checkpoint;
+use crate::error::{Error, Result};
+use crate::raster::check_size;
+use eyot_core::layer::known;
+use eyot_core::{Beyond, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Stagger, World};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{BufReader, Read, Write};
+use std::path::Path;
+
+const MAGIC: &[u8; 8] = b"EYOTCKPT";
+/// Raised whenever an older program would misread the file.
+const FORMAT_VERSION: u32 = 2;
+/// Magic, version and length of the header.
+const PREFIX_BYTES: usize = 8 + 4 + 8;
+/// Recipe, ledger and layer list are kilobytes; the state of a run may be more.
+const MAX_HEADER_BYTES: u64 = 256 << 20;
+/// Numbers of a feature that are read or written at a time.
+const FEATURE_PART: usize = 1 << 16;
+const AGAIN: &str = "run the recipe again";
+/// Far more steps than any recipe can ask for, and few enough for exact arithmetic with them.
+const MAX_STEP: u64 = 1 << 48;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Head {
+    engine_version: String,
+    pub(crate) grid: Grid,
+    seed: u64,
+    pub(crate) step: u64,
+    sea_level_m: f64,
+    georeference: Option<Georeference>,
+    ledger: Ledger,
+    pub(crate) layers: Vec<LayerHeader>,
+    /// Names of the features, and how many numbers they have.
+    features: Vec<(String, u64)>,
+    recipe_toml: String,
+    pub(crate) state: Value,
+}
+
+/// A [`LayerSpec`] whose range can be unbounded: JSON has no infinity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct LayerHeader {
+    pub(crate) name: String,
+    unit: String,
+    meaning: String,
+    min: Option<f32>,
+    max: Option<f32>,
+    pub(crate) stagger: Stagger,
+    beyond_closed: Beyond,
+    beyond_open: Beyond,
+}
+
+impl From<&LayerSpec> for LayerHeader {
+    fn from(s: &LayerSpec) -> Self {
+        let finite = |v: f32| v.is_finite().then_some(v);
+        Self {
+            name: s.name.to_string(),
+            unit: s.unit.to_string(),
+            meaning: s.meaning.to_string(),
+            min: finite(s.range.0),
+            max: finite(s.range.1),
+            stagger: s.stagger,
+            beyond_closed: s.beyond_closed,
+            beyond_open: s.beyond_open,
+        }
+    }
+}
+
+impl From<LayerHeader> for LayerSpec {
+    fn from(h: LayerHeader) -> Self {
+        Self {
+            name: h.name.into(),
+            unit: h.unit.into(),
+            meaning: h.meaning.into(),
+            range: (h.min.unwrap_or(f32::NEG_INFINITY), h.max.unwrap_or(f32::INFINITY)),
+            stagger: h.stagger,
+            beyond_closed: h.beyond_closed,
+            beyond_open: h.beyond_open,
+        }
+    }
+}
+
+impl Head {
+    /// The head of a world and its run.
+    ///
+    /// # Errors
+    /// If the world's clock, ledger or georeference, or `state`, holds a number that JSON cannot carry (not finite).
+    pub(crate) fn of<'a>(path: &Path, world: &'a World, recipe_toml: &str, state: &Value) -> Result<Sealed<'a>> {
+        let head = Self {
+            engine_version: env!("CARGO_PKG_VERSION").to_owned(),
+            grid: world.grid,
+            seed: world.seed,
+            step: world.step,
+            sea_level_m: world.sea_level_m,
+            // NaN is a usual nodata value and JSON's null would bring back `None`; nothing depends on the difference.
+            georeference: world
+                .georeference
+                .clone()
+                .map(|g| Georeference { nodata: g.nodata.filter(|v| v.is_finite()), ..g }),
+            ledger: world.ledger.clone(),
+            layers: world.layers().iter().map(|l| LayerHeader::from(&l.spec)).collect(),
+            features: world.features.iter().map(|(name, numbers)| (name.clone(), numbers.len() as u64)).collect(),
+            recipe_toml: recipe_toml.to_owned(),
+            state: state.clone(),
+        };
+        let fault = |problem: String| Error::format(path, problem, "it was not written, the former one is unharmed");
+        let text = serde_json::to_vec(&head).map_err(|e| fault(e.to_string()))?;
+        // A head that cannot be read back is worse than none, so try.
+        match serde_json::from_slice::<Self>(&text) {
+            Ok(back) if back == head && text.len() as u64 <= MAX_HEADER_BYTES => {
+                Ok(Sealed { text, features: &world.features })
+            }
+            _ => Err(fault("the world or the run's state holds a number that is not finite, or too much text".into())),
+        }
+    }
+
+    /// Checks the world that the head describes against the limits.
+    pub(crate) fn check(&self, path: &Path, limits: &Limits) -> Result<()> {
+        let grid = self.grid.checked(limits).map_err(Error::beyond(path))?;
+        let field = check_size(path, grid.width, grid.height, limits)?;
+        if self.layers.len() > limits.max_layers {
+            let problem = format!("it has {} layers, the limit is {}", self.layers.len(), limits.max_layers);
+            return Err(Error::format(path, problem, "raise the limit"));
+        }
+        let (low, high) = known::HEIGHT.range;
+        if self.step > MAX_STEP || !(f64::from(low)..=f64::from(high)).contains(&self.sea_level_m) {
+            let problem = format!("no run comes to step {} with the sea at {} m", self.step, self.sea_level_m);
+            return Err(damaged(path, &problem));
+        }
+        for (i, l) in self.layers.iter().enumerate() {
+            // Names become parts of file names, which must not leave their folder.
+            if !LayerSpec::is_name(&l.name) {
+                return Err(damaged(path, &format!("a layer is called {:?}", l.name)));
+            }
+            if self.layers[..i].iter().any(|k| k.name == l.name) {
+                return Err(damaged(path, &format!("two layers are called `{}`", l.name)));
+            }
+        }
+        for (i, (name, _)) in self.features.iter().enumerate() {
+            if self.features[..i].iter().any(|(other, _)| other == name) {
+                return Err(damaged(path, &format!("two features are called `{name}`")));
+            }
+        }
+        let layers = self.layers.len() as u128 * field;
+        limits.check_bytes("the world of this checkpoint", layers + self.feature_bytes()).map_err(Error::beyond(path))
+    }
+
+    /// Bytes of the numbers of all features, with a checksum each.
+    fn feature_bytes(&self) -> u128 {
+        self.features.iter().map(|(_, numbers)| 8 * u128::from(*numbers) + 4).sum()
+    }
+
+    /// Bytes of the values of all layers, with a checksum each.
+    pub(crate) fn value_bytes(&self) -> u128 {
+        self.layers.len() as u128 * (4 * self.grid.width as u128 * self.grid.height as u128 + 4)
+    }
+
+    /// Bytes of the outer faces of all layers on faces, without checksums.
+    pub(crate) fn face_bytes(&self) -> u128 {
+        self.on_faces() * 4 * (self.grid.width as u128 + self.grid.height as u128)
+    }
+
+    /// Layers on faces.
+    pub(crate) fn on_faces(&self) -> u128 {
+        self.layers.iter().filter(|l| l.stagger != Stagger::Cell).count() as u128
+    }
+
+    /// The world, with what `fill` makes of each layer, and what else the head holds.
+    pub(crate) fn restore(
+        self,
+        features: BTreeMap<String, Vec<f64>>,
+        mut fill: impl FnMut(&mut Layer) -> Result<()>,
+    ) -> Result<Checkpoint> {
+        let mut world = World::new(self.grid, self.seed);
+        world.features = features;
+        world.step = self.step;
+        world.sea_level_m = self.sea_level_m;
+        world.georeference = self.georeference;
+        world.ledger = self.ledger;
+        for layer in self.layers {
+            fill(world.ensure(&LayerSpec::from(layer), 0.0))?;
+        }
+        Ok(Checkpoint { world, recipe_toml: self.recipe_toml, state: self.state, engine_version: self.engine_version })
+    }
+}
+
+/// A head as the text that is written, and the features behind it.
+pub(crate) struct Sealed<'a> {
+    text: Vec<u8>,
+    features: &'a BTreeMap<String, Vec<f64>>,
+}
+
+impl Sealed<'_> {
+    /// Bytes in a file.
+    pub(crate) fn len(&self) -> u64 {
+        let features: usize = self.features.values().map(|numbers| 8 * numbers.len() + 4).sum();
+        (PREFIX_BYTES + self.text.len() + 4 + features) as u64
+    }
+
+    pub(crate) fn write(&self, path: &Path, file: &mut impl Write) -> Result<()> {
+        let mut prefix = Vec::with_capacity(PREFIX_BYTES);
+        prefix.extend(MAGIC);
+        prefix.extend(FORMAT_VERSION.to_le_bytes());
+        prefix.extend((self.text.len() as u64).to_le_bytes());
+        let mut crc = crc32fast::Hasher::new();
+        crc.update(&prefix);
+        crc.update(&self.text);
+        put(file, path, &prefix)?;
+        put(file, path, &self.text)?;
+        put(file, path, &crc.finalize().to_le_bytes())?;
+        for numbers in self.features.values() {
+            let mut crc = crc32fast::Hasher::new();
+            for part in numbers.chunks(FEATURE_PART) {
+                let bytes: Vec<u8> = part.iter().flat_map(|n| n.to_le_bytes()).collect();
+                crc.update(&bytes);
+                put(file, path, &bytes)?;
+            }
+            put(file, path, &crc.finalize().to_le_bytes())?;
+        }
+        Ok(())
+    }
+}
+
+/// A file that begins with a head.
+pub(crate) struct HeadFile {
+    pub(crate) head: Head,
+    /// What comes after the head.
+    pub(crate) input: BufReader<File>,
+    /// Bytes of the head with everything around it.
+    pub(crate) head_bytes: u64,
+    /// Bytes of the file.
+    pub(crate) file_bytes: u64,
+}
+
+impl HeadFile {
+    /// Opens a file and reads its head; nothing that the head claims is allocated.
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        let io = || Error::io(path, "read");
+        let metadata = fs::metadata(path).map_err(io())?;
+        if !metadata.is_file() {
+            return Err(Error::format(path, "this is no ordinary file", "give the name of a checkpoint"));
+        }
+        let file_bytes = metadata.len();
+        let mut input = BufReader::with_capacity(1 << 18, File::open(path).map_err(io())?);
+        let (head, head_bytes) = read_head(path, &mut input, file_bytes)?;
+        Ok(Self { head, input, head_bytes, file_bytes })
+    }
+
+    /// Refuses a file that is not as long as the head, the features and `rest` bytes.
+    pub(crate) fn check_length(&self, path: &Path, rest: u128) -> Result<()> {
+        let expected = u128::from(self.head_bytes) + self.head.feature_bytes() + rest;
+        if expected == u128::from(self.file_bytes) {
+            return Ok(());
+        }
+        let problem = format!("a checkpoint of this world has {expected} bytes, the file {}", self.file_bytes);
+        Err(Error::format(path, problem, format!("it is truncated or damaged: {AGAIN}")))
+    }
+}
+
+impl HeadFile {
+    /// Reads the features; their size and that of the file have been checked.
+    pub(crate) fn features(&mut self, path: &Path) -> Result<BTreeMap<String, Vec<f64>>> {
+        let mut features = BTreeMap::new();
+        for (name, count) in &self.head.features {
+            let count = *count as usize;
+            let mut crc = crc32fast::Hasher::new();
+            let mut numbers = Vec::with_capacity(count);
+            let mut buffer = vec![0; 8 * count.min(FEATURE_PART)];
+            while numbers.len() < count {
+                let bytes = &mut buffer[..8 * (count - numbers.len()).min(FEATURE_PART)];
+                self.input.read_exact(bytes).map_err(Error::io(path, "read"))?;
+                crc.update(bytes);
+                numbers.extend(bytes.chunks_exact(8).map(|b| f64::from_le_bytes(std::array::from_fn(|i| b[i]))));
+            }
+            check_crc(path, &mut self.input, crc, &format!("feature `{name}`"))?;
+            features.insert(name.clone(), numbers);
+        }
+        Ok(features)
+    }
+}
+
+/// The head and the bytes that it takes with everything around it.
+fn read_head(path: &Path, input: &mut impl Read, file_bytes: u64) -> Result<(Head, u64)> {
+    let io = || Error::io(path, "read");
+    let mut prefix = [0; PREFIX_BYTES];
+    if file_bytes < PREFIX_BYTES as u64 + 4 {
+        return Err(damaged(path, &format!("{file_bytes} bytes are too few")));
+    }
+    input.read_exact(&mut prefix).map_err(io())?;
+    if &prefix[..8] != MAGIC {
+        return Err(Error::format(path, "this is no Eyot checkpoint", "give the name of a checkpoint"));
+    }
+    let version = u32::from_le_bytes([prefix[8], prefix[9], prefix[10], prefix[11]]);
+    if version != FORMAT_VERSION {
+        let problem = format!("the checkpoint has format version {version}, this program reads {FORMAT_VERSION}");
+        return Err(Error::format(path, problem, "continue it with the version of Eyot that wrote it"));
+    }
+    let length = u64::from_le_bytes(std::array::from_fn(|i| prefix[12 + i]));
+    let header_bytes = length.saturating_add(PREFIX_BYTES as u64 + 4);
+    if length > MAX_HEADER_BYTES || header_bytes > file_bytes {
+        return Err(damaged(path, &format!("a header of {length} bytes does not fit in {file_bytes}")));
+    }
+    // At most as long as the file, and read in steps: no allocation beyond what is there.
+    let mut text = Vec::new();
+    input.take(length).read_to_end(&mut text).map_err(io())?;
+    let mut crc = crc32fast::Hasher::new();
+    crc.update(&prefix);
+    crc.update(&text);
+    check_crc(path, input, crc, "the header")?;
+    let header = serde_json::from_slice(&text).map_err(|e| damaged(path, &format!("unreadable header: {e}")))?;
+    Ok((header, header_bytes))
+}
+
+/// Writes the values of a layer's outer faces, if it lies on faces.
+pub(crate) fn write_faces(
+    path: &Path,
+    file: &mut impl Write,
+    layer: &Layer,
+    crc: &mut crc32fast::Hasher,
+    buffer: &mut Vec<u8>,
+) -> Result<()> {
+    if layer.spec.stagger == Stagger::Cell {
+        return Ok(());
+    }
+    let bytes = row_bytes(&layer.field.outer_faces(), buffer);
+    crc.update(bytes);
+    put(file, path, bytes)
+}
+
+/// Reads what [`write_faces`] wrote.
+pub(crate) fn read_faces(
+    path: &Path,
+    input: &mut impl Read,
+    layer: &mut Layer,
+    crc: &mut crc32fast::Hasher,
+) -> Result<()> {
+    if layer.spec.stagger == Stagger::Cell {
+        return Ok(());
+    }
+    let mut bytes = vec![0; 4 * (layer.field.width() + layer.field.height())];
+    input.read_exact(&mut bytes).map_err(Error::io(path, "read"))?;
+    crc.update(&bytes);
+    let faces: Vec<f32> = bytes.chunks_exact(4).map(number).collect();
+    layer.field.set_outer_faces(&faces).map_err(Error::core(path))
+}
+
+/// The number of four bytes.
+pub(crate) fn number(b: &[u8]) -> f32 {
+    f32::from_le_bytes([b[0], b[1], b[2], b[3]])
+}
+
+pub(crate) fn check_crc(path: &Path, input: &mut impl Read, crc: crc32fast::Hasher, what: &str) -> Result<()> {
+    let mut stored = [0; 4];
+    input.read_exact(&mut stored).map_err(Error::io(path, "read"))?;
+    if u32::from_le_bytes(stored) != crc.finalize() {
+        return Err(damaged(path, &format!("the checksum of {what} does not fit")));
+    }
+    Ok(())
+}
+
+fn damaged(path: &Path, problem: &str) -> Error {
+    Error::format(path, format!("the checkpoint is truncated or damaged: {problem}"), AGAIN)
+}

@@ -1,0 +1,200 @@
+//! Frames, in.
+
+use super::thin::MAX_FRAMES;
+use super::{EVERY, Frame, HEADS, MAX_BYTES, Record, Timeline, axes};
+use crate::atomic::remove_leftovers;
+use crate::checkpoint::Checkpoint;
+use crate::error::{Error, Result};
+use crate::head::{HeadFile, check_crc, number, read_faces};
+use crate::sample::Sample;
+use crate::zarr::{Array, METADATA, SHARD, TIME, check_name, node};
+use eyot_core::{Layer, Limits, Stagger};
+use rayon::prelude::*;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Bytes of a folder's name on every system.
+const MAX_NAME: usize = 200;
+/// Coordinates and place.
+const OTHER_ARRAYS: usize = 6;
+const REMEDY: &str = "use an older frame, or record the run again";
+
+/// True if the folder is a recording.
+pub fn is_recording(path: &Path) -> bool {
+    path.join(METADATA).is_file() && node(path).is_ok_and(|root| record(&root).is_some())
+}
+
+impl Timeline {
+    /// Opens a recording to read it. If a run is at work on it, frames can vanish while they are read.
+    ///
+    /// # Errors
+    /// If it cannot be read, is no recording or is damaged. Sizes meet `limits` before anything is allocated.
+    pub fn open(path: &Path, limits: &Limits) -> Result<Self> {
+        let mut timeline = Self::open_root(path, limits)?;
+        let steps = timeline.times()?;
+        let sizes = timeline.measure(steps.len());
+        for (i, (&step, size)) in steps.iter().zip(sizes).enumerate() {
+            let bytes = size.ok_or_else(|| damaged(path, &format!("frame {i} is missing")))?;
+            timeline.frames.push(Frame { step, bytes });
+        }
+        Ok(timeline)
+    }
+
+    /// Opens a recording to go on with it: does what a killed run had begun, and removes what it left.
+    ///
+    /// # Errors
+    /// As [`Timeline::open`], and if files cannot be written.
+    pub fn open_to_write(path: &Path, limits: &Limits) -> Result<Self> {
+        [path, &path.join(HEADS)].into_iter().for_each(remove_leftovers);
+        Self::open_root(path, limits)?.finish_thinning()?;
+        let mut timeline = Self::open(path, limits)?;
+        timeline.remove_from(timeline.frames.len())?;
+        let steps: Vec<u64> = timeline.frames.iter().map(|f| f.step).collect();
+        timeline.commit(timeline.arrays.clone(), &steps)?;
+        Ok(timeline)
+    }
+
+    /// What the root says; the frames are still to be found.
+    fn open_root(path: &Path, limits: &Limits) -> Result<Self> {
+        let root = node(path)?;
+        let Some(record) = record(&root) else {
+            return Err(Error::format(path, "this is no recording of a run", "record one with `eyot run --record`"));
+        };
+        let arrays = root["consolidated_metadata"]["metadata"].as_object().cloned().unwrap_or_default();
+        let attributes = root["attributes"].as_object().cloned().unwrap_or_default();
+        if arrays.len() > limits.max_layers + OTHER_ARRAYS {
+            return Err(damaged(path, &format!("{} arrays", arrays.len())));
+        }
+        for name in arrays.keys() {
+            // They name folders.
+            let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
+            if !plain || name.is_empty() || name.starts_with('.') || name.len() > MAX_NAME {
+                return Err(damaged(path, &format!("an array called `{name}`")));
+            }
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            record,
+            limits: *limits,
+            attributes,
+            arrays,
+            frames: Vec::new(),
+            flushed: None,
+        })
+    }
+
+    /// What the run itself wanted to remember in frame `i`.
+    ///
+    /// # Errors
+    /// If there is no such frame, or it is damaged.
+    pub fn state(&self, i: usize) -> Result<Value> {
+        Ok(self.open_head(i)?.1.head.state)
+    }
+
+    /// Frame `i` as the checkpoint that it is.
+    ///
+    /// # Errors
+    /// If there is no such frame, it is damaged or exceeds the limits. Sizes are checked before anything is allocated.
+    pub fn load(&self, i: usize) -> Result<Checkpoint> {
+        let (path, mut file) = self.open_head(i)?;
+        file.head.check(&path, &self.limits)?;
+        file.check_length(&path, file.head.face_bytes() + 4 * file.head.on_faces())?;
+        let features = file.features(&path)?;
+        let HeadFile { head, mut input, .. } = file;
+        head.restore(features, |layer| {
+            self.read_layer(i, layer)?;
+            if layer.spec.stagger == Stagger::Cell {
+                return Ok(());
+            }
+            let mut crc = crc32fast::Hasher::new();
+            read_faces(&path, &mut input, layer, &mut crc)?;
+            check_crc(&path, &mut input, crc, "outer faces")
+        })
+    }
+
+    fn open_head(&self, i: usize) -> Result<(PathBuf, HeadFile)> {
+        let Some(frame) = self.frames.get(i) else {
+            let problem = format!("there is no frame {i}, the recording has {}", self.frames.len());
+            return Err(Error::format(&self.path, problem, "count from 0"));
+        };
+        let path = self.head_path(i);
+        let file = HeadFile::open(&path)?;
+        if file.head.step != frame.step {
+            let problem = format!("frame {i} is of step {}, its time is {}", file.head.step, frame.step);
+            return Err(damaged(&path, &problem));
+        }
+        Ok((path, file))
+    }
+
+    /// The coordinate `time`.
+    fn times(&self) -> Result<Vec<u64>> {
+        let folder = self.path.join(TIME);
+        let array = Array::described(&folder, self.arrays.get(TIME).unwrap_or(&Value::Null), &self.limits)?;
+        let (&[n], &[piece]) = (array.shape.as_slice(), array.piece.as_slice()) else {
+            return Err(damaged(&folder, "its shape is no list"));
+        };
+        if n > MAX_FRAMES as u64 || !array.holds(Sample::Signed(8)) {
+            return Err(damaged(&folder, &format!("{n} frames")));
+        }
+        let mut steps = Vec::new();
+        for i in 0..n.div_ceil(piece) {
+            let bytes = array.piece(&[i])?.ok_or_else(|| damaged(&folder, "a part of it is missing"))?;
+            let times = bytes.chunks_exact(8).map(|b| i64::from_le_bytes(std::array::from_fn(|j| b[j])));
+            steps.extend(times.take((n - i * piece) as usize));
+        }
+        if steps.first().is_some_and(|&t| t < 0) || steps.windows(2).any(|w| w[0] >= w[1]) {
+            return Err(damaged(&folder, "steps that do not increase"));
+        }
+        Ok(steps.into_iter().map(|t| t as u64).collect())
+    }
+
+    /// The values of a layer in frame `i`, its outer faces apart.
+    fn read_layer(&self, i: usize, layer: &mut Layer) -> Result<()> {
+        let name = layer.spec.name.to_string();
+        check_name(&self.path, &name)?;
+        let folder = self.path.join(&name);
+        let Some(described) = self.arrays.get(&name) else {
+            return Err(damaged(&folder, "the store does not name this array"));
+        };
+        let array = Array::described(&folder, described, &self.limits)?;
+        let (width, height) = (layer.field.width(), layer.field.height());
+        let [rows, columns] = axes(layer.spec.stagger, (width, height));
+        let shape = matches!(array.shape[..], [n, h, w] if n > i as u64 && (h, w) == (rows.n as u64, columns.n as u64));
+        // Other pieces can be made such that each of them is small and all together are not.
+        if !shape || array.piece != [1, SHARD as u64, SHARD as u64] || !array.holds(Sample::F32) {
+            let found = format!("an array of {:?} values in pieces of {:?}", array.shape, array.piece);
+            let problem = format!("{found}, a frame of {} x {} cells has no such", width, height);
+            return Err(damaged(&folder, &problem));
+        }
+        array.check_pieces()?;
+        // Faces before the first row or column come from the frame's head.
+        let (skip_y, skip_x) = (rows.n - height, columns.n - width);
+        for top in 0..rows.n.div_ceil(SHARD) {
+            let band: Vec<Option<Vec<u8>>> = (0..columns.n.div_ceil(SHARD))
+                .into_par_iter()
+                .map(|left| array.piece(&[i as u64, top as u64, left as u64]))
+                .collect::<Result<_>>()?;
+            for (left, piece) in band.into_iter().enumerate() {
+                let piece = piece.ok_or_else(|| damaged(&folder, &format!("a chunk of frame {i} is missing")))?;
+                for (y, line) in (top * SHARD..rows.n).zip(piece.chunks_exact(4 * SHARD)).filter(|(y, _)| *y >= skip_y)
+                {
+                    let row = layer.field.row_mut(y - skip_y);
+                    for (x, b) in (left * SHARD..columns.n).zip(line.chunks_exact(4)).filter(|(x, _)| *x >= skip_x) {
+                        row[x - skip_x] = number(b);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How the recording of this root is made.
+fn record(root: &Value) -> Option<Record> {
+    let number = |key: &str| root["attributes"][key].as_u64();
+    Some(Record { every: number(EVERY).filter(|n| *n > 0)?, max_bytes: number(MAX_BYTES)? })
+}
+
+fn damaged(path: &Path, problem: &str) -> Error {
+    Error::format(path, format!("the recording is damaged: {problem}"), REMEDY)
+}

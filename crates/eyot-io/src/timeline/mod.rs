@@ -1,0 +1,370 @@
+//! Recordings of runs: every so many steps a frame, which is a whole world and all that a run needs to go on from it.
+//!
+//! # Layout
+//! A recording is a Zarr v3 store that opens as one data set: each layer an array (time, y, x), whose shards hold one frame
+//! each, with the coordinates `time` (steps of simulation done), `y` and `x`. Layers on faces have one more row or column,
+//! along `y_face` or `x_face`. A layer that comes late is NaN before. What else a frame needs lies where readers of Zarr do
+//! not look: `.frames/N.eyot` is the head of a checkpoint ([`crate::checkpoint`]) without the values of its layers; of
+//! layers on faces, outer faces and their CRC-32 follow.
+//!
+//! # What a kill can do
+//! The root's `zarr.json` says how many frames there are, and readers here believe nothing else. It is replaced as the last
+//! step of everything, whole or not at all; what lies beyond it is removed when the recording is next opened to write.
+//! A power failure is another thing: what decides is flushed to the disk as often as that takes no more than a tenth of the
+//! time, frames are not. Checksums find what is lost; the checkpoint of the run is not here.
+//!
+//! # Bounds
+//! Before a frame is written that could lead beyond the bound, old frames are dropped, the older the more, but for the first
+//! one, and the others move up (`thin.rs`).
+
+mod files;
+mod load;
+mod thin;
+
+pub use load::is_recording;
+pub use thin::is_cut_off;
+
+use crate::about::About;
+use crate::atomic::write_atomically;
+use crate::error::{Error, Result};
+use crate::head::{Head, Sealed, write_faces};
+use crate::rows::Rows;
+use crate::zarr::metadata::{self, Axis, X_FACE, Y_FACE};
+use crate::zarr::{CHUNK, Flush, METADATA, SHARD, TIME, check_name, write_coordinates, write_layer};
+use eyot_core::{Layer, Limits, Stagger, World};
+use serde_json::{Map, Value, json};
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Attributes of the root that say how the recording is made.
+const EVERY: &str = "record_every_steps";
+const MAX_BYTES: &str = "record_max_bytes";
+/// Folder of what is not for readers of Zarr.
+const HEADS: &str = ".frames";
+/// Steps of time in one piece of that coordinate.
+const TIMES: usize = 1024;
+/// More than the metadata of an array take, here and once more in the root.
+const ARRAY_BYTES: u64 = 12 << 10;
+
+/// How a run is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// Steps of simulation from one frame to the next; at least 1.
+    pub every: u64,
+    /// Bytes that the recording may take; old frames thin out.
+    pub max_bytes: u64,
+}
+
+impl Record {
+    /// The smallest bound for worlds of so many layers that take `world_bytes` bytes: two frames, even if they do not
+    /// compress. `text_bytes` are those of the recipe.
+    pub fn least_bytes(world_bytes: u128, layers: usize, text_bytes: usize) -> u128 {
+        // It stands in the attributes, too. The journal is kilobytes.
+        let texts = 8 * text_bytes as u128;
+        2 * (world_bytes + world_bytes / 16) + texts + (layers + 64) as u128 * u128::from(ARRAY_BYTES)
+    }
+}
+
+/// One moment of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame {
+    /// Steps of simulation done, which the frame's time is.
+    pub step: u64,
+    /// Bytes of its files.
+    pub bytes: u64,
+}
+
+/// A recording.
+#[derive(Debug)]
+pub struct Timeline {
+    path: PathBuf,
+    record: Record,
+    limits: Limits,
+    attributes: Map<String, Value>,
+    /// The metadata of all arrays by name.
+    arrays: Map<String, Value>,
+    frames: Vec<Frame>,
+    /// When the disk was last flushed, and the time that took.
+    flushed: Option<(Instant, Duration)>,
+}
+
+impl Timeline {
+    /// Begins a recording at the folder `path`; a former one is removed. `attributes` go to the root, for readers.
+    ///
+    /// # Errors
+    /// If `record` asks for no steps, if something else than a recording is there, or if it cannot be written.
+    pub fn create(path: &Path, record: Record, attributes: &Map<String, Value>, limits: &Limits) -> Result<Self> {
+        checked(path, record)?;
+        remove(path)?;
+        let heads = path.join(HEADS);
+        std::fs::create_dir_all(&heads).map_err(Error::io(&heads, "make the folder"))?;
+        let (limits, attributes) = (*limits, attributes.clone());
+        let mut new = Self {
+            path: path.to_owned(),
+            record,
+            limits,
+            attributes,
+            arrays: Map::new(),
+            frames: Vec::new(),
+            flushed: None,
+        };
+        new.set_record(record)?;
+        Ok(new)
+    }
+
+    /// How the recording is made.
+    pub fn record(&self) -> Record {
+        self.record
+    }
+
+    /// Changes how the recording goes on.
+    ///
+    /// # Errors
+    /// If `record` asks for no steps, or if the root cannot be written.
+    pub fn set_record(&mut self, record: Record) -> Result<()> {
+        self.record = checked(&self.path, record)?;
+        self.attributes.insert(EVERY.to_owned(), json!(record.every));
+        self.attributes.insert(MAX_BYTES.to_owned(), json!(record.max_bytes));
+        let steps: Vec<u64> = self.frames.iter().map(|f| f.step).collect();
+        self.commit(self.arrays.clone(), &steps)
+    }
+
+    /// All frames, oldest first.
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// Adds a frame: a world and what its run needs to go on, as [`crate::checkpoint::save`] takes them.
+    ///
+    /// # Errors
+    /// If the world is no later than the last frame, a layer has a name that no array can have or a value that is not finite,
+    /// the bound does not hold two frames, or the files cannot be written. The frames so far are unharmed.
+    pub fn append(&mut self, world: &World, recipe_toml: &str, state: &Value) -> Result<()> {
+        if let Some(last) = self.frames.last().filter(|f| f.step >= world.step) {
+            let problem = format!("a frame of step {} after one of step {}", world.step, last.step);
+            return Err(Error::format(&self.path, problem, "drop the later frames first"));
+        }
+        let head = Head::of(&self.path, world, recipe_toml, state)?;
+        self.finish_thinning()?;
+        let most = most_bytes(world, &head);
+        self.make_room(most, self.fixed_bytes(world))?;
+        let n = self.frames.len();
+        let steps: Vec<u64> = self.frames.iter().map(|f| f.step).chain([world.step]).collect();
+        let written = self.write_frame(n, world, &head).and_then(|arrays| {
+            self.write_times(&steps, n)?;
+            self.commit(arrays, &steps)
+        });
+        match written {
+            Ok(()) => {
+                self.frames.push(Frame { step: world.step, bytes: self.frame_bytes(n) });
+                Ok(())
+            }
+            Err(e) => {
+                // Room on a full disk; what stays is removed when the recording is next opened.
+                let _ = self.remove_from(n);
+                Err(e)
+            }
+        }
+    }
+
+    /// Drops the frames of `step` and all later ones.
+    ///
+    /// # Errors
+    /// If the files cannot be written or removed.
+    pub fn truncate(&mut self, step: u64) -> Result<()> {
+        self.finish_thinning()?;
+        let n = self.frames.partition_point(|f| f.step < step);
+        if n == self.frames.len() {
+            return Ok(());
+        }
+        self.frames.truncate(n);
+        let steps: Vec<u64> = self.frames.iter().map(|f| f.step).collect();
+        self.commit(self.arrays.clone(), &steps)?;
+        self.remove_from(n)
+    }
+
+    /// A recording of the first `n` frames in another place.
+    ///
+    /// # Errors
+    /// If something else than a recording is there, or files cannot be read or written.
+    pub fn copy(&self, n: usize, path: &Path) -> Result<Self> {
+        let mut new = Self::create(path, self.record, &self.attributes, &self.limits)?;
+        let n = n.min(self.frames.len());
+        for name in self.arrays.keys() {
+            files::copy_array(&self.path.join(name), &path.join(name), n)?;
+        }
+        for i in 0..n {
+            files::copy_file(&self.head_path(i), &new.head_path(i))?;
+        }
+        new.frames = self.frames[..n].to_vec();
+        let steps: Vec<u64> = new.frames.iter().map(|f| f.step).collect();
+        new.write_times(&steps, 0)?;
+        new.commit(self.arrays.clone(), &steps)?;
+        Ok(new)
+    }
+
+    fn head_path(&self, i: usize) -> PathBuf {
+        self.path.join(HEADS).join(format!("{i}.eyot"))
+    }
+
+    /// Everything of a frame but the metadata, which are returned.
+    fn write_frame(&self, n: usize, world: &World, head: &Sealed<'_>) -> Result<Map<String, Value>> {
+        self.remove_from(n)?;
+        let size = (world.grid.width, world.grid.height);
+        let mut arrays = self.arrays.clone();
+        for layer in world.layers() {
+            let name = &*layer.spec.name;
+            check_name(&self.path, name)?;
+            let (about, axes) = (About::of(world, layer), axes(layer.spec.stagger, size));
+            let is = metadata::layer(&about, n, axes, false);
+            // Their length is all that changes from frame to frame.
+            let former = arrays.insert(name.to_owned(), is);
+            if former.is_some_and(|f| f["dimension_names"] != arrays[name]["dimension_names"]) {
+                let problem = format!("layer `{name}` lay elsewhere on the cells in former frames");
+                return Err(Error::format(&self.path, problem, "record into another folder"));
+            }
+            let folder = self.path.join(name);
+            match layer.spec.stagger {
+                Stagger::Cell => write_layer(&folder, &folder, n, &mut &layer.field, Flush::No)?,
+                _ => write_layer(&folder, &folder, n, &mut OnFaces::of(layer), Flush::No)?,
+            }
+            write_coordinates(&self.path, &about, size.1, axes, &mut arrays)?;
+        }
+        let path = self.head_path(n);
+        let mut file = File::create(&path).map_err(Error::io(&path, "write"))?;
+        head.write(&path, &mut file)?;
+        let mut buffer = Vec::new();
+        for layer in world.layers().iter().filter(|l| l.spec.stagger != Stagger::Cell) {
+            let mut crc = crc32fast::Hasher::new();
+            write_faces(&path, &mut file, layer, &mut crc, &mut buffer)?;
+            file.write_all(&crc.finalize().to_le_bytes()).map_err(Error::io(&path, "write"))?;
+        }
+        Ok(arrays)
+    }
+
+    /// Writes the coordinate `time` from the step with the index `from` on.
+    fn write_times(&self, steps: &[u64], from: usize) -> Result<()> {
+        for (i, times) in steps.chunks(TIMES).enumerate().skip(from / TIMES) {
+            let mut bytes: Vec<u8> = times.iter().flat_map(|t| t.to_le_bytes()).collect();
+            bytes.resize(8 * TIMES, 0);
+            files::replace(&self.path.join(TIME).join("c").join(i.to_string()), &bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Makes frames visible: as many as there are steps.
+    fn commit(&mut self, mut arrays: Map<String, Value>, steps: &[u64]) -> Result<()> {
+        arrays.insert(TIME.to_owned(), metadata::time(steps.len(), TIMES));
+        for (name, is) in &mut arrays {
+            if is["shape"].as_array().is_some_and(|s| s.len() == 3) {
+                is["shape"][0] = json!(steps.len());
+            }
+            files::replace(&self.path.join(name).join(METADATA), format!("{is:#}\n").as_bytes())?;
+        }
+        let text = format!("{:#}\n", metadata::group(&self.attributes, &arrays));
+        self.replace(&self.path.join(METADATA), text.as_bytes())?;
+        self.arrays = arrays;
+        Ok(())
+    }
+
+    /// Puts a file in the place of another one, on the disk too if that is not for ever.
+    fn replace(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        if self.flushed.is_some_and(|(at, cost)| at.elapsed() < 10 * cost) {
+            return files::replace(path, bytes);
+        }
+        let begun = Instant::now();
+        write_atomically(path, |file| file.write_all(bytes).map_err(Error::io(path, "write")))?;
+        self.flushed = Some((Instant::now(), begun.elapsed()));
+        Ok(())
+    }
+
+    /// Bytes that everything but frames takes at most, once a world like this is in the recording.
+    fn fixed_bytes(&self, world: &World) -> u64 {
+        let arrays = self.arrays.len() + world.layers().len() + 8;
+        let coordinates = 2 * 8 * (world.grid.width + world.grid.height + 2);
+        let times = 8 * TIMES * (self.frames.len() / TIMES + 2);
+        // The root is there twice while it is replaced.
+        let attributes = 2 * self.attributes.values().map(|v| v.to_string().len() + 100).sum::<usize>();
+        arrays as u64 * ARRAY_BYTES + (coordinates + times + attributes) as u64
+    }
+}
+
+fn checked(path: &Path, record: Record) -> Result<Record> {
+    if record.every == 0 {
+        return Err(Error::format(path, "a frame every 0 steps", "record every 1 or more steps"));
+    }
+    Ok(record)
+}
+
+/// Bytes that a frame takes at most.
+fn most_bytes(world: &World, head: &Sealed<'_>) -> u64 {
+    let (width, height) = (world.grid.width + 1, world.grid.height + 1);
+    let count = |side: usize| (width.div_ceil(side) * height.div_ceil(side)) as u64;
+    let values = 4 * (width * height) as u64;
+    // What does not compress grows by what Zstandard says of its blocks; and a chunk that is nearly full is stored in full.
+    let layer = values + values / 32 + 64 * count(CHUNK) + 512 * count(SHARD);
+    let faces = 4 * (width + height) as u64 + 4;
+    world.layers().len() as u64 * (layer + faces) + head.len()
+}
+
+/// Rows and columns of the array of a layer.
+fn axes(stagger: Stagger, (width, height): (usize, usize)) -> [Axis; 2] {
+    let [rows, columns] = Axis::of_cells((width, height));
+    match stagger {
+        Stagger::Cell => [rows, columns],
+        Stagger::FaceX => [rows, Axis { name: X_FACE, n: width + 1 }],
+        Stagger::FaceY => [Axis { name: Y_FACE, n: height + 1 }, columns],
+    }
+}
+
+/// A layer on faces with those before its first row or column.
+struct OnFaces<'a> {
+    layer: &'a Layer,
+    outer: Vec<f32>,
+}
+
+impl<'a> OnFaces<'a> {
+    fn of(layer: &'a Layer) -> Self {
+        Self { layer, outer: layer.field.outer_faces() }
+    }
+}
+
+impl Rows for OnFaces<'_> {
+    fn size(&self) -> (usize, usize) {
+        let [rows, columns] = axes(self.layer.spec.stagger, (self.layer.field.width(), self.layer.field.height()));
+        (columns.n, rows.n)
+    }
+
+    fn read(&mut self, first: usize, out: &mut [f32]) -> eyot_core::Result<()> {
+        let (field, columns) = (&self.layer.field, self.size().0);
+        for (y, row) in (first..).zip(out.chunks_exact_mut(columns)) {
+            match self.layer.spec.stagger {
+                Stagger::FaceX => {
+                    row[0] = self.outer[y];
+                    row[1..].copy_from_slice(field.row(y));
+                }
+                _ if y == 0 => row.copy_from_slice(&self.outer[field.height()..]),
+                _ => row.copy_from_slice(field.row(y - 1)),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Removes a recording, if there is one.
+///
+/// # Errors
+/// If something else is there, or if it cannot be removed.
+pub fn remove(path: &Path) -> Result<()> {
+    let Ok(there) = std::fs::symlink_metadata(path) else { return Ok(()) };
+    if !there.is_dir() || !path.join(HEADS).is_dir() {
+        return Err(Error::format(
+            path,
+            "something else than a recording is there",
+            "remove it, or choose another folder",
+        ));
+    }
+    files::remove_all(path)
+}

@@ -1,0 +1,51 @@
+//! Cells without a value stay so from a GeoTIFF or a Zarr store into another, however the file lies.
+
+use eyot_core::{Field, Limits};
+use eyot_io::{About, Raster, RasterFormat, ReadOptions, WriteOptions, read_raster, write_rows};
+use std::path::Path;
+
+/// A slope with a round hole and a missing corner, larger than a tile.
+fn holed() -> Raster {
+    let (width, height) = (300, 270);
+    let gone = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        (x < 3 && y < 2) || (x as f64 - 200.0).hypot(y as f64 - 100.0) < 40.0
+    };
+    let missing = (0..width * height).map(gone).collect();
+    Raster { missing: Some(missing), ..Raster::of(Field::from_fn(width, height, |x, y| (x + 2 * y) as f32)) }
+}
+
+fn through(raster: &Raster, path: &Path, format: RasterFormat) -> Raster {
+    let about = About { name: "height".into(), unit: "m".into(), ..raster.about() };
+    write_rows(path, &mut raster.rows(), &about, format, &WriteOptions::default()).unwrap();
+    read_raster(path, &ReadOptions::default(), &Limits::default()).unwrap()
+}
+
+#[test]
+fn missing_cells_stay_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let raster = holed();
+    for (format, file) in [(RasterFormat::GeoTiff, "a.tif"), (RasterFormat::Zarr, "a.zarr")] {
+        let back = through(&raster, &folder.path().join(file), format);
+        assert_eq!(back.missing, raster.missing, "{format:?}");
+        let marks = raster.missing.as_ref().unwrap();
+        for (i, gone) in marks.iter().enumerate().filter(|(_, gone)| !**gone) {
+            let (x, y) = (i % 300, i / 300);
+            assert!(!gone && back.field.get(x, y) == raster.field.get(x, y), "{format:?} at {x}, {y}");
+        }
+        // And through the other one.
+        let (other, file) = match format {
+            RasterFormat::GeoTiff => (RasterFormat::Zarr, "b.zarr"),
+            _ => (RasterFormat::GeoTiff, "b.tif"),
+        };
+        assert_eq!(through(&back, &folder.path().join(file), other).missing, raster.missing, "{format:?} {other:?}");
+    }
+}
+
+#[test]
+fn other_formats_hold_the_filled_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let raster = holed();
+    let back = through(&raster, &folder.path().join("a.npy"), RasterFormat::Npy);
+    assert_eq!((back.missing, back.field), (None, raster.field));
+}

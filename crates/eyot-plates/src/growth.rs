@@ -1,0 +1,97 @@
+//! How the world is divided into plates: seeds that grow until they meet.
+//!
+//! Every plate grows from a seed at a speed of its own, faster through some ground than through other (fractal noise), and all at
+//! once, so that each cell goes to the plate that reaches it first (Dijkstra 1959). Plates are connected by construction, of
+//! different sizes, and their borders follow no axis. A seed is the one of several random cells that is farthest from those
+//! before it, so no two fall together.
+
+use crate::geometry::Geometry;
+use crate::noise::Fractal;
+use eyot_core::rng::mix64;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Cells tried for each seed.
+const CANDIDATES: u64 = 4;
+/// No owner.
+pub(crate) const NOBODY: u8 = u8::MAX;
+
+/// A number in [0, 1) for a key.
+pub(crate) fn unit(seed: u64, key: u64) -> f64 {
+    (mix64(seed ^ mix64(key)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// The owner of each cell; plates are numbered in the order of their seeds.
+pub(crate) fn grow(g: &Geometry, count: usize, seed: u64) -> Vec<u8> {
+    let seeds = seeds(g, count, seed);
+    let ground = Fractal { scale: 0.3, octaves: 5, gain: 0.7, warp: 0.0 }.field(g, mix64(seed ^ 0x9707));
+    let pace: Vec<f32> = (0..seeds.len()).map(|p| 0.6 + 1.1 * unit(seed, 0xace0 + p as u64) as f32).collect();
+    let (sx, sy) = g.cell_m;
+    let (sx, sy) = ((sx / g.cell_side_m()) as f32, (sy / g.cell_side_m()) as f32);
+    let steps = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)]
+        .map(|(dx, dy): (isize, isize)| (dx, dy, (dx as f32 * sx).hypot(dy as f32 * sy)));
+    let mut owner = vec![NOBODY; g.cells()];
+    let mut soonest = vec![f32::INFINITY; g.cells()];
+    // Times are positive, so their bits sort as they do.
+    let mut front: BinaryHeap<Reverse<(u32, u32, u8)>> =
+        seeds.iter().zip(0..).map(|(&cell, p)| Reverse((0, cell as u32, p))).collect();
+    while let Some(Reverse((time, cell, p))) = front.pop() {
+        let cell = cell as usize;
+        if owner[cell] != NOBODY {
+            continue;
+        }
+        owner[cell] = p;
+        for &(dx, dy, length) in &steps {
+            let Some(next) = g.beside(cell, dx, dy).filter(|&n| owner[n] == NOBODY) else { continue };
+            // Hard ground takes fifty times as long as soft ground.
+            let hard = (0.5 + 0.5 * ground[next]).clamp(0.0, 1.0);
+            let cost = length * (0.12 + 6.0 * hard * hard * hard) / pace[usize::from(p)];
+            let there = f32::from_bits(time) + cost;
+            if there < soonest[next] {
+                soonest[next] = there;
+                front.push(Reverse((there.to_bits(), next as u32, p)));
+            }
+        }
+    }
+    owner
+}
+
+/// Distinct cells, spread out; fewer than `count` if the grid has fewer cells.
+fn seeds(g: &Geometry, count: usize, seed: u64) -> Vec<usize> {
+    let mut seeds: Vec<usize> = Vec::with_capacity(count);
+    let place = |cell: usize| ((cell % g.width) as f64, (cell / g.width) as f64);
+    for i in 0..count.min(g.cells()) as u64 {
+        let candidates = (0..CANDIDATES).map(|c| (unit(seed, i * CANDIDATES + c) * g.cells() as f64) as usize);
+        let room = |cell: usize| {
+            let distances = seeds.iter().map(|&s| g.way(place(s), place(cell))).map(|(x, y)| x * x + y * y);
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let best = candidates
+            .map(|c| (room(c), c))
+            .fold((0.0, None), |(far, best), (room, c)| if room > far { (room, Some(c)) } else { (far, best) });
+        // All candidates may be taken on a tiny grid.
+        let free = || (0..g.cells()).find(|c| !seeds.contains(c));
+        seeds.extend(best.1.or_else(free));
+    }
+    seeds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eyot_core::{Grid, Limits, Rim};
+
+    #[test]
+    fn plates_cover_the_grid_and_are_of_different_sizes() {
+        for (w, h, n) in [(64, 32, 10), (3, 2, 30), (1, 1, 2), (1, 40, 5)] {
+            let g = Geometry::new(&Grid::new(w, h, 1.0, Rim::WRAP, &Limits::default()).unwrap());
+            let owner = grow(&g, n, 7);
+            let mut sizes = vec![0; n.min(w * h)];
+            owner.iter().for_each(|&o| sizes[usize::from(o)] += 1);
+            assert!(sizes.iter().all(|&s| s > 0), "{sizes:?}");
+            if w > 3 {
+                assert!(sizes.iter().max().unwrap() > &(2 * sizes.iter().min().unwrap()), "{sizes:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Gradient noise that goes on seamlessly where an axis is a ring, over its whole length: no part of it repeats.
+//!
+//! Perlin (2002) on a lattice whose cells divide the ring, octave by octave, at places bent by two more noises.
+
+use crate::geometry::Geometry;
+use eyot_core::rng::mix64;
+use rayon::prelude::*;
+
+/// Fractal noise on a grid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fractal {
+    /// Length of the largest features as a share of the shorter side.
+    pub(crate) scale: f64,
+    pub(crate) octaves: u32,
+    /// Amplitude of an octave relative to the one before it.
+    pub(crate) gain: f32,
+    /// By how much places are bent, as a share of the largest features.
+    pub(crate) warp: f32,
+}
+
+impl Fractal {
+    /// A value within about -1..=1 for each cell.
+    pub(crate) fn field(&self, g: &Geometry, seed: u64) -> Vec<f32> {
+        let length = g.width.min(g.height) as f64 * self.scale;
+        let lattice = [g.width, g.height].map(|n| (n as f64 / length).round().max(1.0) as i32);
+        let step = [lattice[0] as f32 / g.width as f32, lattice[1] as f32 / g.height as f32];
+        let mut out = vec![0.0; g.cells()];
+        out.par_chunks_mut(g.width).enumerate().for_each(|(row, line)| {
+            for (column, v) in line.iter_mut().enumerate() {
+                let (x, y) = ((column as f32 + 0.5) * step[0], (row as f32 + 0.5) * step[1]);
+                let (u, w) = if self.warp > 0.0 {
+                    (self.sum(x, y, lattice, seed ^ 1, 2), self.sum(x, y, lattice, seed ^ 2, 2))
+                } else {
+                    (0.0, 0.0)
+                };
+                *v = self.sum(x + self.warp * u, y + self.warp * w, lattice, seed, self.octaves);
+            }
+        });
+        out
+    }
+
+    fn sum(&self, x: f32, y: f32, lattice: [i32; 2], seed: u64, octaves: u32) -> f32 {
+        let (mut total, mut amplitude, mut norm) = (0.0, 1.0, 0.0);
+        for octave in 0..octaves {
+            let f = 1 << octave;
+            // An offset keeps the zeros of all octaves from falling on each other.
+            let shift = 0.37 * octave as f32;
+            let (x, y) = (x * f as f32 + shift, y * f as f32 + shift);
+            total += amplitude * gradient_noise(x, y, lattice.map(|n| n * f), mix64(seed ^ (u64::from(octave) << 40)));
+            norm += amplitude * amplitude;
+            amplitude *= self.gain;
+        }
+        1.6 * total / norm.sqrt()
+    }
+}
+
+/// Noise of one octave, repeating after `period` cells of the lattice.
+fn gradient_noise(x: f32, y: f32, period: [i32; 2], seed: u64) -> f32 {
+    // Not `floor`, which is a call on processors without an instruction for it.
+    let floor = |v: f32| v as i32 - i32::from(v < v as i32 as f32);
+    let (cx, cy) = (floor(x), floor(y));
+    let (fx, fy) = (x - cx as f32, y - cy as f32);
+    let fade = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+    let (u, v) = (fade(fx), fade(fy));
+    let ring = |i: i32, n: i32| if (0..n).contains(&i) { i } else { i.rem_euclid(n) } as u64;
+    let columns = [ring(cx, period[0]), ring(cx + 1, period[0])];
+    let rows = [ring(cy, period[1]), ring(cy + 1, period[1])];
+    let corner = |i: usize, j: usize| {
+        // Sixteen directions: eight would show on maps.
+        let (gx, gy) = DIRECTIONS[(mix64(seed ^ (columns[i] << 32 | rows[j])) >> 60) as usize];
+        gx * (fx - i as f32) + gy * (fy - j as f32)
+    };
+    let north = corner(0, 0) + u * (corner(1, 0) - corner(0, 0));
+    let south = corner(0, 1) + u * (corner(1, 1) - corner(0, 1));
+    north + v * (south - north)
+}
+
+const S: f32 = 0.382_683_43;
+const C: f32 = 0.923_879_5;
+const D: f32 = std::f32::consts::FRAC_1_SQRT_2;
+const DIRECTIONS: [(f32, f32); 16] = [
+    (1.0, 0.0),
+    (C, S),
+    (D, D),
+    (S, C),
+    (0.0, 1.0),
+    (-S, C),
+    (-D, D),
+    (-C, S),
+    (-1.0, 0.0),
+    (-C, -S),
+    (-D, -D),
+    (-S, -C),
+    (0.0, -1.0),
+    (S, -C),
+    (D, -D),
+    (C, -S),
+];
+
+/// The value below which a share of the values lies.
+pub(crate) fn quantile(values: &[f32], share: f64) -> f32 {
+    let mut copy = values.to_vec();
+    let at = ((share.clamp(0.0, 1.0) * copy.len() as f64) as usize).min(copy.len() - 1);
+    *copy.select_nth_unstable_by(at, f32::total_cmp).1
+}

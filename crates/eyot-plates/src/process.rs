@@ -1,0 +1,160 @@
+//! Plates that drift over the world: oceans open at ridges and close at trenches, and continents break apart and fold into ranges.
+//!
+//! Between its steps other processes may shape the land; what they did moves on with the plate. Run it in every n-th step
+//! (`every`): a million years are long for rivers, and a step costs little.
+//!
+//! # Equations
+//! 1. Plates: `dv/dt = (speed (heading + slab_pull pull) - v) / 20 Myr`. Each shifts by the whole cells in its way and keeps the rest.
+//! 2. Gaps get crust of 7 km and age 0, and from the edge of a continent `stretch` of its crust.
+//! 3. Where two meet, oceanic crust (below 20 km) sinks; `arcs` of it comes up `arc_distance` further, as volcanoes. Of two
+//!    continental cells the crust of one folds into a belt of `fold_width` to either side, and both plates are braked:
+//!    `v_a += friction n sqrt((a + b) / (a b)) (v_b - v_a) b / (a + b)`, with `n` cells of front and areas of `a` and `b` cells.
+//! 4. Two plates whose continents lost `suture_area`, or `suture_share` of the smaller ones, grow together there.
+//! 5. Rivers and waves: on each face `q = dt / cell^2 (erosion (p_a - p_b) + coast min(p, 200 m)) / A`, `p = max(height, 0)`.
+//! 6. Heights: `dry = A crust + w theta(age) - level`, with `A = 1 - 2800 / 3300`; below the sea 1.45 times that. `theta` makes
+//!    ocean floor sink by `350 sqrt(age)` to 70 Myr and towards 6400 m beyond; `w` ends it at 35 km of crust.
+//! 7. `level` moves by the missing share of land over how densely the heights lie at the coast, up to 25 m a step.
+//! 8. After `cycle`, when plates have come to a halt, or when one has 70 % of the world, new plates are made from the crust that is
+//!    there (numbered, grown from seeds at different speeds), and set off away from where the continents are.
+//!
+//! # Source
+//! The course of a step follows Viitanen (2012). Crust floats by Airy (1855), the ocean floor sinks by Parsons and Sclater (1977), new
+//! crust is as thick as White, McKenzie and O'Nions (1992) found it. Plates grow by Dijkstra (1959), noise is Perlin's (2002).
+//!
+//! # Differences
+//! - Overlaps are counted for a whole cycle, so that an area can be their limit: within a step it never is.
+//! - One crust a cell, in whole units of 1/128 m: no mass gets lost or negative (`crust_is_accounted_for`).
+//! - Who overrides whom is decided for the border of a pair of plates, not for each cell: no combs.
+//! - Land has the asked share all the time (`land_keeps_its_share`); the source lost a third of it.
+//! - Heights are metres and depend on thickness and age; the source shows thickness, with a bonus for the youngest.
+//! - The noise of the start repeats nowhere (`the_start_does_not_repeat`). Erosion has no noise and only moves crust.
+//! - Borders may be closed: crust sinks or folds there, and continents that touch them slide along.
+//!
+//! # Layers
+//! Reads and writes `height` (m), `plate`, `crust` (m) and `crust_age` (Myr). On a flat world it makes continents of its own; any other
+//! land gets the crust that carries it. What others add to the height becomes crust with the root that belongs to it, seven metres
+//! for one, so that the height stays.
+//!
+//! # Limits
+//! Plates shift and do not rotate. A plate crosses at most 8 cells in a step, and rivers take 64 passes at most; recipes beyond are
+//! refused. Crust above 100 km sinks. There can be 100 plates. Over open rims continents leave for good, and then no level keeps the
+//! share of land.
+//!
+//! # Conserves
+//! Crust, exactly: start, ridges, arcs and deposits make it, subduction, delamination, removal and open rims take it
+//! (`crust.*` in the ledger; `crust_is_accounted_for`).
+
+use crate::analyse::{Report, hypsometry};
+use crate::parameters::Tectonics;
+use crate::plates::{Plates, check};
+use crate::start::Start;
+use eyot_core::layer::known::HEIGHT;
+use eyot_core::process::{Action, Entry, Moment, Process};
+use eyot_core::{Control, Grid, LayerSpec, Result, World, about};
+
+/// The plate that owns a cell.
+pub const PLATE: LayerSpec = LayerSpec::new("plate", "1", "Number of the plate that owns this cell", (0.0, 254.0));
+/// Thickness of the crust.
+pub const CRUST: LayerSpec = LayerSpec::new("crust", "m", "Thickness of the crust", (0.0, 100_000.0));
+/// Age of the crust.
+pub const CRUST_AGE: LayerSpec = LayerSpec::new("crust_age", "Myr", "Age of the crust", (0.0, 1e6));
+
+/// Name of the numbers of all plates in a world.
+const NUMBERS: &str = "plates";
+
+/// All processes of this crate.
+pub const PROCESSES: &[Entry<dyn Process>] = &[Entry::<dyn Process>::process::<Tectonics>(
+    "plates",
+    about!("process.rs"),
+    &["airy1855", "dijkstra1959", "parsons1977", "perlin2002", "viitanen2012", "white1992"],
+)];
+
+impl Process for Tectonics {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0), (PLATE, 0.0), (CRUST, 0.0), (CRUST_AGE, 0.0)]
+    }
+
+    fn check(&self, grid: &Grid) -> Result<()> {
+        check(self, grid)
+    }
+
+    /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise.
+    fn prepare(&self, world: &mut World) -> Result<()> {
+        if world.features.contains_key(NUMBERS) {
+            return Ok(());
+        }
+        let sea = world.sea_level_m as f32;
+        let height: Vec<f32> = world.layer("height")?.field.iter().map(|h| h - sea).collect();
+        let flat = height.iter().all(|&h| h == height[0]);
+        let start = if flat { Start::Noise } else { Start::Height(&height) };
+        let plates = Plates::new(&world.grid, world.seed, self.clone(), start)?;
+        plates.publish(world, sea, flat)?;
+        plates.budget().post(&mut world.ledger, world.grid.cell_area_m2());
+        Ok(())
+    }
+
+    fn action(&self) -> Option<&dyn Action> {
+        Some(self)
+    }
+}
+
+impl Action for Tectonics {
+    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+        control.check()?;
+        let Some((mut plates, sea)) = of_world(world, self.clone())? else { return Ok(()) };
+        let height: Vec<f32> = world.layer("height")?.field.iter().map(|h| h - sea).collect();
+        plates.set_height(&height)?;
+        plates.step();
+        let mut budget = *plates.budget();
+        budget.start = 0;
+        budget.post(&mut world.ledger, moment.grid.cell_area_m2());
+        plates.publish(world, sea, true)
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        48
+    }
+}
+
+/// The plates of a world and the level of the sea, m, at which they were made; `None` if it has none.
+fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, f32)>> {
+    // The numbers end with the level of the sea.
+    let Some((&sea, numbers)) = world.features.get(NUMBERS).and_then(|n| n.split_last()) else { return Ok(None) };
+    let layer = |spec: &LayerSpec| Ok::<_, eyot_core::Error>(world.layer(&spec.name)?.field.iter());
+    let maps = (layer(&PLATE)?, layer(&CRUST)?, layer(&CRUST_AGE)?);
+    Ok(Some((Plates::restore(&world.grid, world.seed, parameters, numbers, maps)?, sea as f32)))
+}
+
+/// What there is to say about the plates of a world; `None` if it has none.
+///
+/// # Errors
+/// If layers that plates need are missing or do not fit.
+pub fn report(world: &World) -> Result<Option<Report>> {
+    let Some((plates, sea)) = of_world(world, Tectonics::default())? else { return Ok(None) };
+    let (cycle, steps) = plates.cycle_and_steps();
+    let hypsometry = hypsometry(world.layer("height")?.field.iter().map(|h| h - sea));
+    Ok(Some(Report { cycle, steps, plates: plates.list(), hypsometry }))
+}
+
+impl Plates {
+    /// Writes layers and numbers; the height only if `with_height`.
+    fn publish(&self, world: &mut World, sea: f32, with_height: bool) -> Result<()> {
+        let width = self.g.width;
+        let mut put = |spec: &LayerSpec, value: &dyn Fn(usize) -> f32| -> Result<()> {
+            for (y, row) in world.layer_mut(&spec.name)?.field.rows_mut().enumerate() {
+                row.iter_mut().enumerate().for_each(|(x, v)| *v = value(y * width + x));
+            }
+            Ok(())
+        };
+        put(&PLATE, &|c| f32::from(self.maps.owner[c]))?;
+        put(&CRUST, &|c| self.thickness_m(c))?;
+        put(&CRUST_AGE, &|c| self.maps.age[c])?;
+        if with_height {
+            put(&HEIGHT, &|c| self.height[c] + sea)?;
+        }
+        let mut numbers = self.numbers();
+        numbers.push(f64::from(sea));
+        world.features.insert(NUMBERS.to_owned(), numbers);
+        Ok(())
+    }
+}

@@ -1,0 +1,292 @@
+//! Corals: single colonies that grow, fight for space, bleach, die and settle on the sea floor, a month a step.
+//!
+//! # Equations
+//! `w` level of the sea, `h` height, `g = w - h` depth.
+//! 1. Light `I = e^(-attenuation g)`, as a share of the light at the surface; larvae find hold with the chance `substrate` where depth
+//!    and light suit their species.
+//! 2. A month of the community: `eyot_reef::community` says what happens in it.
+//! 3. `h' = h + c`, and the same gain for `limestone`: `c` is what the month's skeletons become, `mass / (2930 kg/m3 (1 - porosity))`
+//!    spread as a flat heap over `rubble_range` around the colony's centre: a reef is more rubble and sand than skeletons in place.
+//!
+//! # Source
+//! Kubicek, Muhando and Reuter 2012 for the community; Bosscher and Schlager 1992 for light; Liu and others 2003 for degree heating
+//! weeks; Lough and Barnes 2000 for the density of skeletons.
+//!
+//! # Differences
+//! The head of `community` lists them. Here: the plot is the whole grid, and grows under its colonies.
+//!
+//! # Layers
+//! Reads and writes `height`, `limestone` (m); writes `coral_cover` (1). Reads `substrate` (1) if it is there.
+//! Colonies, algae and turf are the feature `corals`, the census of each month the feature `corals.census`.
+//!
+//! # Limits
+//! Square cells; sides up to 4096 m. A reef of more individuals than memory holds is refused before it is made.
+//!
+//! # Conserves
+//! Limestone is in the ledger (`ground.corals`, `the_ground_gains_what_the_colonies_build`).
+
+use crate::community::{CHUMBE, Census, Community, Forcing, Ground, Plot, Site, Temperatures, Variability};
+use eyot_core::layer::known::{HEIGHT, LIMESTONE};
+use eyot_core::process::{Action, Entry, Moment, Process, check_ranges, defaults_of, parameters_from, schema_of};
+use eyot_core::{Control, Error, Field, Grid, LayerSpec, Limits, Result, World, about};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
+
+/// Share of a cell that living corals cover.
+pub const CORAL_COVER: LayerSpec =
+    LayerSpec::new("coral_cover", "1", "Share of the ground under living corals", (0.0, 1.0));
+/// The feature with the individuals.
+pub const FEATURE: &str = "corals";
+/// The feature with the rows of the census, one after the other.
+pub const CENSUS: &str = "corals.census";
+/// Layer that says where larvae find hold, if a step has made it.
+const SUBSTRATE: &str = "substrate";
+/// Years of weather that a simulated sea has before it begins anew.
+const YEARS: usize = 120;
+
+/// Single colonies of corals that grow, fight for space, bleach, die and settle on the sea floor. A step is a month.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Corals {
+    /// The community: species, algae, turf, grazing, disturbances, heat.
+    #[serde(flatten)]
+    pub community: Community,
+    /// Extinction of light: 0.04 in the clearest ocean, 0.16 in coastal water (Bosscher and Schlager 1992).
+    #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1/m"))]
+    pub attenuation: f32,
+    /// Chance of larvae to find hold where depth and light suit them, unless a layer `substrate` says so cell by cell.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    pub substrate: f32,
+    /// Where the temperature of the sea comes from.
+    pub sea: Sea,
+    /// Years from one severe year to the next (sea = "chumbe").
+    #[schemars(range(min = 1, max = 1000), extend("unit" = "yr"))]
+    pub severe_interval: u32,
+    /// Mean temperatures of the months, January first (sea = "climate").
+    #[schemars(inner(range(min = -5.0, max = 50.0)), extend("unit" = "C"))]
+    pub monthly_means: [f32; 12],
+    /// How the sea varies around its monthly means (sea = "climate").
+    pub variability: Variability,
+    /// Daily or monthly temperatures, a date and a value a line (sea = "measured").
+    pub temperatures: String,
+    /// How far waves spread what a colony builds; under the colony itself if that is wider.
+    #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "m"))]
+    pub rubble_range: f32,
+    /// Whether the ground grows with what the corals build.
+    pub build: bool,
+}
+
+/// Where the temperature of the sea comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Sea {
+    /// Years as at Chumbe, Zanzibar, 1997 to 2010; one like 1998 at equal intervals.
+    #[default]
+    Chumbe,
+    /// Monthly means, with weather, warm years and a trend around them.
+    Climate,
+    /// A measured series.
+    Measured,
+}
+
+impl Default for Corals {
+    fn default() -> Self {
+        Self {
+            community: Community::default(),
+            attenuation: 0.1,
+            substrate: 1.0,
+            sea: Sea::Chumbe,
+            severe_interval: Forcing::SEVERE_INTERVAL,
+            monthly_means: CHUMBE,
+            variability: Variability::default(),
+            temperatures: String::new(),
+            rubble_range: 3.0,
+            build: true,
+        }
+    }
+}
+
+/// The line of the registry.
+pub const CORALS: Entry<dyn Process> = Entry {
+    name: "corals",
+    schema: schema_of::<Corals>,
+    defaults: defaults_of::<Corals>,
+    make: |table| Ok(Box::new(Colonies { corals: parameters_from(table)?, forcing: OnceLock::new() })),
+    about: about!("corals.rs"),
+    cites: &["kubicek2012", "bosscher1992", "liu2003", "lough2000"],
+};
+
+/// The process: its parameters, and the heat of all months once it is known.
+struct Colonies {
+    corals: Corals,
+    forcing: OnceLock<Forcing>,
+}
+
+impl Process for Colonies {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (CORAL_COVER, 0.0)]
+    }
+
+    fn check(&self, grid: &Grid) -> Result<()> {
+        self.corals.check(grid)
+    }
+
+    fn action(&self) -> Option<&dyn Action> {
+        Some(self)
+    }
+}
+
+impl Action for Colonies {
+    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+        control.check()?;
+        let forcing = match self.forcing.get() {
+            Some(known) => known.clone(),
+            None => {
+                let made = self.corals.forcing(world.seed)?;
+                self.forcing.get_or_init(|| made).clone()
+            }
+        };
+        let mut plot = self.corals.plot_in(world, moment.sea_level_m, forcing)?;
+        let census = plot.month()?;
+        if self.corals.build {
+            build(&plot, world, self.corals.rubble_range)?;
+        }
+        cover(&plot, &mut world.layer_mut(&CORAL_COVER.name)?.field);
+        let names: Vec<&str> = self.corals.community.species.iter().map(|s| s.name.as_str()).collect();
+        let row = census.columns(&names).into_iter().map(|(_, v)| v);
+        world.features.entry(CENSUS.to_owned()).or_default().extend(row);
+        world.features.insert(FEATURE.to_owned(), plot.numbers());
+        Ok(())
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        // Depth, light and substrate, and the sums that first settlers are placed by.
+        3 * 4 + 8
+    }
+}
+
+impl Corals {
+    /// Finds parameters that cannot work, or not on this grid.
+    ///
+    /// # Errors
+    /// The first such parameter, by name.
+    pub fn check(&self, grid: &Grid) -> Result<()> {
+        check_ranges("corals", self)?;
+        check_ranges("corals.variability", &self.variability)?;
+        self.community.check()?;
+        if (grid.cell_x_m - grid.cell_y_m).abs() > 1e-6 * grid.cell_x_m {
+            let reason = format!("cells of {} x {} m; corals need square ones", grid.cell_x_m, grid.cell_y_m);
+            return Err(Error::BadParameter { owner: "corals".into(), field: "grid.cell".into(), reason });
+        }
+        // Reads the series and checks it.
+        self.forcing(0).map(drop)
+    }
+
+    /// Heat of all months to come.
+    ///
+    /// # Errors
+    /// If the series of temperatures cannot be read.
+    pub fn forcing(&self, seed: u64) -> Result<Forcing> {
+        match self.sea {
+            Sea::Chumbe => Forcing::chumbe_every(&self.community, self.severe_interval, seed),
+            Sea::Climate => {
+                let mut series = Temperatures::of_climate(&self.monthly_means, YEARS);
+                self.variability.vary(&mut series, seed);
+                Forcing::series(&series, &self.community)
+            }
+            Sea::Measured => {
+                Forcing::series(&Temperatures::parse(&self.temperatures, self.community.compat)?, &self.community)
+            }
+        }
+    }
+
+    /// The reef as it stands in this world, or a new one if none has grown yet.
+    ///
+    /// # Errors
+    /// If the world's numbers are not those of such a reef, or it does not fit into memory.
+    pub fn plot(&self, world: &World) -> Result<Plot> {
+        self.plot_in(world, world.sea_level_m, self.forcing(world.seed)?)
+    }
+
+    fn plot_in(&self, world: &World, sea_level_m: f64, forcing: Forcing) -> Result<Plot> {
+        let (community, site) = (self.community.clone(), self.site(world, sea_level_m)?);
+        match world.features.get(FEATURE) {
+            Some(numbers) => Plot::restore(community, site, forcing, world.seed, Limits::default(), numbers),
+            None => Plot::new(community, site, forcing, world.seed),
+        }
+    }
+
+    /// Equation (1): the whole grid as a plot.
+    fn site(&self, world: &World, sea_level_m: f64) -> Result<Site> {
+        let (height, grid) = (&world.layer("height")?.field, &world.grid);
+        let (w, h) = (grid.width, grid.height);
+        let depth = Field::from_fn(w, h, |x, y| (sea_level_m - f64::from(height.get(x, y))) as f32);
+        let mut ground = Ground::of_depth(grid.cell_x_m, depth, self.attenuation, self.substrate);
+        if let Some(layer) = world.get(SUBSTRATE) {
+            ground.substrate = Field::from_fn(w, h, |x, y| layer.get(x, y).clamp(0.0, 1.0));
+        }
+        Ok(Site::of_ground(ground))
+    }
+
+    /// Names of the numbers of a month in the feature [`CENSUS`].
+    pub fn census_columns(&self) -> Vec<String> {
+        let names: Vec<&str> = self.community.species.iter().map(|s| s.name.as_str()).collect();
+        let none = Census { species: vec![Default::default(); names.len()], ..Census::default() };
+        none.columns(&names).into_iter().map(|(name, _)| name).collect()
+    }
+}
+
+/// Equation (3).
+fn build(plot: &Plot, world: &mut World, range_m: f32) -> Result<()> {
+    let grid = world.grid;
+    let mut gain = Field::new(grid.width, grid.height, 0.0);
+    plot.deposit(grid.cell_x_m, f64::from(range_m), &mut gain);
+    // What rounding leaves of it, so that the ledger closes.
+    let built = add(&mut world.layer_mut("height")?.field, &gain);
+    add(&mut world.layer_mut("limestone")?.field, &gain);
+    let area = grid.cell_x_m * grid.cell_y_m;
+    world.ledger.add("ground.corals", built * area, "m3", "Limestone that colonies built", 1);
+    Ok(())
+}
+
+/// Adds to a layer and returns by how much its sum has grown.
+fn add(layer: &mut Field, gain: &Field) -> f64 {
+    let mut sum = 0.0;
+    for (y, row) in layer.rows_mut().enumerate() {
+        for (value, more) in row.iter_mut().zip(gain.row(y)) {
+            let before = *value;
+            *value += more;
+            sum += f64::from(*value) - f64::from(before);
+        }
+    }
+    sum
+}
+
+/// Share of each cell under discs of living colonies: a disc's area counts where it lies, in parts of a cell.
+fn cover(plot: &Plot, layer: &mut Field) {
+    let (w, h) = (layer.width(), layer.height());
+    let cell = (plot.site().width_m / w as f64) as f32;
+    layer.rows_mut().for_each(|row| row.fill(0.0));
+    for c in plot.colonies() {
+        let reach = |v: f32, n: usize| {
+            let at = |v: f32| (v / cell).floor().clamp(0.0, n as f32 - 1.0) as usize;
+            at(v - c.radius)..=at(v + c.radius)
+        };
+        if 2.0 * c.radius < cell {
+            // Smaller than a cell: where its centre is.
+            let (x, y) = (reach(c.x, w), reach(c.y, h));
+            let (x, y) = (*x.start(), *y.start());
+            layer.set(x, y, (layer.get(x, y) + c.area_m2() / (cell * cell)).min(1.0));
+            continue;
+        }
+        for y in reach(c.y, h) {
+            for x in reach(c.x, w) {
+                let [dx, dy] = [(x, c.x), (y, c.y)].map(|(i, v)| (i as f32 + 0.5) * cell - v);
+                if dx.hypot(dy) < c.radius {
+                    layer.set(x, y, 1.0);
+                }
+            }
+        }
+    }
+}

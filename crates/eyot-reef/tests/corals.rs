@@ -1,0 +1,117 @@
+//! The process: a reef in a world, month by month.
+
+use eyot_core::engine::CpuEngine;
+use eyot_core::layer::known::HEIGHT;
+use eyot_core::process::Scheduled;
+use eyot_core::{Control, Field, Grid, Limits, Rim, World};
+use eyot_reef::corals::{CENSUS, CORALS, Corals, FEATURE};
+use serde_json::{Value, json};
+
+/// A slope from 1 to 15 m below the sea, 12 by 10 m.
+fn slope() -> World {
+    let grid = Grid::new(48, 40, 0.25, Rim::CLOSED, &Limits::default()).unwrap();
+    let mut world = World::new(grid, 7);
+    world.put(&HEIGHT, Field::from_fn(48, 40, |x, _| -1.0 - 14.0 * x as f32 / 47.0)).unwrap();
+    world
+}
+
+fn months(world: &mut World, parameters: Value, steps: u64) {
+    let process = (CORALS.make)(parameters).unwrap();
+    let processes = [Scheduled { name: "corals", process, every: 1 }];
+    let span = eyot_core::process::Span { from: 0, steps };
+    CpuEngine::default().simulate(world, &processes, span, &Control::none()).unwrap();
+}
+
+#[test]
+fn a_reef_goes_on_from_its_numbers_to_the_same_bits() {
+    let (mut whole, mut parts) = (slope(), slope());
+    months(&mut whole, json!({}), 30);
+    for steps in [1, 12, 17] {
+        months(&mut parts, json!({}), steps);
+    }
+    assert_eq!(whole.features[FEATURE], parts.features[FEATURE]);
+    assert_eq!(whole.fingerprint(), parts.fingerprint());
+    assert!(whole.features[FEATURE].len() > 1000);
+}
+
+#[test]
+fn the_ground_gains_what_the_colonies_build() {
+    let mut world = slope();
+    let before = world.get("height").unwrap().sum();
+    months(&mut world, json!({}), 24);
+    let area = 0.25 * 0.25;
+    let (gain, booked) = ((world.get("height").unwrap().sum() - before) * area, world.ledger.amount("ground.corals"));
+    assert!(booked > 0.01 && (gain - booked).abs() < 1e-9 * booked.abs() + 1e-9, "{gain} {booked}");
+    // 4 to 7 mm a year on a full plot, here less: 24 months on 120 m2.
+    assert!((0.1..2.5).contains(&booked), "{booked} m3");
+    let limestone = world.get("limestone").unwrap().sum() * area;
+    assert!((limestone / booked - 1.0).abs() < 1e-3, "{limestone} {booked}");
+    let still = {
+        let mut world = slope();
+        months(&mut world, json!({"build": false}), 24);
+        world.get("height").unwrap().sum()
+    };
+    assert_eq!(still, before);
+}
+
+#[test]
+fn the_census_has_a_row_for_each_month() {
+    let mut world = slope();
+    months(
+        &mut world,
+        json!({"sea": "climate", "monthly_means": [28.0, 28.0, 28.0, 28.0, 27.0, 26.0, 25.0, 25.0, 25.0, 26.0, 27.0, 28.0]}),
+        14,
+    );
+    let columns = Corals::default().census_columns();
+    let rows: Vec<&[f64]> = world.features[CENSUS].chunks_exact(columns.len()).collect();
+    assert_eq!((rows.len(), world.features[CENSUS].len()), (14, 14 * columns.len()));
+    assert!(rows.iter().enumerate().all(|(i, r)| r[0] == i as f64));
+    let cover = world.get("coral_cover").unwrap();
+    assert!(cover.iter().all(|c| (0.0..=1.0).contains(&c)) && cover.sum() > 10.0);
+    // The cells' cover is that of the census, but for overlaps.
+    let mean = cover.sum() / 1920.0;
+    let census = rows[13][columns.iter().position(|c| c == "coral_cover").unwrap()];
+    assert!(mean <= 1.1 * census && mean > 0.6 * census, "{mean} {census}");
+}
+
+#[test]
+fn strangers_numbers_are_refused_by_name() {
+    let mut world = slope();
+    months(&mut world, json!({}), 2);
+    let sound = world.features[FEATURE].clone();
+    let corals = Corals::default();
+    corals.plot(&world).unwrap();
+    type Spoil = fn(&mut Vec<f64>);
+    let spoils: [Spoil; 8] = [
+        |n| n.truncate(5),
+        |n| n.truncate(n.len() - 1),
+        |n| n[0] = 2.0,
+        |n| n[3] = 1e300,
+        |n| n[12] = f64::NAN,
+        |n| n[11] = 77.0,
+        |n| n[13] = -500.0,
+        |n| n[25] = 1e9,
+    ];
+    for (i, spoil) in spoils.iter().enumerate() {
+        let mut numbers = sound.clone();
+        spoil(&mut numbers);
+        world.features.insert(FEATURE.into(), numbers);
+        let e = corals.plot(&world).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(e.contains("does not belong to this reef"), "{i}: {e}");
+    }
+}
+
+#[test]
+fn parameters_that_cannot_work_are_named() {
+    let grid = slope().grid;
+    let refused = |corals: Corals, words: &str| {
+        let e = corals.check(&grid).unwrap_err().to_string();
+        assert!(e.contains(words), "{e}");
+    };
+    refused(Corals { attenuation: -1.0, ..Corals::default() }, "attenuation");
+    refused(Corals { sea: eyot_reef::corals::Sea::Measured, ..Corals::default() }, "temperature");
+    refused(Corals { severe_interval: 0, ..Corals::default() }, "severe_interval");
+    let oblong = Grid { cell_y_m: 0.5, ..grid };
+    assert!(Corals::default().check(&oblong).unwrap_err().to_string().contains("square"));
+    assert!((CORALS.make)(json!({"attenuaton": 1.0})).is_err());
+}

@@ -1,0 +1,184 @@
+//! Who draws views of a world: the processor's rays, or a graphics card.
+
+use crate::backend::{io, render};
+use crate::engines::{EngineChoice, EngineOptions};
+use crate::error::RunError;
+use crate::keys::View;
+use crate::need;
+use crate::outputs::{stopped, view_options};
+use crate::store::{self, Subject};
+use eyot_core::{Control, Limits, World};
+use eyot_gpu::draw::{Renderer, Scene};
+use eyot_gpu::{Gpu, GpuError};
+use eyot_render::{Camera, LayerColours, MapOptions, Picture, Stage};
+use std::path::Path;
+
+/// What is drawn.
+#[derive(Clone, Debug, Default)]
+pub struct Scenery {
+    /// Camera, sun and size.
+    pub view: View,
+    /// The layer whose colours the land wears; its own colours if not given.
+    pub drape: Option<String>,
+    /// Who draws. `Auto` takes a graphics card only if it is hardware.
+    pub engine: EngineOptions,
+}
+
+/// A world made ready to be drawn from any number of cameras.
+pub(crate) struct Artist {
+    hand: Hand,
+    /// Things to know about the choice.
+    pub(crate) notes: Vec<String>,
+}
+
+enum Hand {
+    Cpu { scene: Box<render::Scene>, worn: Option<LayerColours> },
+    Gpu { gpu: Box<Gpu>, renderer: Box<Renderer>, scene: Box<Scene> },
+}
+
+impl Artist {
+    /// Makes `world` ready.
+    ///
+    /// # Errors
+    /// If there is no such layer or adapter, or not enough memory.
+    pub(crate) fn new(
+        world: &World,
+        scenery: &Scenery,
+        limits: &Limits,
+        control: &Control<'_>,
+    ) -> Result<Self, RunError> {
+        if let Some(layer) = &scenery.drape {
+            world.layer(layer).map_err(RunError::input)?;
+        }
+        let auto = scenery.engine.choice == EngineChoice::Auto;
+        let mut notes = Vec::new();
+        if scenery.engine.choice != EngineChoice::Cpu {
+            match Hand::gpu(world, scenery, limits) {
+                Ok(hand) => return Ok(Self { hand, notes }),
+                Err(GpuError::Core(e)) => return Err(stopped(e)),
+                Err(GpuError::NoAdapter { .. }) if auto && scenery.engine.adapter.is_none() => {}
+                Err(e) if auto => notes.push(format!("{e}; the processor draws instead")),
+                Err(e) => return Err(RunError::Gpu(e)),
+            }
+        }
+        Ok(Self { hand: Hand::cpu(world, scenery, limits, control)?, notes })
+    }
+
+    /// The engine at work, for people.
+    pub(crate) fn name(&self) -> String {
+        match &self.hand {
+            Hand::Cpu { .. } => "cpu".to_owned(),
+            Hand::Gpu { gpu, .. } => format!("gpu ({})", gpu.name()),
+        }
+    }
+
+    /// What all engines share.
+    pub(crate) fn stage(&self) -> &Stage {
+        match &self.hand {
+            Hand::Cpu { scene, .. } => &scene.stage,
+            Hand::Gpu { scene, .. } => scene.stage(),
+        }
+    }
+
+    /// Takes over a later state of the world; what scales the picture stays.
+    ///
+    /// # Errors
+    /// If the world is of another size or has not the layer that the land wears, on a request to stop, or if the graphics card fails.
+    pub(crate) fn follow(&mut self, world: &World, control: &Control<'_>) -> Result<(), RunError> {
+        match &mut self.hand {
+            Hand::Cpu { scene, worn } => {
+                if let Some(w) = worn {
+                    w.follow(world).map_err(stopped)?;
+                }
+                scene.follow(world, worn.as_ref(), control).map_err(stopped)
+            }
+            Hand::Gpu { gpu, renderer, scene } => {
+                let layers: Vec<&str> = world.layers().iter().map(|l| &*l.spec.name).collect();
+                scene.update(gpu, renderer, world, &layers).map_err(RunError::Gpu)
+            }
+        }
+    }
+
+    /// A picture of `size` (columns, rows), with the legend below it if the land wears a layer. Waves stand still on the processor.
+    ///
+    /// # Errors
+    /// On a request to stop, or if the graphics card fails.
+    pub(crate) fn draw(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
+        time_s: f32,
+        control: &Control<'_>,
+    ) -> Result<Picture, RunError> {
+        match &mut self.hand {
+            Hand::Cpu { scene, worn } => {
+                let picture = scene.picture(camera, size.map(|n| n as usize), control).map_err(stopped)?;
+                Ok(worn.as_ref().map_or(picture.clone(), |w| w.with_legend(&picture)))
+            }
+            Hand::Gpu { gpu, renderer, scene } => {
+                control.check().map_err(stopped)?;
+                let picture = renderer.draw(gpu, scene, camera, size, time_s).map_err(RunError::Gpu)?;
+                Ok(scene.with_legend(picture))
+            }
+        }
+    }
+}
+
+impl Hand {
+    fn cpu(world: &World, s: &Scenery, limits: &Limits, control: &Control<'_>) -> Result<Self, RunError> {
+        let fail = |e: eyot_core::Error| stopped(e);
+        let bytes = need::picture(&world.grid, &s.view, Subject::View);
+        need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY).map_err(fail)?;
+        let options = view_options(&s.view);
+        let worn = match &s.drape {
+            Some(layer) => Some(LayerColours::new(world, layer, &MapOptions::default()).map_err(fail)?),
+            None => None,
+        };
+        let scene = match &worn {
+            Some(colours) => render::Scene::wearing(world, colours, &options, control),
+            None => render::Scene::new(world, &options, control),
+        };
+        Ok(Self::Cpu { scene: Box::new(scene.map_err(fail)?), worn })
+    }
+
+    fn gpu(world: &World, s: &Scenery, limits: &Limits) -> Result<Self, GpuError> {
+        let gpu = Gpu::open(&s.engine.adapter())?;
+        // Cells and nodes take less than for rays; a pixel has four samples of colour and depth, and is read back.
+        let pixels = s.view.size.iter().map(|n| u128::from(*n)).product::<u128>();
+        let bytes = need::picture(&world.grid, &s.view, Subject::View) + 47 * pixels;
+        need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY)?;
+        let mut renderer = Renderer::new(&gpu)?;
+        renderer.reserve(&gpu, s.view.size)?;
+        let options = view_options(&s.view);
+        let scene = match &s.drape {
+            Some(layer) => Scene::of_layer(&gpu, &renderer, world, layer, &options, &MapOptions::default())?,
+            None => Scene::from_world(&gpu, &renderer, world, &options)?,
+        };
+        Ok(Self::Gpu { gpu: Box::new(gpu), renderer: Box::new(renderer), scene: Box::new(scene) })
+    }
+}
+
+/// A picture that was drawn.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// The engine that drew it.
+    pub engine: String,
+    /// Things to know.
+    pub notes: Vec<String>,
+}
+
+/// Draws a view of a world into a PNG file.
+///
+/// # Errors
+/// If `path` has another extension than `.png` or cannot be written, which is found out first, there is no such layer or
+/// adapter, or the picture exceeds the limits.
+pub fn draw_view(world: &World, scenery: &Scenery, path: &Path, limits: &Limits) -> Result<Drawn, RunError> {
+    store::check_picture_name(path)?;
+    let control = Control::none();
+    let mut artist = Artist::new(world, scenery, limits, &control)?;
+    let camera = artist.stage().camera(&view_options(&scenery.view));
+    let picture = artist.draw(&camera, scenery.view.size, 0.0, &control)?;
+    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels)
+        .map_err(|e| RunError::File(e.to_string()))?;
+    Ok(Drawn { engine: artist.name(), notes: artist.notes })
+}

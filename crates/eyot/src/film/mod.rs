@@ -1,0 +1,281 @@
+//! Films: pictures along a camera's path or of a run at work, and a video of them.
+//!
+//! A film is a folder of numbered PNG files and a `film.json` that says what they show. Each picture appears whole or not at all, so
+//! a film that was stopped goes on with the first one that is missing.
+
+mod path_file;
+mod rerun;
+mod video;
+
+use crate::artist::{Artist, Scenery};
+use crate::backend::{self, io, render};
+use crate::error::{RunError, shell_word};
+use crate::outputs::view_options;
+use eyot_core::{Control, Limits, World};
+use render::CameraPath;
+use rerun::Made;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+pub use video::Video;
+
+/// How long a film takes if nothing says so.
+const USUAL_SECONDS: f32 = 10.0;
+
+/// What the pictures of a folder show.
+const MANIFEST: &str = "film.json";
+
+/// The way of the camera.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FilmPath {
+    /// Once around the land.
+    Orbit,
+    /// A flight around and over the land.
+    Fly,
+    /// The camera stands where the view puts it.
+    Still,
+    /// Key frames from a TOML file.
+    File(PathBuf),
+}
+
+/// How a film is made.
+#[derive(Clone, Debug)]
+pub struct FilmOptions {
+    /// Camera at the start, sun, size, colours and engine.
+    pub scenery: Scenery,
+    /// The way of the camera.
+    pub path: FilmPath,
+    /// Pictures; 1 to [`MOST_FRAMES`]. `None` takes ten seconds, or the time that a file of key frames names.
+    pub frames: Option<u32>,
+    /// Pictures a second, 1 to 240.
+    pub fps: f32,
+    /// Which video is made of the pictures if ffmpeg is there.
+    pub video: Video,
+    /// Whether a film of something else in the folder may be overwritten.
+    pub restart: bool,
+}
+
+/// Most pictures of a film.
+pub const MOST_FRAMES: u32 = 100_000;
+
+/// How far a film is.
+#[derive(Clone, Debug)]
+pub struct FilmProgress {
+    /// Pictures that are there.
+    pub done: u32,
+    /// Pictures in all.
+    pub frames: u32,
+    /// Seconds that the rest will take, once there is something to tell it from.
+    pub seconds_left: Option<f64>,
+    /// The engine that draws.
+    pub engine: String,
+}
+
+/// A finished film.
+#[derive(Clone, Debug)]
+pub struct Filmed {
+    /// Pictures that were drawn now; the others were there.
+    pub drawn: u32,
+    /// Pictures in all.
+    pub frames: u32,
+    /// The video, if one was made.
+    pub video: Option<PathBuf>,
+    /// Things to know.
+    pub notes: Vec<String>,
+}
+
+/// Films a world into the folder `out`.
+///
+/// # Errors
+/// [`RunError::Input`] if the options or the path's file are wrong, or the folder holds another film;
+/// [`RunError::Stopped`] on a request to stop, after which the same call goes on; and as pictures fail.
+pub fn film(
+    world: &World,
+    options: &FilmOptions,
+    out: &Path,
+    limits: &Limits,
+    control: &Control<'_>,
+    tell: &mut dyn FnMut(&FilmProgress),
+) -> Result<Filmed, RunError> {
+    shoot(&Land { world, made: None }, options, out, limits, control, tell)
+}
+
+/// Films the finished run in the folder `run`: its recipe is carried out again, by the processor, and the pictures show the land from
+/// the first step of its simulations to the last.
+///
+/// # Errors
+/// As [`film`], if the folder holds no such run, and as the run fails.
+pub fn film_run(
+    run: &Path,
+    options: &FilmOptions,
+    out: &Path,
+    limits: &Limits,
+    control: &Control<'_>,
+    tell: &mut dyn FnMut(&FilmProgress),
+) -> Result<Filmed, RunError> {
+    let made = Made::open(run, limits)?;
+    shoot(&Land { world: &made.world, made: Some(&made) }, options, out, limits, control, tell)
+}
+
+/// What is filmed.
+struct Land<'a> {
+    /// The world in its last state, which scales all pictures.
+    world: &'a World,
+    /// How it was made, if that is to be seen.
+    made: Option<&'a Made>,
+}
+
+impl Land<'_> {
+    /// An early state with the layers that a picture needs, though later steps make them.
+    fn whole(&self, early: Arc<World>, drape: Option<&str>) -> Arc<World> {
+        let missing = |name: &&str| early.get(name).is_none();
+        let names: Vec<&str> = ["height"].into_iter().chain(drape).filter(missing).collect();
+        if names.is_empty() {
+            return early;
+        }
+        let mut world = Arc::unwrap_or_clone(early);
+        for layer in names.iter().filter_map(|n| self.world.layer(n).ok()) {
+            world.ensure(&layer.spec, 0.0);
+        }
+        Arc::new(world)
+    }
+}
+
+fn shoot(
+    land: &Land<'_>,
+    options: &FilmOptions,
+    out: &Path,
+    limits: &Limits,
+    control: &Control<'_>,
+    tell: &mut dyn FnMut(&FilmProgress),
+) -> Result<Filmed, RunError> {
+    let keys = match &options.path {
+        FilmPath::File(file) => Some(path_file::read(file)?),
+        _ => None,
+    };
+    check(options)?;
+    let mut artist = Artist::new(land.world, &options.scenery, limits, control)?;
+    let view = view_options(&options.scenery.view);
+    let path = match (&options.path, &keys) {
+        (FilmPath::Fly, _) => CameraPath::fly(artist.stage(), &view),
+        (FilmPath::Still, _) => CameraPath::still(artist.stage(), &view),
+        (_, Some(keys)) => keys.path(artist.stage().pose(&view)),
+        _ => CameraPath::orbit(artist.stage(), &view),
+    };
+    let seconds = if keys.is_some_and(|k| k.is_timed()) { path.duration() } else { USUAL_SECONDS };
+    let frames =
+        options.frames.unwrap_or_else(|| (seconds * options.fps).round().clamp(1.0, MOST_FRAMES as f32) as u32);
+
+    let manifest = manifest(land, options, &path, frames, &artist.name());
+    prepare(out, &manifest, options.restart)?;
+    let name = |i: u32| out.join(format!("frame_{i:05}.png"));
+    let missing: Vec<u32> = (0..frames).filter(|i| !name(*i).exists()).collect();
+    let mut rerun = match land.made {
+        Some(made) if !missing.is_empty() => Some((made, made.start(limits, control)?)),
+        _ => None,
+    };
+    let begun = Instant::now();
+    for (drawn, &i) in missing.iter().enumerate() {
+        control.check().map_err(|_| RunError::Stopped)?;
+        let left = (missing.len() - drawn) as f64;
+        let seconds_left = (drawn > 0).then(|| begun.elapsed().as_secs_f64() / drawn as f64 * left);
+        tell(&FilmProgress { done: frames - left as u32, frames, seconds_left, engine: artist.name() });
+        if let Some((made, rerun)) = &mut rerun {
+            let world = rerun.world_at(made.moment(i, frames), control)?;
+            artist.follow(&land.whole(world, options.scenery.drape.as_deref()), control)?;
+        }
+        // A closed path's last picture is the one before its first.
+        let last = if path.closed { frames } else { (frames - 1).max(1) };
+        let camera = artist.stage().camera_at(&path.pose(i as f32 / last as f32));
+        let picture = artist.draw(&camera, options.scenery.view.size, i as f32 / options.fps, control)?;
+        io::write_rgb_png(&name(i), picture.width, picture.height, &picture.pixels)
+            .map_err(|e| RunError::File(e.to_string()))?;
+    }
+    tell(&FilmProgress { done: frames, frames, seconds_left: Some(0.0), engine: artist.name() });
+    let mut notes = artist.notes;
+    notes.extend(rerun.into_iter().flat_map(|(_, mut r)| std::mem::take(&mut r.notes)));
+    let video = video::make(out, options.video, options.fps, frames, &mut notes)?;
+    Ok(Filmed { drawn: missing.len() as u32, frames, video, notes })
+}
+
+fn check(o: &FilmOptions) -> Result<(), RunError> {
+    let refuse = |reason: String, help| Err(RunError::Input { reason, help: Some(help) });
+    if let Some(n) = o.frames.filter(|n| !(1..=MOST_FRAMES).contains(n)) {
+        return refuse(format!("a film of {n} pictures"), "choose --frames from 1 to 100000");
+    }
+    if !(o.fps.is_finite() && (1.0..=240.0).contains(&o.fps)) {
+        return refuse(format!("{} pictures a second", o.fps), "choose --fps from 1 to 240");
+    }
+    Ok(())
+}
+
+/// Everything that decides the pictures.
+fn manifest(land: &Land<'_>, o: &FilmOptions, path: &CameraPath, frames: u32, engine: &str) -> Value {
+    let keys: Vec<Value> = path
+        .keys
+        .iter()
+        .map(|k| {
+            let p = &k.pose;
+            json!({
+                "time": k.time, "azimuth": p.azimuth_deg, "elevation": p.elevation_deg, "distance": p.distance,
+                "target": p.target, "target_height": p.target_height, "field_of_view": p.field_of_view_deg,
+            })
+        })
+        .collect();
+    json!({
+        "engine_version": crate::VERSION,
+        "world": format!("{:016x}", land.world.fingerprint()),
+        "shows": if land.made.is_some() { "its run" } else { "the world" },
+        "engine": engine,
+        "frames": frames,
+        "fps": o.fps,
+        "view": o.scenery.view,
+        "drape": o.scenery.drape,
+        "closed": path.closed,
+        "keys": keys,
+    })
+}
+
+/// Makes the folder ready: for a new film, or for more of the same.
+fn prepare(out: &Path, manifest: &Value, restart: bool) -> Result<(), RunError> {
+    let fail = |source| RunError::Folder { path: out.to_owned(), source };
+    std::fs::create_dir_all(out).map_err(fail)?;
+    let file = out.join(MANIFEST);
+    let text = format!("{manifest:#}\n");
+    let there = std::fs::read_to_string(&file).ok();
+    if there.as_deref() == Some(&*text) {
+        return Ok(());
+    }
+    let mut former: Vec<PathBuf> = Vec::new();
+    for entry in std::fs::read_dir(out).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        if is_frame(&path) {
+            former.push(path);
+        }
+    }
+    if !restart && (there.is_some() || !former.is_empty()) {
+        return Err(RunError::Input {
+            reason: format!(
+                "`{0}` holds pictures of another film; remove them with --restart, or choose another folder than {1}",
+                out.display(),
+                shell_word(out)
+            ),
+            help: Some("the same world, path, size and engine go on where they stopped"),
+        });
+    }
+    for path in former {
+        std::fs::remove_file(&path).map_err(|source| RunError::Folder { path, source })?;
+    }
+    backend::write_text(&file, &text).map_err(|e| RunError::File(e.to_string()))
+}
+
+/// True for the names that films give to their pictures.
+fn is_frame(path: &Path) -> bool {
+    path.file_name().and_then(|n| n.to_str()).is_some_and(|n| {
+        n.strip_prefix("frame_")
+            .and_then(|n| n.strip_suffix(".png"))
+            .is_some_and(|n| n.len() == 5 && n.bytes().all(|b| b.is_ascii_digit()))
+    })
+}

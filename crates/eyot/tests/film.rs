@@ -1,0 +1,217 @@
+//! Films: pictures along a path or of a run, each whole or not at all, going on where they stopped.
+
+mod common;
+
+use eyot::core::layer::known;
+use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Video, film, film_run};
+use eyot::{Cancel, Control, Field, Grid, Limits, Rim, RunError, Scenery, View, World};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+fn world() -> World {
+    let mut world = World::new(Grid::new(40, 30, 20.0, Rim::CLOSED, &Limits::default()).unwrap(), 3);
+    let cone = |x: usize, y: usize| 120.0 - 11.0 * (x as f32 - 22.0).hypot(y as f32 - 14.0);
+    world.put(&known::HEIGHT, Field::from_fn(40, 30, cone)).unwrap();
+    world
+}
+
+fn options(path: FilmPath) -> FilmOptions {
+    let view = View { size: [48, 30], ..View::default() };
+    FilmOptions {
+        scenery: Scenery { view, ..Scenery::default() },
+        path,
+        frames: Some(6),
+        fps: 25.0,
+        video: Video::None,
+        restart: false,
+    }
+}
+
+fn make(o: &FilmOptions, out: &Path, told: &mut dyn FnMut(&FilmProgress)) -> Result<Filmed, RunError> {
+    film(&world(), o, out, &Limits::default(), &Control::none(), told)
+}
+
+/// The pictures in a folder.
+fn frames(out: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = std::fs::read_dir(out).unwrap().map(|e| e.unwrap().path());
+    let name = |p: &Path| p.file_name().unwrap().to_string_lossy().into_owned();
+    files
+        .filter(|p| p.extension().is_some_and(|e| e == "png"))
+        .map(|p| (name(&p), std::fs::read(&p).unwrap()))
+        .collect()
+}
+
+#[test]
+fn an_orbit_begins_with_the_usual_view_and_moves_on() {
+    let dir = tempfile::tempdir().unwrap();
+    let (o, out) = (options(FilmPath::Orbit), dir.path().join("film"));
+    let mut told = Vec::new();
+    let filmed = make(&o, &out, &mut |p| told.push((p.done, p.seconds_left.is_some()))).unwrap();
+    assert_eq!((filmed.drawn, filmed.frames, filmed.video), (6, 6, None));
+    assert_eq!(told.first(), Some(&(0, false)));
+    assert_eq!(told.last(), Some(&(6, true)));
+    assert!(told[1].1, "after a picture there is a time left");
+    let frames = frames(&out);
+    assert_eq!(frames.len(), 6);
+    let distinct: std::collections::BTreeSet<_> = frames.values().collect();
+    assert_eq!(distinct.len(), 6, "every picture is another one");
+    let still = dir.path().join("still.png");
+    eyot::draw_view(&world(), &o.scenery, &still, &Limits::default()).unwrap();
+    assert_eq!(std::fs::read(still).unwrap(), frames["frame_00000.png"]);
+}
+
+#[test]
+fn a_film_that_was_stopped_goes_on_to_the_same_pictures() {
+    let dir = tempfile::tempdir().unwrap();
+    let (o, whole, parts) = (options(FilmPath::Fly), dir.path().join("whole"), dir.path().join("parts"));
+    make(&o, &whole, &mut |_| {}).unwrap();
+    let cancel = Cancel::default();
+    let control = Control::new(cancel.clone(), &|_, _| {});
+    let stop_after_two = &mut |p: &FilmProgress| {
+        if p.done == 2 {
+            cancel.raise();
+        }
+    };
+    let stopped = film(&world(), &o, &parts, &Limits::default(), &control, stop_after_two);
+    assert!(matches!(stopped, Err(RunError::Stopped)));
+    assert_eq!(frames(&parts).len(), 2);
+    let filmed = make(&o, &parts, &mut |_| {}).unwrap();
+    assert_eq!((filmed.drawn, filmed.frames), (4, 6));
+    assert_eq!(frames(&whole), frames(&parts));
+    // A picture that was removed is drawn again, and only that one.
+    std::fs::remove_file(parts.join("frame_00003.png")).unwrap();
+    assert_eq!(make(&o, &parts, &mut |_| {}).unwrap().drawn, 1);
+    assert_eq!(frames(&whole), frames(&parts));
+}
+
+#[test]
+fn another_film_in_the_folder_is_kept_unless_it_may_go() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path();
+    std::fs::write(out.join("frame_of_mine.png"), "mine").unwrap();
+    let mut o = options(FilmPath::Orbit);
+    make(&o, out, &mut |_| {}).unwrap();
+    o.frames = Some(3);
+    let e = make(&o, out, &mut |_| {}).unwrap_err();
+    assert!(e.is_refusal() && e.to_string().contains("--restart"), "{e}");
+    assert_eq!(frames(out).len(), 7);
+    o.restart = true;
+    make(&o, out, &mut |_| {}).unwrap();
+    assert_eq!(frames(out).keys().filter(|n| n.starts_with("frame_0")).count(), 3);
+    assert_eq!(std::fs::read(out.join("frame_of_mine.png")).unwrap(), b"mine");
+}
+
+#[test]
+fn key_frames_say_how_long_it_takes() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("way.toml");
+    std::fs::write(&file, "[[key]]\ntime = 1\nazimuth = 90\n[[key]]\ntime = 1.4\nazimuth = 120\ndistance = 0.8\n")
+        .unwrap();
+    let mut o = FilmOptions { frames: None, fps: 10.0, ..options(FilmPath::File(file.clone())) };
+    assert_eq!(make(&o, &dir.path().join("timed"), &mut |_| {}).unwrap().frames, 4);
+    std::fs::write(&file, "[[key]]\nelevation = 95\n").unwrap();
+    let e = make(&o, &dir.path().join("wrong"), &mut |_| {}).unwrap_err();
+    assert!(e.is_refusal() && e.to_string().contains("elevation of key 1"), "{e}");
+    assert!(!dir.path().join("wrong").exists(), "nothing is begun");
+    o.fps = f32::NAN;
+    std::fs::write(&file, "[[key]]\n").unwrap();
+    assert!(make(&o, dir.path(), &mut |_| {}).unwrap_err().is_refusal());
+}
+
+#[test]
+fn wrong_scenery_is_refused_before_anything_is_written() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("film");
+    let mut o = options(FilmPath::Orbit);
+    o.scenery.drape = Some("snow".to_owned());
+    assert!(make(&o, &out, &mut |_| {}).unwrap_err().to_string().contains("snow"));
+    o.scenery.drape = None;
+    o.scenery.engine.choice = eyot::EngineChoice::Gpu;
+    o.scenery.engine.adapter = Some("no such card".to_owned());
+    let e = make(&o, &out, &mut |_| {}).unwrap_err();
+    assert!(e.is_refusal() && e.to_string().contains("no such card"), "{e}");
+    assert!(!out.exists());
+}
+
+#[test]
+fn land_in_the_colours_of_a_layer_has_a_legend() {
+    let dir = tempfile::tempdir().unwrap();
+    let (plain, worn) = (dir.path().join("plain.png"), dir.path().join("worn.png"));
+    let mut scenery = options(FilmPath::Orbit).scenery;
+    scenery.view.size = [320, 200];
+    eyot::draw_view(&world(), &scenery, &plain, &Limits::default()).unwrap();
+    scenery.drape = Some("height".to_owned());
+    eyot::draw_view(&world(), &scenery, &worn, &Limits::default()).unwrap();
+    let size = |p: &Path| {
+        let reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(p).unwrap())).read_info().unwrap();
+        (reader.info().width, reader.info().height)
+    };
+    assert_eq!(size(&plain), (320, 200));
+    assert!(size(&worn).0 == 320 && size(&worn).1 > 200, "{:?}", size(&worn));
+}
+
+const SLIDES: &str = r#"
+name = "Slides"
+[grid]
+size = [24, 20]
+cell = 20.0
+[[step]]
+generate = "cone"
+height = 150.0
+[[step]]
+simulate = ["thermal"]
+steps = 30
+[[step]]
+generate = "fbm"
+amount = 0.1
+[[step]]
+simulate = ["hydraulic", "thermal"]
+steps = 10
+"#;
+
+#[test]
+fn the_film_of_a_run_ends_with_its_world_and_goes_on_after_a_stop() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = dir.path().join("run");
+    let world = common::run(common::recipe(SLIDES, &[]), &run);
+    // Water comes with the second simulation; before it there is none.
+    let mut o = FilmOptions { frames: Some(5), ..options(FilmPath::Still) };
+    o.scenery.drape = Some("water".to_owned());
+    let (whole, parts) = (dir.path().join("whole"), dir.path().join("parts"));
+    let make = |out: &Path, control: &Control<'_>, told: &mut dyn FnMut(&FilmProgress)| {
+        film_run(&run, &o, out, &Limits::default(), control, told)
+    };
+    assert_eq!(make(&whole, &Control::none(), &mut |_| {}).unwrap().drawn, 5);
+    let pictures = frames(&whole);
+    assert!(pictures["frame_00000.png"] != pictures["frame_00004.png"], "the land changes");
+    let last = dir.path().join("last.png");
+    eyot::draw_view(&world, &o.scenery, &last, &Limits::default()).unwrap();
+    assert_eq!(std::fs::read(&last).unwrap(), pictures["frame_00004.png"]);
+
+    let cancel = Cancel::default();
+    let control = Control::new(cancel.clone(), &|_, _| {});
+    let stopped = make(&parts, &control, &mut |p| {
+        if p.done == 2 {
+            cancel.raise();
+        }
+    });
+    assert!(matches!(stopped, Err(RunError::Stopped)));
+    assert_eq!(make(&parts, &Control::none(), &mut |_| {}).unwrap().drawn, 3);
+    assert_eq!(frames(&parts), pictures);
+}
+
+#[test]
+fn a_film_of_what_is_no_run_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let (o, out) = (options(FilmPath::Still), dir.path().join("film"));
+    let refused = |run: &Path| {
+        let e = film_run(run, &o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap_err();
+        assert!(e.is_refusal() && !out.exists(), "{e}");
+        e.to_string()
+    };
+    assert!(refused(&dir.path().join("nowhere")).contains("nowhere"));
+    let hill = dir.path().join("hill");
+    let cone = SLIDES.split("[[step]]").take(2).collect::<Vec<_>>().join("[[step]]");
+    common::run(common::recipe(&cone, &[]), &hill);
+    assert!(refused(&hill).contains("simulates nothing"));
+}
