@@ -128,7 +128,7 @@ def start_fields(case, size):
         fields["water"] = (0.2 * hashed(x, y, 99)).astype(F)
     if "carbon" in fields:
         fields["carbon"][:] = 1.0
-        fields["reef_floor"][:] = 12000.0  # Not known yet.
+        fields["reef_floor"][:] = fields["height"]  # No limestone yet.
     return fields
 
 
