@@ -175,6 +175,7 @@ fn draw(bodies: &[(Body, Point)], camera: Camera, [width, height]: [usize; 2], h
         place: [0.0; 3],
         turn: 0.0,
         size: 1.0,
+        shades: false,
     }];
     parts.extend(bodies.iter().map(|(b, place)| MeshPart {
         positions: &b.solid.positions,
@@ -184,6 +185,7 @@ fn draw(bodies: &[(Body, Point)], camera: Camera, [width, height]: [usize; 2], h
         place: *place,
         turn: 0.0,
         size: 1.0,
+        shades: true,
     }));
     mesh_view(&parts, &MeshViewOptions::new(camera, [width, height], haze))
 }

@@ -26,6 +26,8 @@ pub struct MeshPart<'a> {
     pub turn: f32,
     /// Factor on all lengths.
     pub size: f32,
+    /// Whether it throws shadows. A ground that does not leaves the whole map of shadows to what stands on it.
+    pub shades: bool,
 }
 
 impl MeshPart<'_> {
@@ -130,7 +132,9 @@ struct Scene {
     normals: Vec<V3>,
     colours: Vec<V3>,
     indices: Vec<u32>,
-    /// The box of all that is not flat.
+    /// How many of them, from the first on, are of parts that throw shadows.
+    shading: usize,
+    /// The box of these parts.
     low: V3,
     high: V3,
 }
@@ -142,29 +146,35 @@ impl Scene {
             normals: vec![],
             colours: vec![],
             indices: vec![],
+            shading: 0,
             low: [f32::MAX; 3],
             high: [f32::MIN; 3],
         };
-        for part in parts {
-            assert!(part.normals.len() == part.positions.len() && part.colours.len() == part.positions.len());
-            let first = scene.positions.len() as u32;
-            scene.positions.extend(part.positions.iter().map(|&p| part.position(p)));
-            scene.normals.extend(part.normals.iter().map(|&n| part.direction(n)));
-            scene.colours.extend(part.colours.iter().map(|c| [c[0], c[1], c[2]].map(|v| f32::from(v) / 255.0)));
-            scene.indices.extend(part.indices.iter().map(|i| first + i));
+        let (shading, other): (Vec<_>, Vec<_>) = parts.iter().partition(|p| p.shades);
+        for part in &shading {
+            scene.add(part);
         }
-        // Flat grounds cast no shadow: the sun's map need not cover them.
-        let is_flat = |part: &&MeshPart<'_>| part.positions.iter().all(|p| p[1] == part.positions[0][1]);
-        for part in parts.iter().filter(|p| !is_flat(p)) {
-            for p in part.positions.iter().map(|&p| part.position(p)) {
-                scene.low = std::array::from_fn(|i| scene.low[i].min(p[i]));
-                scene.high = std::array::from_fn(|i| scene.high[i].max(p[i]));
-            }
+        scene.shading = scene.indices.len();
+        for p in &scene.positions {
+            scene.low = std::array::from_fn(|i| scene.low[i].min(p[i]));
+            scene.high = std::array::from_fn(|i| scene.high[i].max(p[i]));
+        }
+        for part in &other {
+            scene.add(part);
         }
         if scene.low[0] > scene.high[0] {
             (scene.low, scene.high) = ([0.0; 3], [0.0; 3]);
         }
         scene
+    }
+
+    fn add(&mut self, part: &MeshPart<'_>) {
+        assert!(part.normals.len() == part.positions.len() && part.colours.len() == part.positions.len());
+        let first = self.positions.len() as u32;
+        self.positions.extend(part.positions.iter().map(|&p| part.position(p)));
+        self.normals.extend(part.normals.iter().map(|&n| part.direction(n)));
+        self.colours.extend(part.colours.iter().map(|c| [c[0], c[1], c[2]].map(|v| f32::from(v) / 255.0)));
+        self.indices.extend(part.indices.iter().map(|i| first + i));
     }
 
     /// Vertices as the rasteriser wants them.
@@ -212,7 +222,7 @@ impl Sun {
         let mut sun = Self { towards, right, up, middle, pixel, depths: Vec::new() };
         // Nearness is the height towards the sun, above 0 for all that the map covers.
         let vertices: Vec<V3> = scene.positions.par_iter().map(|&p| sun.on_map(p)).collect();
-        let hits = rasterise(&vertices, &scene.indices, [SHADOW; 2]);
+        let hits = rasterise(&vertices, &scene.indices[..scene.shading], [SHADOW; 2]);
         sun.depths = hits.iter().map(|h| h.nearness).collect();
         sun
     }
@@ -236,12 +246,19 @@ impl Sun {
         // Off the surface by more than the map's pixels, or it would shade itself.
         let off = add(p, scale(normal, 2.0 * self.pixel));
         let [x, y, depth] = self.on_map(off);
+        // Sixteen pixels of the map, those at the rim by the share that a window of three pixels around the point has of them.
+        let (x, y) = (x - 0.5, y - 0.5);
+        let (i, j) = (x.floor(), y.floor());
+        let shares = |f: f32| [1.0 - f, 1.0, 1.0, f].map(|s| s / 3.0);
+        let (across, down) = (shares(x - i), shares(y - j));
         let mut lit = 0.0;
-        for (dy, dx) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dy, dx))) {
-            let (i, j) = (x as i32 + dx, y as i32 + dy);
-            let inside = (0..SHADOW as i32).contains(&i) && (0..SHADOW as i32).contains(&j);
-            let free = !inside || self.depths[j as usize * SHADOW + i as usize] <= depth + 1.0;
-            lit += if free { 1.0 / 9.0 } else { 0.0 };
+        for (dj, down) in down.into_iter().enumerate() {
+            for (di, across) in across.into_iter().enumerate() {
+                let (i, j) = (i as i32 + di as i32 - 1, j as i32 + dj as i32 - 1);
+                let inside = (0..SHADOW as i32).contains(&i) && (0..SHADOW as i32).contains(&j);
+                let free = !inside || self.depths[j as usize * SHADOW + i as usize] <= depth + 1.0;
+                lit += if free { across * down } else { 0.0 };
+            }
         }
         lit
     }
@@ -322,18 +339,14 @@ impl Shot<'_> {
 mod tests {
     use super::*;
 
-    /// A ground of 4 x 4 m, and a tower of 0.4 m with a roof 1 m above its middle.
+    /// A ground of 4 x 4 m, and a roof of 0.4 m 1 m above its middle.
     fn scene() -> [(Vec<V3>, Vec<V3>, Vec<u32>); 2] {
         let quad = |x: f32, z: f32, half: f32, y: f32| {
             let corners =
                 [[x - half, y, z - half], [x + half, y, z - half], [x + half, y, z + half], [x - half, y, z + half]];
             (corners.to_vec(), vec![[0.0, 1.0, 0.0]; 4], vec![0, 3, 1, 1, 3, 2])
         };
-        let mut roof = quad(0.0, 0.0, 0.2, 1.0);
-        // A foot on the ground, so that it is no flat part.
-        roof.0.push([0.0, 0.0, 0.0]);
-        roof.1.push([0.0, 1.0, 0.0]);
-        [quad(0.0, 0.0, 2.0, 0.0), roof]
+        [quad(0.0, 0.0, 2.0, 0.0), quad(0.0, 0.0, 0.2, 1.0)]
     }
 
     fn view(parts: &[(Vec<V3>, Vec<V3>, Vec<u32>)], haze: Option<Haze>) -> Picture {
@@ -341,7 +354,8 @@ mod tests {
         let parts: Vec<MeshPart<'_>> = parts
             .iter()
             .zip(&colours)
-            .map(|(p, c)| MeshPart {
+            .enumerate()
+            .map(|(i, (p, c))| MeshPart {
                 positions: &p.0,
                 normals: &p.1,
                 colours: c,
@@ -349,6 +363,7 @@ mod tests {
                 place: [0.0; 3],
                 turn: 0.0,
                 size: 1.0,
+                shades: i > 0,
             })
             .collect();
         let options = MeshViewOptions {

@@ -22,6 +22,8 @@ const SIDE: [usize; 2] = [1400, 900];
 const ABOVE: usize = 1100;
 /// Light that clear water takes, 1/m, red first, and the colour of far water.
 const WATER: Haze = Haze { per_m: [0.16, 0.05, 0.045], veil: [0.02, 0.16, 0.24] };
+/// Beyond this way, m, nothing is left but that colour.
+const SIGHT_M: f32 = 120.0;
 /// Linear colours of sand and of macroalgae.
 const SAND: [u8; 4] = [118, 104, 78, 255];
 const ALGAE: [u8; 4] = [52, 60, 14, 255];
@@ -194,6 +196,7 @@ impl<'a> Reef<'a> {
             place: [0.0; 3],
             turn: 0.0,
             size: 1.0,
+            shades: false,
         }];
         parts.extend(self.corals().map(|(c, b)| MeshPart {
             positions: &b.solid.positions,
@@ -203,6 +206,7 @@ impl<'a> Reef<'a> {
             place: [c.x, c.y, self.floor(c.x, c.y)],
             turn: 0.0,
             size: 1.0,
+            shades: true,
         }));
         parts.extend(self.algae().map(|a| MeshPart {
             positions: &self.alga.positions,
@@ -212,6 +216,7 @@ impl<'a> Reef<'a> {
             place: [a.x, a.y, self.floor(a.x, a.y)],
             turn: turn(a),
             size: a.height,
+            shades: true,
         }));
         let middle = [0.5 * w, 0.5 * h, self.floor(0.5 * w, 0.5 * h)];
         let far = w.max(h);
@@ -223,17 +228,17 @@ impl<'a> Reef<'a> {
         [draw(side, SIDE, Some(WATER)), draw(above, [ABOVE, ABOVE], None)]
     }
 
-    /// The sea floor as a mesh, and beyond the plot as far again, so that no edge is in the picture.
+    /// The sea floor as a mesh, and beyond the plot as far as water lets see, so that no edge is in the picture.
     fn ground(&self) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<u32>) {
         let (w, h) = (self.plot.site().width_m as f32, self.plot.site().length_m as f32);
-        let far = 2.0 * w.max(h);
+        let far = (2.0 * w.max(h)).max(SIGHT_M);
         const N: usize = 160;
-        // Finer within the plot: two thirds of the points.
+        // Two thirds of the points are within the plot, and those beyond are denser near it.
         let place = |i: usize, side: f32| {
             let t = 3.0 * i as f32 / N as f32 - 1.0;
             match t {
-                t if t < -0.5 => 2.0 * (t + 0.5) * far,
-                t if t > 1.5 => side + 2.0 * (t - 1.5) * far,
+                t if t < -0.5 => (2.0 * (t + 0.5)).powi(3) * far,
+                t if t > 1.5 => side + (2.0 * (t - 1.5)).powi(3) * far,
                 t => (t + 0.5) / 2.0 * side,
             }
         };
