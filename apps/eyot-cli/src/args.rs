@@ -173,10 +173,10 @@ pub(crate) struct Doctor {
 #[derive(Args)]
 pub(crate) struct Engine {
     /// What simulates: cpu gives the same bytes on every machine, gpu the same within rounding, auto takes a graphics card if
-    /// there is one
-    #[arg(long, value_name = "WHICH", value_enum, default_value = "cpu")]
-    pub(crate) engine: EngineName,
-    /// The graphics card to use, by a part of its name; `eyot doctor` lists them
+    /// there is one [default: cpu; a stopped run goes on with what it had]
+    #[arg(long, value_name = "WHICH", value_enum)]
+    pub(crate) engine: Option<EngineName>,
+    /// The graphics card to use, by a part of its name, which means --engine gpu; `eyot doctor` lists them
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
 }
@@ -185,27 +185,33 @@ pub(crate) struct Engine {
 #[derive(Args)]
 pub(crate) struct Draws {
     /// What draws views: cpu with rays, gpu with a graphics card or its software stand-in, auto with a graphics card if there is
-    /// one; maps and reliefs are always drawn by the processor
-    #[arg(long, value_name = "WHICH", value_enum, default_value = "cpu")]
-    pub(crate) engine: EngineName,
-    /// The graphics card to use, by a part of its name; `eyot doctor` lists them
+    /// one; maps and reliefs are always drawn by the processor [default: cpu]
+    #[arg(long, value_name = "WHICH", value_enum)]
+    pub(crate) engine: Option<EngineName>,
+    /// The graphics card to use, by a part of its name, which means --engine gpu; `eyot doctor` lists them
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
 }
 
 impl Draws {
-    pub(crate) fn options(&self) -> EngineOptions {
-        engine_options(self.engine, &self.adapter)
+    pub(crate) fn options(&self) -> Result<EngineOptions, Failure> {
+        Ok(engine_options(self.engine, &self.adapter)?.unwrap_or_default())
     }
 }
 
-fn engine_options(name: EngineName, adapter: &Option<String>) -> EngineOptions {
+/// What the flags ask for; `None` if nothing.
+fn engine_options(name: Option<EngineName>, adapter: &Option<String>) -> Result<Option<EngineOptions>, Failure> {
     let choice = match name {
-        EngineName::Auto => EngineChoice::Auto,
-        EngineName::Cpu => EngineChoice::Cpu,
-        EngineName::Gpu => EngineChoice::Gpu,
+        None if adapter.is_none() => return Ok(None),
+        Some(EngineName::Cpu) if adapter.is_some() => {
+            let help = "leave --adapter out, or choose --engine gpu";
+            return Err(report::usage("--engine cpu takes no graphics adapter", help));
+        }
+        Some(EngineName::Auto) => EngineChoice::Auto,
+        Some(EngineName::Cpu) => EngineChoice::Cpu,
+        Some(EngineName::Gpu) | None => EngineChoice::Gpu,
     };
-    EngineOptions { choice, adapter: adapter.clone(), ..EngineOptions::default() }
+    Ok(Some(EngineOptions { choice, adapter: adapter.clone(), ..EngineOptions::default() }))
 }
 
 /// What to measure; `None` is the island.
@@ -220,7 +226,8 @@ pub(crate) enum EngineName {
 }
 
 impl Engine {
-    pub(crate) fn options(&self) -> EngineOptions {
+    /// `None` if nothing was asked for.
+    pub(crate) fn options(&self) -> Result<Option<EngineOptions>, Failure> {
         engine_options(self.engine, &self.adapter)
     }
 }

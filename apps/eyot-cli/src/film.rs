@@ -84,7 +84,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     };
     let view = args.look.view(size)?;
     let options = FilmOptions {
-        scenery: Scenery { view, drape: args.drape.clone(), engine: args.engine.options() },
+        scenery: Scenery { view, drape: args.drape.clone(), engine: args.engine.options()? },
         path: args.path.clone().unwrap_or(if args.run { FilmPath::Still } else { FilmPath::Orbit }),
         frames: args.frames,
         fps: args.fps,
@@ -126,6 +126,9 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
         }
         other => other.map_err(|e| report::run(&e))?,
     };
+    if args.quiet {
+        return Ok(());
+    }
     filmed.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
     let there = filmed.frames - filmed.drawn;
     let kept = if there > 0 { format!(" ({there} were there)") } else { String::new() };

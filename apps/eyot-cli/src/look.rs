@@ -1,9 +1,9 @@
 //! `render`, `stats`, `bench`: looking at what is there.
 
-use crate::args::{Bench, EngineName, Measured, Render, Stats};
+use crate::args::{Bench, Measured, Render, Stats};
 use crate::{Failure, print, report};
 use eyot::store::Subject;
-use eyot::{Limits, Scenery, View, bench, bench_gpu, store};
+use eyot::{EngineChoice, EngineOptions, Limits, Scenery, View, bench, bench_gpu, store};
 use serde_json::Value;
 use std::path::Path;
 
@@ -23,7 +23,8 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
             known(&opened, &args.from, flag, layer)?;
         }
     }
-    if args.engine.engine == EngineName::Gpu && (args.layer.is_some() || args.relief) {
+    let engine = args.engine.options()?;
+    if engine.choice == EngineChoice::Gpu && (args.layer.is_some() || args.relief) {
         let help = "leave out --engine gpu, or look at the layer on the land with --drape";
         return Err(report::usage("maps and reliefs are drawn by the processor", help));
     }
@@ -42,7 +43,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     });
     let limits = Limits::default();
     if subject == Subject::View {
-        let scenery = Scenery { view, drape: args.drape.clone(), engine: args.engine.options() };
+        let scenery = Scenery { view, drape: args.drape.clone(), engine };
         let drawn = eyot::draw_view(&opened.world, &scenery, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
         return print::line(&format!("wrote {}, drawn by {}", out.display(), drawn.engine));
@@ -112,8 +113,9 @@ fn short(x: f64) -> String {
 
 /// Measures how fast this machine works.
 pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
-    if args.engine.engine != EngineName::Cpu {
-        return measure_gpu(args);
+    let engine = args.engine.options()?.unwrap_or_default();
+    if engine.choice != EngineChoice::Cpu {
+        return measure_gpu(args, engine);
     }
     let Measured(Some(what)) = args.what else {
         let help = "measure hydraulic, thermal or reef, or add --engine gpu";
@@ -165,14 +167,14 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
     ))
 }
 
-fn measure_gpu(args: &Bench) -> Result<(), Failure> {
+fn measure_gpu(args: &Bench, engine: EngineOptions) -> Result<(), Failure> {
     let options = bench_gpu::GpuBenchOptions {
         what: args.what.0,
         size: args.size.map_or(512, |n| n as usize),
         classic: args.classic,
         seconds: args.seconds,
         most_passes: args.passes.map_or(0, usize::from),
-        engine: args.engine.options(),
+        engine,
     };
     let r = bench_gpu::run(&options).map_err(|e| report::run(&e))?;
     if args.json {

@@ -23,7 +23,7 @@ pub(crate) fn run(args: &Run) -> Result<(), Failure> {
         stream: args.shape.stream,
         restart: args.restart,
         replay,
-        ..options(&args.work)
+        ..options(&args.work)?
     };
     let interrupts = Interrupts::install();
     let handle = eyot::Run::start(recipe, options).map_err(|e| report::run(&e))?;
@@ -36,20 +36,20 @@ pub(crate) fn resume(args: &Resume) -> Result<(), Failure> {
         let message = format!("`{}` is not a folder", args.folder.display());
         return Err(report::usage(&message, "give the folder that a stopped run was writing to (its --out)"));
     }
-    let options = RunOptions { limits: made::limits(args.max_memory), ..options(&args.work) };
+    let options = RunOptions { limits: made::limits(args.max_memory), ..options(&args.work)? };
     let interrupts = Interrupts::install();
     let handle = eyot::Run::resume(&args.folder, &Registry::standard(), options).map_err(|e| report::run(&e))?;
     attend(handle, &interrupts, &args.work, &args.folder)
 }
 
-fn options(work: &Work) -> RunOptions {
-    RunOptions {
+fn options(work: &Work) -> Result<RunOptions, Failure> {
+    Ok(RunOptions {
         threads: work.threads.map(usize::from),
         checkpoint_every: Duration::from_secs_f64(work.checkpoint_seconds),
-        engine: work.engine.options(),
+        engine: work.engine.options()?,
         record: work.record.map(|every| Record { every, max_bytes: work.record_limit }),
         ..RunOptions::default()
-    }
+    })
 }
 
 /// `recipes/island.toml` and `island` both write to `island`.

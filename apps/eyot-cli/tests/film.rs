@@ -50,6 +50,36 @@ fn ffmpeg_gets_all_pictures_and_its_video_its_place() {
     std::fs::write(bin.join("ffmpeg"), "#!/bin/sh\necho no such codec >&2\nexit 1\n").unwrap();
     let o = eyot(dir.path(), &args).env("PATH", &bin).output().unwrap();
     assert!(o.status.success() && text(&o).contains("ffmpeg made no video: no such codec"), "{}", text(&o));
+    // A % in the folder's name is none of ffmpeg's business, and quiet is quiet.
+    std::fs::write(bin.join("ffmpeg"), script).unwrap();
+    let to: Vec<&str> = args.iter().copied().chain(["--out", "100%03d", "--quiet"]).collect();
+    let o = eyot(dir.path(), &to).env("PATH", &bin).output().unwrap();
+    assert!(o.status.success() && text(&o).is_empty(), "{}", text(&o));
+    let asked = std::fs::read_to_string(dir.path().join("100%03d/film.webm")).unwrap();
+    assert!(!asked.contains("100%03d"), "{asked}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_stop_does_not_wait_for_ffmpeg() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    hill(dir.path());
+    let bin = dir.path().join("bin");
+    std::fs::create_dir(&bin).unwrap();
+    // Would end by itself long after the test's patience.
+    std::fs::write(bin.join("ffmpeg"), "#!/bin/sh\n: >begun\nexec /bin/sleep 600\n").unwrap();
+    std::fs::set_permissions(bin.join("ffmpeg"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let args: Vec<&str> = ["film", "hill"].into_iter().chain(SMALL).collect();
+    let mut film = eyot(dir.path(), &args).env("PATH", &bin).spawn().unwrap();
+    while !dir.path().join("hill/film/begun").exists() {
+        assert!(film.try_wait().unwrap().is_none(), "it has not come to ffmpeg");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let pid = film.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    assert_eq!(film.wait().unwrap().code(), Some(130));
+    assert!(!dir.path().join("hill/film/film.mp4").exists());
 }
 
 #[test]
@@ -73,12 +103,14 @@ fn a_run_is_filmed_while_it_is_done_again() {
 fn what_cannot_be_filmed_or_drawn_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     hill(dir.path());
-    let refused: [(&[&str], &[&str]); 6] = [
+    let refused: [(&[&str], &[&str]); 8] = [
         (&["film", "hill", "--path", "way.toml"], &["way.toml", "[[key]]"]),
         (&["film", "hill", "--path", "round"], &["orbit, fly or still"]),
         (&["film", "hill", "--drape", "heigth"], &["did you mean --drape height?"]),
         (&["film", "nowhere"], &["nowhere"]),
         (&["render", "hill", "--engine", "gpu", "--adapter", "no such card"], &["no graphics adapter", "no such card"]),
+        (&["render", "hill", "--adapter", "no such card"], &["no graphics adapter", "no such card"]),
+        (&["render", "hill", "--engine", "cpu", "--adapter", "any"], &["--engine cpu takes no graphics adapter"]),
         (&["render", "hill", "--engine", "gpu", "--relief"], &["drawn by the processor", "--drape"]),
     ];
     for (args, answers) in refused {

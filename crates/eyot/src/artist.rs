@@ -56,7 +56,6 @@ impl Artist {
             match Hand::gpu(world, scenery, limits) {
                 Ok(hand) => return Ok(Self { hand, notes }),
                 Err(GpuError::Core(e)) => return Err(stopped(e)),
-                Err(GpuError::NoAdapter { .. }) if auto && scenery.engine.adapter.is_none() => {}
                 Err(e) if auto => notes.push(format!("{e}; the processor draws instead")),
                 Err(e) => return Err(RunError::Gpu(e)),
             }

@@ -62,6 +62,8 @@ pub(crate) struct Driver {
     last_checkpoint: Instant,
     warned_of_checkpoint: bool,
     resumed: bool,
+    /// How to find an engine.
+    asked: EngineOptions,
     engine: Engine,
     /// Steps of the simulation under way that the world's own layers have seen; the engine may be ahead of them.
     settled: u64,
@@ -83,7 +85,8 @@ impl Driver {
         let limits = options.limits;
         let commands = Commands::new(inbox, outbox.clone(), options.paused);
         let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0 || state.finished);
-        let state = State { finished: false, ..state };
+        let asked = options.engine.clone().unwrap_or_else(|| state.engine.clone());
+        let state = State { finished: false, engine: asked.clone(), ..state };
         Self {
             recipe,
             options,
@@ -97,6 +100,7 @@ impl Driver {
             last_checkpoint: now,
             warned_of_checkpoint: false,
             resumed,
+            asked,
             engine: Engine::cpu(limits),
             settled: 0,
             devices_lost: 0,
@@ -110,7 +114,7 @@ impl Driver {
             // Such a run has no simulations.
             (Engine::cpu(self.options.limits), None)
         } else {
-            Engine::open(&self.options.engine, self.options.limits)?
+            Engine::open(&self.asked, self.options.limits)?
         };
         self.engine = engine;
         let grid = self.world.grid;
@@ -125,7 +129,11 @@ impl Driver {
             resumed: self.resumed,
             out: self.options.out.clone(),
         });
-        if let Some(message) = warning {
+        let other = self.state.engines.last().filter(|last| **last != self.engine.kind()).map(|last| {
+            let now = self.engine.kind();
+            format!("{last} has simulated so far and {now} goes on: not to the bytes of a run in one piece")
+        });
+        for message in warning.into_iter().chain(other) {
             self.tell(Event::Warning { message });
         }
         if self.state.streamed {
@@ -257,6 +265,7 @@ impl Driver {
                 return Ok(flow);
             }
             self.go_on_from_here();
+            self.note_engine();
             self.replay_due(step, &mut uses)?;
             if self.state.journal.len() > changes {
                 scheduled = schedule(&uses).map_err(fail)?;
@@ -275,7 +284,7 @@ impl Driver {
             }
             let (begun, first) = (Instant::now(), self.world.step);
             let control = Control::new(self.cancel.clone(), &|_, _| {});
-            if self.options.engine.lose_device_after.is_some_and(|n| self.state.done >= n) && self.devices_lost == 0 {
+            if self.asked.lose_device_after.is_some_and(|n| self.state.done >= n) && self.devices_lost == 0 {
                 self.engine.lose_device();
             }
             let span = Span { from: self.state.done, steps };
@@ -315,6 +324,14 @@ impl Driver {
                 self.record();
             }
             self.checkpoint_if_due();
+        }
+    }
+
+    /// Writes down what simulates, if it is not what did last.
+    fn note_engine(&mut self) {
+        let kind = self.engine.kind();
+        if self.state.engines.last() != Some(&kind) {
+            self.state.engines.push(kind);
         }
     }
 
@@ -359,11 +376,11 @@ impl Driver {
     fn go_on_without(&mut self, error: GpuError, step: &Step) -> Result<(), RunError> {
         self.unwind();
         self.devices_lost += 1;
-        let auto = self.options.engine.choice == EngineChoice::Auto;
+        let auto = self.asked.choice == EngineChoice::Auto;
         let again = if error.is_lost() && self.devices_lost <= MOST_DEVICES_LOST {
-            Engine::open(&self.options.engine, self.options.limits).ok()
+            Engine::open(&self.asked, self.options.limits).ok()
         } else if auto {
-            let cpu = EngineOptions { choice: EngineChoice::Cpu, ..self.options.engine.clone() };
+            let cpu = EngineOptions { choice: EngineChoice::Cpu, ..self.asked.clone() };
             Engine::open(&cpu, self.options.limits).ok()
         } else {
             None

@@ -7,11 +7,13 @@ use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Control, Error, Limits, World};
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
+use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::PathBuf;
 
 /// Which engine a run wants.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum EngineChoice {
     /// A graphics card if there is one that can do it, else the processor.
     Auto,
@@ -23,7 +25,7 @@ pub enum EngineChoice {
 }
 
 /// How to find an engine.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EngineOptions {
     /// Which one.
     pub choice: EngineChoice,
@@ -31,6 +33,7 @@ pub struct EngineOptions {
     pub adapter: Option<String>,
     /// For tests: after so many steps the graphics device is taken away.
     #[doc(hidden)]
+    #[serde(skip)]
     pub lose_device_after: Option<u64>,
 }
 
@@ -81,9 +84,6 @@ impl Engine {
         }
         match Self::gpu(options, limits) {
             Ok(engine) => Ok((engine, None)),
-            Err(GpuError::NoAdapter { .. }) if options.choice == EngineChoice::Auto && options.adapter.is_none() => {
-                Ok((Self::cpu(limits), None))
-            }
             Err(e) if options.choice == EngineChoice::Auto => {
                 Ok((Self::cpu(limits), Some(format!("{e}; the processor works instead"))))
             }
@@ -103,6 +103,14 @@ impl Engine {
         match self {
             Self::Cpu(e) => format!("cpu ({})", e.isa.name()),
             Self::Gpu(e) => format!("gpu ({})", e.gpu().name()),
+        }
+    }
+
+    /// What the bytes of a result depend on: the processor gives the same with all its instruction sets.
+    pub(crate) fn kind(&self) -> String {
+        match self {
+            Self::Cpu(_) => "cpu".to_owned(),
+            Self::Gpu(_) => self.name(),
         }
     }
 

@@ -172,6 +172,7 @@ impl Outputs<'_> {
             "size": [g.width, g.height],
             "cell_m": [g.cell_x_m, g.cell_y_m],
             "fingerprint": format!("{:016x}", self.fingerprint),
+            "engines": state.engines,
             "streamed": state.streamed,
             "steps_done": world.step,
             "sea_level_m": world.sea_level_m,

@@ -34,8 +34,8 @@ pub struct RunOptions {
     pub limits: Limits,
     /// Whether the world is made in one piece.
     pub stream: Stream,
-    /// What carries out the plans.
-    pub engine: EngineOptions,
+    /// What carries out the plans. If not given, what did so before a resumed run was stopped, and else the processor.
+    pub engine: Option<EngineOptions>,
     /// Whether the run waits for a command before its first step.
     pub paused: bool,
     /// Whether a stopped run in the folder may be overwritten.
@@ -55,7 +55,7 @@ impl Default for RunOptions {
             chunk: None,
             limits: Limits::default(),
             stream: Stream::Auto,
-            engine: EngineOptions::default(),
+            engine: None,
             paused: false,
             restart: false,
             replay: Vec::new(),

@@ -1,5 +1,6 @@
 //! What a run remembers beside the world, so that it can be continued.
 
+use crate::engines::EngineOptions;
 use crate::event::JournalEntry;
 use crate::recipe::{Overrides, Recipe, RecipeSource};
 use serde::{Deserialize, Serialize};
@@ -35,6 +36,12 @@ pub(crate) struct State {
     /// True if the run was set back and has not gone on since: recorded frames may be later than it is.
     #[serde(default)]
     pub(crate) rewound: bool,
+    /// The engine that was asked for, with which the run goes on.
+    #[serde(default)]
+    pub(crate) engine: EngineOptions,
+    /// What has simulated so far: `cpu`, or `gpu` with the adapter's name; more than one if it changed.
+    #[serde(default)]
+    pub(crate) engines: Vec<String>,
 }
 
 impl State {
@@ -54,6 +61,8 @@ impl State {
             streamed: false,
             done_exports: 0,
             rewound: false,
+            engine: EngineOptions::default(),
+            engines: Vec::new(),
         }
     }
 
@@ -75,7 +84,7 @@ impl State {
 
     /// The same without anything that differs between two runs of one recipe: what a finished world carries.
     pub(crate) fn without_times(&self) -> Self {
-        Self { seconds: 0.0, timings: Vec::new(), ..self.clone() }
+        Self { seconds: 0.0, timings: Vec::new(), engine: EngineOptions::default(), ..self.clone() }
     }
 
     pub(crate) fn source(&self, text: String) -> RecipeSource {

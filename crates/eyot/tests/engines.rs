@@ -2,7 +2,7 @@
 
 mod common;
 
-use eyot::{EngineChoice, EngineOptions, Event, JournalEntry, Outcome, Run, RunError, RunOptions};
+use eyot::{Command, EngineChoice, EngineOptions, Event, JournalEntry, Outcome, Registry, Run, RunError, RunOptions};
 use std::path::Path;
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ steps = 120
 fn run(lose_device_after: Option<u64>, out: Option<&Path>) -> Option<(Outcome, Vec<Event>)> {
     let engine = EngineOptions { choice: EngineChoice::Gpu, adapter: None, lose_device_after };
     let options = RunOptions {
-        engine,
+        engine: Some(engine),
         out: out.map(Path::to_owned),
         chunk: Some(10),
         // So that the device has something to go on from; without a folder there are none.
@@ -80,4 +80,47 @@ fn a_run_survives_the_loss_of_its_device() {
         let [mass, same] = [&outcome, &undisturbed].map(|o| o.world.ledger.amount("water.rain"));
         assert!((mass - same).abs() <= 1e-5 * same.abs(), "rain {mass} instead of {same}");
     }
+}
+
+/// What `run.json` says of the engines.
+fn engines(folder: &Path) -> serde_json::Value {
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.join("run.json")).unwrap()).unwrap();
+    report["engines"].clone()
+}
+
+#[test]
+fn a_stopped_run_goes_on_with_its_engine() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
+    let Some((undisturbed, _)) = run(None, Some(&whole)) else { return };
+    let options = |engine| RunOptions { engine, chunk: Some(10), ..RunOptions::default() };
+    let stop_on_the_way = || {
+        let engine = EngineOptions { choice: EngineChoice::Gpu, ..EngineOptions::default() };
+        let replay = vec![JournalEntry { recipe_step: 2, step: 75, set: "hydraulic.rain=0.01".to_owned() }];
+        let options = RunOptions { out: Some(parts.clone()), replay, ..options(Some(engine)) };
+        let handle = Run::start(common::recipe(HILLS, &[]), options).unwrap();
+        for event in handle.events() {
+            if matches!(event, Event::Progress(p) if p.step == 40) {
+                handle.send(Command::Stop);
+            }
+        }
+        assert!(!handle.join().unwrap().finished);
+    };
+    let resume = |engine| {
+        let handle = Run::resume(&parts, &Registry::standard(), options(engine)).unwrap();
+        let events: Vec<Event> = handle.events().iter().collect();
+        (handle.join().unwrap(), events)
+    };
+    stop_on_the_way();
+    let (outcome, events) = resume(None);
+    assert!(warnings(&events).is_empty(), "{events:?}");
+    assert_eq!(outcome.fingerprint, undisturbed.fingerprint, "the same device gives the same bytes");
+    assert_eq!(engines(&parts), engines(&whole));
+    assert!(engines(&parts)[0].as_str().is_some_and(|e| e.starts_with("gpu (")), "{}", engines(&parts));
+    // Another engine goes on if it is asked for; that is told, and written down.
+    std::fs::remove_dir_all(&parts).unwrap();
+    stop_on_the_way();
+    let (_, events) = resume(Some(EngineOptions::default()));
+    assert!(warnings(&events)[0].contains("cpu goes on"), "{events:?}");
+    assert_eq!(engines(&parts)[1], "cpu");
 }

@@ -82,6 +82,13 @@ fn a_film_that_was_stopped_goes_on_to_the_same_pictures() {
     std::fs::remove_file(parts.join("frame_00003.png")).unwrap();
     assert_eq!(make(&o, &parts, &mut |_| {}).unwrap().drawn, 1);
     assert_eq!(frames(&whole), frames(&parts));
+    // So is one that something else has cut short or written over.
+    let picture = std::fs::read(parts.join("frame_00001.png")).unwrap();
+    for broken in [&picture[..picture.len() - 5], b"broken"] {
+        std::fs::write(parts.join("frame_00001.png"), broken).unwrap();
+        assert_eq!(make(&o, &parts, &mut |_| {}).unwrap().drawn, 1);
+    }
+    assert_eq!(frames(&whole), frames(&parts));
 }
 
 #[test]

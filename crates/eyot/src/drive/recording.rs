@@ -119,7 +119,7 @@ impl Driver {
         let saved = recorder.timeline.load(i).map_err(RunError::file)?;
         recorder.is_current = true;
         self.world = saved.world;
-        self.state = state.again(&self.state.changes(), forget);
+        self.state = State { engine: self.asked.clone(), ..state.again(&self.state.changes(), forget) };
         self.settled = self.state.done;
         self.tell(Event::Rewound {
             frame: i,

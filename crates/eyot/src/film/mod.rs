@@ -15,6 +15,8 @@ use eyot_core::{Control, Limits, World};
 use render::CameraPath;
 use rerun::Made;
 use serde_json::{Value, json};
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -171,7 +173,7 @@ fn shoot(
     let manifest = manifest(land, options, &path, frames, &artist.name());
     prepare(out, &manifest, options.restart)?;
     let name = |i: u32| out.join(format!("frame_{i:05}.png"));
-    let missing: Vec<u32> = (0..frames).filter(|i| !name(*i).exists()).collect();
+    let missing: Vec<u32> = (0..frames).filter(|i| !is_picture(&name(*i))).collect();
     let mut rerun = match land.made {
         Some(made) if !missing.is_empty() => Some((made, made.start(limits, control)?)),
         _ => None,
@@ -196,7 +198,7 @@ fn shoot(
     tell(&FilmProgress { done: frames, frames, seconds_left: Some(0.0), engine: artist.name() });
     let mut notes = artist.notes;
     notes.extend(rerun.into_iter().flat_map(|(_, mut r)| std::mem::take(&mut r.notes)));
-    let video = video::make(out, options.video, options.fps, frames, &mut notes)?;
+    let video = video::make(out, options.video, options.fps, frames, &mut notes, control)?;
     Ok(Filmed { drawn: missing.len() as u32, frames, video, notes })
 }
 
@@ -269,6 +271,21 @@ fn prepare(out: &Path, manifest: &Value, restart: bool) -> Result<(), RunError> 
         std::fs::remove_file(&path).map_err(|source| RunError::Folder { path, source })?;
     }
     backend::write_text(&file, &text).map_err(|e| RunError::File(e.to_string()))
+}
+
+/// True for a PNG with its beginning and its end: pictures appear whole, but others may have written over them.
+fn is_picture(path: &Path) -> bool {
+    const BEGINNING: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+    const END: [u8; 8] = *b"IEND\xae\x42\x60\x82";
+    let ends = || {
+        let mut file = File::open(path)?;
+        let (mut first, mut last) = ([0; 8], [0; 8]);
+        file.read_exact(&mut first)?;
+        file.seek(SeekFrom::End(-8))?;
+        file.read_exact(&mut last)?;
+        Ok::<_, std::io::Error>((first, last))
+    };
+    ends().is_ok_and(|found| found == (BEGINNING, END))
 }
 
 /// True for the names that films give to their pictures.

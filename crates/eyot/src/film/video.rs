@@ -1,8 +1,14 @@
 //! A video of a film's pictures, made by ffmpeg where it is installed.
 
 use crate::error::RunError;
+use eyot_core::Control;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// How long it may take to hear of a request to stop.
+const LOOK_EVERY: Duration = Duration::from_millis(30);
 
 /// Which video is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,47 +38,80 @@ impl Video {
 /// Makes the video; without ffmpeg, or if that fails, a note says what to do.
 ///
 /// # Errors
-/// If the video cannot be put in its place.
+/// If the video cannot be put in its place, and [`RunError::Stopped`] on a request to stop.
 pub(super) fn make(
     out: &Path,
     video: Video,
     fps: f32,
     frames: u32,
     notes: &mut Vec<String>,
+    control: &Control<'_>,
 ) -> Result<Option<PathBuf>, RunError> {
     if video == Video::None {
         return Ok(None);
     }
-    let (path, half) = (out.join(video.file()), out.join(format!(".part-{}", video.file())));
-    let rate = fps.to_string();
-    let run = Command::new("ffmpeg")
-        .args(["-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-framerate", &rate, "-i"])
-        .arg(out.join("frame_%05d.png"))
-        .args(["-frames:v", &frames.to_string()])
+    let half = format!(".part-{}", video.file());
+    // Run in the folder: a % in its name would be taken for the number of a picture.
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg
+        .current_dir(out)
+        .args(["-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-framerate", &fps.to_string()])
+        .args(["-i", "frame_%05d.png", "-frames:v", &frames.to_string()])
         .args(video.codec())
         // Players want even sides and colours at half the resolution.
-        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"])
-        .arg(&half)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .output();
-    let reason = match run {
-        Ok(o) if o.status.success() => {
+        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", &half]);
+    let (path, half) = (out.join(video.file()), out.join(half));
+    let reason = match finish(ffmpeg, control) {
+        Ok(None) => {
             std::fs::rename(&half, &path).map_err(|source| RunError::Folder { path: path.clone(), source })?;
             return Ok(Some(path));
         }
-        Ok(o) => {
-            // What is left of a video that failed is of no use; that it cannot be removed matters less than the reason.
+        Ok(Some(words)) => format!("ffmpeg made no video: {}", words.lines().last().unwrap_or("it does not say why")),
+        Err(Ended::Stopped) => {
             let _ = std::fs::remove_file(&half);
-            let text = String::from_utf8_lossy(&o.stderr);
-            format!("ffmpeg made no video: {}", text.lines().last().unwrap_or("it does not say why"))
+            return Err(RunError::Stopped);
         }
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+        Err(Ended::NotBegun(e)) if e.kind() == ErrorKind::NotFound => {
             "ffmpeg is not installed, so there is no video; install it and give the same command again".to_owned()
         }
-        Err(e) => format!("ffmpeg cannot be started, so there is no video: {e}"),
+        Err(Ended::NotBegun(e)) => format!("ffmpeg cannot be started, so there is no video: {e}"),
     };
+    // What is left of a video that failed is of no use; that it cannot be removed matters less than the reason.
+    let _ = std::fs::remove_file(&half);
     notes.push(reason);
     Ok(None)
+}
+
+/// Why a program did not come to its own end.
+enum Ended {
+    NotBegun(std::io::Error),
+    Stopped,
+}
+
+/// Runs a program until it ends or the film is to stop; `Some` is what it said when it failed.
+fn finish(mut program: Command, control: &Control<'_>) -> Result<Option<String>, Ended> {
+    let program = program.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut child = program.spawn().map_err(Ended::NotBegun)?;
+    // Read while it works: a program whose words nobody takes stands still.
+    let words = child.stderr.take().map(|mut pipe| {
+        std::thread::spawn(move || {
+            let mut words = Vec::new();
+            let _ = pipe.read_to_end(&mut words);
+            String::from_utf8_lossy(&words).into_owned()
+        })
+    });
+    let status = loop {
+        match child.try_wait() {
+            Ok(Some(status)) => break status,
+            Ok(None) if control.check().is_ok() => std::thread::sleep(LOOK_EVERY),
+            Ok(None) | Err(_) => {
+                // It may have ended by itself in the meantime.
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(Ended::Stopped);
+            }
+        }
+    };
+    let words = words.and_then(|w| w.join().ok()).unwrap_or_default();
+    Ok((!status.success()).then_some(words))
 }
