@@ -222,3 +222,18 @@ fn a_film_of_what_is_no_run_is_refused() {
     common::run(common::recipe(&cone, &[]), &hill);
     assert!(refused(&hill).contains("simulates nothing"));
 }
+
+#[test]
+fn dry_land_is_dry_from_the_first_picture_on() {
+    let dir = tempfile::tempdir().unwrap();
+    let dry = "[[step]]\ngenerate = \"constant\"\nlayer = \"aridity\"\nvalue = 1.0\n";
+    let (wet, desert) = (dir.path().join("wet"), dir.path().join("desert"));
+    common::run(common::recipe(SLIDES, &[]), &wet);
+    common::run(common::recipe(&format!("{SLIDES}{dry}"), &[]), &desert);
+    let o = FilmOptions { frames: Some(2), ..options(FilmPath::Still) };
+    let first = |run: &Path| {
+        film_run(run, &o, &run.join("film"), &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        frames(&run.join("film"))["frame_00000.png"].clone()
+    };
+    assert!(first(&wet) != first(&desert));
+}

@@ -11,6 +11,7 @@ use crate::artist::{Artist, Scenery};
 use crate::backend::{self, io, render};
 use crate::error::{RunError, shell_word};
 use crate::outputs::view_options;
+use eyot_core::layer::known::ARIDITY;
 use eyot_core::{Control, Limits, World};
 use render::CameraPath;
 use rerun::Made;
@@ -130,16 +131,22 @@ struct Land<'a> {
 }
 
 impl Land<'_> {
-    /// An early state with the layers that a picture needs, though later steps make them.
+    /// An early state with the layers that a picture needs, though later steps make them: as empty ones, but for how dry the land
+    /// is. That is its look from the beginning.
     fn whole(&self, early: Arc<World>, drape: Option<&str>) -> Arc<World> {
         let missing = |name: &&str| early.get(name).is_none();
-        let names: Vec<&str> = ["height"].into_iter().chain(drape).filter(missing).collect();
-        if names.is_empty() {
+        let look: &str = &ARIDITY.name;
+        let names: Vec<&str> = ["height", look].into_iter().chain(drape).filter(missing).collect();
+        let layers: Vec<_> = names.iter().filter_map(|n| self.world.layer(n).ok()).collect();
+        if layers.is_empty() {
             return early;
         }
         let mut world = Arc::unwrap_or_clone(early);
-        for layer in names.iter().filter_map(|n| self.world.layer(n).ok()) {
-            world.ensure(&layer.spec, 0.0);
+        for layer in layers {
+            let early = world.ensure(&layer.spec, 0.0);
+            if layer.spec.name == look {
+                early.field = layer.field.clone();
+            }
         }
         Arc::new(world)
     }
