@@ -75,6 +75,7 @@ pub(crate) struct Film {
 /// Films a run or a height map.
 pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     let opened = look::open(&args.from)?;
+    look::has_ground(&opened, &args.from)?;
     if let Some(layer) = &args.drape {
         look::known(&opened, &args.from, "drape", layer)?;
     }

@@ -23,6 +23,9 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
             known(&opened, &args.from, flag, layer)?;
         }
     }
+    if args.layer.is_none() {
+        has_ground(&opened, &args.from)?;
+    }
     let engine = args.engine.options()?;
     if engine.choice == EngineChoice::Gpu && (args.layer.is_some() || args.relief) {
         let help = "leave out --engine gpu, or look at the layer on the land with --drape";
@@ -50,6 +53,20 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     }
     store::draw(&opened.world, &view, subject, &out, &limits).map_err(|e| report::run(&e))?;
     print::line(&format!("wrote {}", out.display()))
+}
+
+/// Fails if there is no land that a view could show.
+pub(crate) fn has_ground(opened: &store::Opened, from: &Path) -> Result<(), Failure> {
+    match opened.world.layers().iter().map(|l| &*l.spec.name).next() {
+        Some(first) if opened.world.get("height").is_none() => {
+            let help = format!("draw a map of a layer: eyot render {} --layer {first}", eyot::shell_word(from));
+            Err(report::usage(
+                &format!("`{}` has no layer `height`, so there is no land to view", from.display()),
+                &help,
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Fails if there is no such layer.

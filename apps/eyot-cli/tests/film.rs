@@ -117,6 +117,15 @@ fn what_cannot_be_filmed_or_drawn_is_refused() {
         said(dir.path(), args, 2, answers);
     }
     assert!(!dir.path().join("hill/film").exists());
+    // A world without land.
+    let recipe = std::fs::read_to_string(dir.path().join("hill.toml")).unwrap();
+    let flat = recipe.replace("height = 90.0", "height = 90.0\nlayer = \"alive\"");
+    std::fs::write(dir.path().join("flat.toml"), flat).unwrap();
+    said(dir.path(), &["run", "flat.toml", "--quiet"], 0, &[]);
+    for verb in ["render", "film"] {
+        said(dir.path(), &[verb, "flat"], 2, &["no layer `height`", "eyot render flat --layer alive"]);
+    }
+    said(dir.path(), &["render", "flat", "--layer", "alive"], 0, &["wrote"]);
 }
 
 #[test]
