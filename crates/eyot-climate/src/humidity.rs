@@ -74,7 +74,7 @@ pub struct Humidity {
     pub recycling: f32,
     /// Mixing by weather that is smaller than the belts and eddies of the wind. A twentieth of a difference mixes in a
     /// step at most.
-    #[schemars(range(min = 0.0, max = 10000000.0), extend("unit" = "m2/s"))]
+    #[schemars(range(min = 0.0, max = 10000000.0), extend("unit" = "m2/s", "between_cells" = true))]
     pub mixing: f32,
 }
 

@@ -65,7 +65,7 @@ pub struct Water {
     #[schemars(range(min = -60.0, max = 30.0), extend("unit" = "°C"))]
     pub evaporate_from: f32,
     /// Share of the difference between two surfaces that flows in a step. More than 0.25 makes waves.
-    #[schemars(range(min = 0.0, max = 0.25), extend("unit" = "1"))]
+    #[schemars(range(min = 0.0, max = 0.25), extend("unit" = "1", "between_cells" = true))]
     pub levelling: f32,
 }
 

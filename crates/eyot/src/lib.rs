@@ -76,7 +76,7 @@ mod validate;
 pub use artist::{Drawn, Scenery, draw_view};
 pub use builtin::{BuiltIn, RECIPES};
 pub use cite::{Citation, Citations, all_citations, cite};
-pub use describe::{Choice, Description, ParameterInfo, describe};
+pub use describe::{Choice, Description, Expression, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, nearest};
 pub use engines::{EngineChoice, EngineOptions};
 pub use error::{RunError, shell_word};
