@@ -95,6 +95,10 @@ impl Process for Humidity {
         check_ranges("humidity", self)
     }
 
+    fn seconds_per_step(&self, grid: &Grid) -> Option<f64> {
+        Some(3600.0 * hours_per_step(grid))
+    }
+
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let (share_x, share_y) = shares(&moment.grid);
         let hours = hours_per_step(&moment.grid) as f32;

@@ -636,6 +636,10 @@ impl Process for Replaced {
         self.plain.action()
     }
 
+    fn seconds_per_step(&self, grid: &Grid) -> Option<f64> {
+        self.plain.seconds_per_step(grid)
+    }
+
     fn advance(&self, moment: &mut Moment) {
         let now = *moment;
         self.now(&now, |p| p.advance(moment));

@@ -43,6 +43,7 @@ mod bench_rule;
 mod builtin;
 mod check;
 mod cite;
+mod clock;
 pub mod convert;
 mod describe;
 mod diagnostic;

@@ -232,6 +232,10 @@ impl Process for Hydraulic {
         if self.springs > 0.0 { vec!["springs"] } else { Vec::new() }
     }
 
+    fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {
+        Some(f64::from(self.time_step))
+    }
+
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let (dx, dy) = (moment.grid.cell_x_m as f32, moment.grid.cell_y_m as f32);
         let (parts, dt) = self.substeps(moment.grid.cell_x_m, moment.grid.cell_y_m);
