@@ -157,7 +157,9 @@ pub enum Obstacle {
 impl fmt::Display for Obstacle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Between => write!(f, "matter would be made or lost between two cells that see different values of it"),
+            Self::Between => {
+                write!(f, "matter would be made or lost between two cells that see different values of it")
+            }
             Self::Unused => write!(f, "no rule of cells depends on it here"),
             Self::Structure => write!(f, "it decides more than what happens in a cell"),
             Self::Curved(rule) => write!(f, "what it is to the rule `{rule}` has to be computed once for all cells"),
@@ -199,11 +201,12 @@ impl Way {
     /// Finds it from values of the rule's parameter: `even` at evenly spaced values, `inverse` at values whose inverses are
     /// evenly spaced, `others` anywhere.
     fn find(even: &[(f64, f64)], inverse: &[(f64, f64)], others: &[(f64, f64)]) -> Option<Self> {
-        let fits = |way: &Self| {
-            let all = even.iter().chain(inverse).chain(others).filter(|(_, p)| p.is_finite());
-            let largest = all.clone().fold(0.0, |m: f64, (_, p)| m.max(p.abs()));
-            let mut all = all;
-            all.all(|(v, p)| (way.at(*v) - p).abs() <= 2e-5 * largest.max(p.abs()))
+        let all = || even.iter().chain(inverse).chain(others).filter(|(_, p)| p.is_finite());
+        let (low, high) = all().fold((f64::MAX, f64::MIN), |(l, h), (_, p)| (l.min(*p), h.max(*p)));
+        let (spread, largest) = (high - low, high.abs().max(low.abs()));
+        let off = |way: &Self| {
+            let miss = all().map(|(v, p)| (way.at(*v) - p).abs());
+            miss.fold(0.0, |m: f64, d| if d.is_nan() { f64::INFINITY } else { m.max(d) })
         };
         let candidates = [
             Self::line(even, Seen::Itself),
@@ -212,7 +215,14 @@ impl Way {
             Self::approach(inverse, Seen::Inverse),
             Self::line(even, Seen::Square),
         ];
-        candidates.into_iter().flatten().find(fits)
+        let mut found: Vec<(f64, Self)> = candidates.into_iter().flatten().map(|w| (off(&w), w)).collect();
+        found.retain(|(off, _)| off.is_finite());
+        // Within what single precision leaves of it, the first that fits is meant. What processes compute on the way may have
+        // been rounded more coarsely than the result; then the best is.
+        let exact = 1e-5 * spread + 4e-7 * largest;
+        let first = found.iter().find(|(off, _)| *off <= exact);
+        let best = || found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(off, _)| *off <= 3e-3 * spread);
+        first.or_else(best).map(|(_, way)| *way)
     }
 
     fn line(at: &[(f64, f64)], seen: Seen) -> Option<Self> {
@@ -354,7 +364,10 @@ impl Probes {
 
 impl fmt::Debug for Replaced {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Replaced").field("process", &self.entry.name).field("terms", &self.terms).finish_non_exhaustive()
+        f.debug_struct("Replaced")
+            .field("process", &self.entry.name)
+            .field("terms", &self.terms)
+            .finish_non_exhaustive()
     }
 }
 
@@ -541,8 +554,10 @@ impl Replaced {
     pub fn possible(entry: &'static Entry<dyn Process>) -> Vec<String> {
         let schema = (entry.schema)().to_value();
         let Ok(process) = (entry.make)(Value::Object(Map::new())) else { return Vec::new() };
+        // What decides the number of parts of a step does so on fine grids.
         let rim = Rim { x: Edge::Wrap, y: Edge::Closed };
-        let Ok(grid) = Grid::new(64, 64, 1000.0, rim, &Limits::default()) else { return Vec::new() };
+        let grid = |cell| Grid::new(64, 64, cell, rim, &Limits::default());
+        let (Ok(coarse), Ok(fine)) = (grid(1000.0), grid(10.0)) else { return Vec::new() };
         if process.action().is_some() {
             return Vec::new();
         }
@@ -556,7 +571,8 @@ impl Replaced {
                 return false;
             };
             let replaced = Self::new(entry, Value::Object(Map::new()), Terms::new(vec![Arc::new(term)]));
-            replaced.is_ok_and(|r| r.obstacle(&grid).is_none())
+            let parts = |r: &Self| matches!(r.obstacle(&fine), Some((_, Obstacle::Structure)));
+            replaced.is_ok_and(|r| r.obstacle(&coarse).is_none() && !parts(&r))
         };
         own.into_iter().filter(fits).collect()
     }

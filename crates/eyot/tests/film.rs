@@ -4,7 +4,9 @@ mod common;
 
 use eyot::core::layer::known;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Video, film, film_recording, film_run};
-use eyot::{Cancel, Control, Field, Grid, Limits, Record, Rim, Run, RunError, RunOptions, Scenery, Timeline, View, World};
+use eyot::{
+    Cancel, Control, Field, Grid, Limits, Record, Rim, Run, RunError, RunOptions, Scenery, Timeline, View, World,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
 

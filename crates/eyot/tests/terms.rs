@@ -158,27 +158,26 @@ fn expressions_in_rules_give_what_the_reference_gives() {
 #[test]
 fn rain_falls_where_the_expression_says() {
     let flat = HILLS.replace("amplitude = 120.0", "amplitude = 0.0").replace("steps = 40", "steps = 1");
-    let off = ["hydraulic.evaporation=0", "hydraulic.sea=false", "hydraulic.time_step=0.1"];
+    let off = ["hydraulic.evaporation=0", "hydraulic.sea=false", "hydraulic.time_step=0.01"];
     let world = end(&flat, &[&off[..], &["hydraulic.rain=\"0.01 * (column + 1)\""]].concat());
     let water = &world.layer("water").unwrap().field;
     for x in 2..46 {
-        let expected = 0.1 * 0.01 * (x as f32 + 1.0);
+        let expected = 0.01 * 0.01 * (x as f32 + 1.0);
         assert!((water.get(x, 20) - expected).abs() < 1e-6, "{x}: {} instead of {expected}", water.get(x, 20));
     }
     // Values beyond the parameter's range are moved to its end: it is at most 1 m/s.
     let world = end(&flat, &[&off[..], &["hydraulic.rain=\"10 * (column - 20)\""]].concat());
     let water = &world.layer("water").unwrap().field;
-    assert!(water.get(5, 20) == 0.0 && (water.get(40, 20) - 0.1).abs() < 1e-6, "{}", water.get(40, 20));
+    assert!(water.get(5, 20) == 0.0 && (water.get(40, 20) - 0.01).abs() < 1e-6, "{}", water.get(40, 20));
 }
 
 /// Forms that rules know a parameter in: with an expression that is the same for all cells they are the number's, within rounding.
 #[test]
 fn every_parameter_that_takes_expressions_means_what_its_number_means() {
     let mut tried = 0;
-    for (text, processes) in [
-        (PLANET, &["wind", "temperature", "humidity", "water", "ice", "sand"][..]),
-        (HILLS, &["hydraulic"]),
-    ] {
+    for (text, processes) in
+        [(PLANET, &["wind", "temperature", "humidity", "water", "ice", "sand"][..]), (HILLS, &["hydraulic"])]
+    {
         for process in processes {
             let description = describe(process, &Registry::standard()).unwrap();
             let takes = |p: &&eyot::ParameterInfo| p.expression == eyot::Expression::Cells;
@@ -220,7 +219,10 @@ fn matter_is_conserved_whatever_the_expression() {
                 let of = |(n, _): &(&str, &eyot::core::Account)| n.starts_with(&format!("{layer}."));
                 let turnover: f64 = world.ledger.iter().filter(of).map(|(_, a)| a.amount.abs()).sum();
                 let missing = (factor * volume(layer) - world.ledger.net(layer)).abs();
-                assert!(missing <= 1e-5 * turnover.max(1.0), "{set}: {missing} of {turnover} m3 of {layer} unaccounted for");
+                assert!(
+                    missing <= 1e-5 * turnover.max(1.0),
+                    "{set}: {missing} of {turnover} m3 of {layer} unaccounted for"
+                );
             }
         }
     }
@@ -253,7 +255,11 @@ fn stopped_changed_and_resumed_runs_replay() {
 #[test]
 fn graphics_cards_give_the_same_within_rounding() {
     for (text, set, tolerance) in [
-        (HILLS, &["hydraulic.rain=\"0.002 * (1 + moss) * step(0.2, u)\"", "hydraulic.max_speed=\"5 + 2 * random()\""][..], 1e-4),
+        (
+            HILLS,
+            &["hydraulic.rain=\"0.002 * (1 + moss) * step(0.2, u)\"", "hydraulic.max_speed=\"5 + 2 * random()\""][..],
+            1e-4,
+        ),
         (PLANET, &["humidity.land_dry=\"0.5 + 0.5 * step(0, height)\"", "ice.melt=\"1 + v\""], 1e-3),
     ] {
         let engine = EngineOptions { choice: EngineChoice::Gpu, ..EngineOptions::default() };
@@ -272,7 +278,8 @@ fn graphics_cards_give_the_same_within_rounding() {
         for name in ["water", if text == HILLS { "height" } else { "humidity" }] {
             let [a, b, p] = [&gpu, &cpu, &plain].map(|w| w.get(name).unwrap());
             let (low, high) = b.min_max();
-            let worst = |a: &eyot::Field| a.iter().zip(b.iter()).map(|(x, y)| (x - y).abs()).fold(0.0, f32::max) / (high - low);
+            let worst =
+                |a: &eyot::Field| a.iter().zip(b.iter()).map(|(x, y)| (x - y).abs()).fold(0.0, f32::max) / (high - low);
             println!("{name}: {:.1e} between engines, {:.1e} from the plain one", worst(a), worst(p));
             assert!(worst(a) <= tolerance && worst(p) > tolerance, "{name}: {}", worst(a));
         }
@@ -283,28 +290,35 @@ fn graphics_cards_give_the_same_within_rounding() {
 fn mistakes_are_shown_where_they_are() {
     let said = |to: &str| parse(&HILLS.replace("hydraulic.rain = 0.004", to), &[]).err().unwrap_or_default();
     for (to, place, words) in [
-        ("hydraulic.rain = \"0.002 * mos\"", "hills.toml:20:27", "did you mean `moss`?"),
-        ("hydraulic.rain = \"0.002 + height\"", "hills.toml:20:19", "the parameter `rain` in m/s"),
-        ("hydraulic.rain = \"moss > 0\"", "hills.toml:20:19", "condition where a number"),
-        ("hydraulic.rain = \"0.002 *\"", "hills.toml:20:", "the text ends"),
-        ("hydraulic.time_step = \"0.1 + moss\"", "hills.toml:20:23", "`hydraulic.time_step` cannot differ from cell to cell"),
-        ("hydraulic.gravity = \"9.81 * (1 + moss)\"", "hills.toml:20:21", "can differ"),
-        ("hydraulic.sea = \"moss > 0\"", "hills.toml:20:17", "must be"),
-        ("thermal.talus = \"30 + moss\"", "hills.toml:20:17", "between two cells"),
-        ("hydraulic.rain = \"0.002 * temperature\"", "hills.toml:20:27", "`temperature` makes such a layer"),
+        ("hydraulic.rain = \"0.002 * mos\"", "hills.toml:21:27", "did you mean `moss`?"),
+        ("hydraulic.rain = \"0.002 + height\"", "hills.toml:21:19", "the parameter `rain` in m/s"),
+        ("hydraulic.rain = \"moss > 0\"", "hills.toml:21:19", "condition where a number"),
+        ("hydraulic.rain = \"0.002 *\"", "hills.toml:21:", "the text ends"),
+        (
+            "hydraulic.time_step = \"0.1 + moss\"",
+            "hills.toml:21:23",
+            "`hydraulic.time_step` cannot differ from cell to cell",
+        ),
+        ("hydraulic.gravity = \"9.81 * (1 + moss)\"", "hills.toml:21:21", "can differ"),
+        ("hydraulic.sea = \"moss > 0\"", "hills.toml:21:17", "must be"),
+        ("thermal.talus = \"30 + moss\"", "hills.toml:21:17", "between two cells"),
+        ("hydraulic.rain = \"0.002 * temperature\"", "hills.toml:21:27", "makes such a layer"),
     ] {
         let said = said(to);
         assert!(said.contains(place) && said.contains(words), "{to}:\n{said}");
     }
-    let plates = HILLS.replace("\"hydraulic\", \"thermal\"]", "\"plates\"]").replace("hydraulic.rain = 0.004", "plates.speed = \"0.01 * steps\"");
+    let plates = HILLS
+        .replace("\"hydraulic\", \"thermal\"]", "\"plates\"]")
+        .replace("hydraulic.rain = 0.004", "plates.speed = \"0.01 * steps\"");
     let said = parse(&plates.replace("thermal.rate = 0.4", ""), &[]).err().unwrap_or_default();
-    assert!(said.contains("hills.toml:20:16") && said.contains("more than rules of cells"), "{said}");
+    assert!(said.contains("hills.toml:21:16") && said.contains("more than rules of cells"), "{said}");
 }
 
 #[test]
 fn describe_says_which_parameters_take_expressions() {
     let text = describe("hydraulic", &Registry::standard()).unwrap().to_string();
-    let line = |name: &str| text.lines().find(|l| l.trim_start().starts_with(&format!("{name}  ["))).unwrap().to_owned();
+    let line =
+        |name: &str| text.lines().find(|l| l.trim_start().starts_with(&format!("{name}  ["))).unwrap().to_owned();
     assert!(line("rain").ends_with("or an expression]"), "{}", line("rain"));
     assert!(line("time_step").ends_with("or an expression of time]"), "{}", line("time_step"));
     assert!(!line("sea").contains("expression"));

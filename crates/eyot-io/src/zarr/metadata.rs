@@ -1,9 +1,9 @@
 //! The metadata of what is written: arrays of layers, their coordinates and place, and the group around them.
 
 use super::{ATTRIBUTES, CHUNK, PLACE, SECONDS, SHARD, SYSTEM, TIME};
-use eyot_core::process::SECONDS_PER_YEAR;
 use crate::about::About;
 use eyot_core::CoordinateSystem;
+use eyot_core::process::SECONDS_PER_YEAR;
 use serde_json::{Map, Value, json};
 
 /// The usual balance of zstd.

@@ -1,8 +1,8 @@
 //! What a run does for its recording: frames on the way, and the way back.
 
 use super::Driver;
-use crate::clock;
 use crate::backend::io::timeline::{self, Timeline};
+use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
 use crate::exports;
