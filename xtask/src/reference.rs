@@ -3,7 +3,7 @@
 //! A comment `<!-- made: NAME -->` in a chapter is replaced by what is made for it; generators and processes get a page each.
 
 use eyot::core::LayerSpec;
-use eyot::{Citation, Description, ParameterInfo, Registry, all_citations, describe};
+use eyot::{Citation, Description, Expression, ParameterInfo, Registry, all_citations, describe};
 use mdbook_driver::book::{Book, BookItem, Chapter, SectionNumber};
 use mdbook_driver::errors::{Error, Result};
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
@@ -189,12 +189,17 @@ fn parameters(parameters: &[ParameterInfo], level: usize) -> Result<String> {
     for p in parameters {
         let takes = p.takes.strip_prefix("a number from ").unwrap_or(&p.takes);
         let unit = if p.unit == "1" { "" } else { &p.unit };
+        let term = match p.expression {
+            Expression::No => "",
+            Expression::Time => "; or an expression of time",
+            Expression::Cells => "; or an expression",
+        };
         let default = if p.default.is_null() { String::new() } else { format!("`{}`", p.default) };
         writeln!(
             out,
             "| `{}` | {} | {} | {} |",
             p.name,
-            cell(format!("{takes} {unit}").trim()),
+            cell(&format!("{}{term}", format!("{takes} {unit}").trim())),
             cell(&default),
             cell(&p.meaning)
         )?;

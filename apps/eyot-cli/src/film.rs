@@ -4,7 +4,7 @@ use crate::args::{Draws, Look, size};
 use crate::progress::{bar, time};
 use crate::{Failure, look, print, report};
 use clap::Args;
-use eyot::film::{FilmOptions, FilmPath, FilmProgress, Video, film_run};
+use eyot::film::{FilmOptions, FilmPath, FilmProgress, Video, film_recording, film_run};
 use eyot::{Cancel, Control, Limits, RunError, Scenery, View};
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
@@ -22,6 +22,7 @@ Examples:
   eyot film island --path way.toml --fps 30 --out my-film
   eyot film island --drape water --frames 60
   eyot film island --run --frames 100                      how it came to be, step by step
+  eyot film island --recording --path orbit                its recording, a picture for each frame
 
 A file of key frames:
   closed = false             # true: the last key is the first again
@@ -42,10 +43,13 @@ pub(crate) struct Film {
     /// Film the run itself: its recipe is carried out again, by the processor, and filmed from the first step to the last
     #[arg(long)]
     run: bool,
-    /// The way of the camera: orbit, fly, still, or a TOML file of key frames [default: orbit; still with --run]
+    /// Play the recording that `eyot run --record` made
+    #[arg(long, conflicts_with = "run")]
+    recording: bool,
+    /// The way of the camera: orbit, fly, still, or a TOML file of key frames [default: orbit; still with --run and --recording]
     #[arg(long, value_name = "PATH", value_parser = way)]
     path: Option<FilmPath>,
-    /// Pictures in all [default: 10 seconds, or the time of the key frames]
+    /// Pictures in all [default: 10 seconds, the time of the key frames, or the frames of the recording]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: Option<u32>,
     /// Pictures a second
@@ -74,10 +78,13 @@ pub(crate) struct Film {
 
 /// Films a run or a height map.
 pub(crate) fn film(args: &Film) -> Result<(), Failure> {
-    let opened = look::open(&args.from)?;
-    look::has_ground(&opened, &args.from)?;
-    if let Some(layer) = &args.drape {
-        look::known(&opened, &args.from, "drape", layer)?;
+    // A recording can be of a run that has no world yet.
+    let opened = if args.recording { None } else { Some(look::open(&args.from)?) };
+    if let Some(opened) = &opened {
+        look::has_ground(opened, &args.from)?;
+    }
+    if let (Some(layer), Some(opened)) = (&args.drape, &opened) {
+        look::known(opened, &args.from, "drape", layer)?;
     }
     let size = match args.size {
         None => View::default().size,
@@ -86,7 +93,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     let view = args.look.view(size)?;
     let options = FilmOptions {
         scenery: Scenery { view, drape: args.drape.clone(), engine: args.engine.options()? },
-        path: args.path.clone().unwrap_or(if args.run { FilmPath::Still } else { FilmPath::Orbit }),
+        path: args.path.clone().unwrap_or(if args.run || args.recording { FilmPath::Still } else { FilmPath::Orbit }),
         frames: args.frames,
         fps: args.fps,
         video: args.video,
@@ -112,12 +119,14 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     let mut shown = Shown::new(args.quiet);
     let limits = Limits::default();
     let tell: &mut dyn FnMut(&FilmProgress) = &mut |p| shown.show(p);
-    let filmed = if args.run {
-        // It reads the world, too.
-        drop(opened);
-        film_run(&args.from, &options, &out, &limits, &control, tell)
-    } else {
-        eyot::film::film(&opened.world, &options, &out, &limits, &control, tell)
+    let filmed = match opened {
+        None => film_recording(&args.from, &options, &out, &limits, &control, tell),
+        Some(opened) if args.run => {
+            // It reads the world, too.
+            drop(opened);
+            film_run(&args.from, &options, &out, &limits, &control, tell)
+        }
+        Some(opened) => eyot::film::film(&opened.world, &options, &out, &limits, &control, tell),
     };
     shown.end();
     let filmed = match filmed {

@@ -74,7 +74,7 @@ pub struct Humidity {
     pub recycling: f32,
     /// Mixing by weather that is smaller than the belts and eddies of the wind. A twentieth of a difference mixes in a
     /// step at most.
-    #[schemars(range(min = 0.0, max = 10000000.0), extend("unit" = "m2/s"))]
+    #[schemars(range(min = 0.0, max = 10000000.0), extend("unit" = "m2/s", "between_cells" = true))]
     pub mixing: f32,
 }
 
@@ -93,6 +93,10 @@ impl Process for Humidity {
 
     fn check(&self, _grid: &Grid) -> Result<()> {
         check_ranges("humidity", self)
+    }
+
+    fn seconds_per_step(&self, grid: &Grid) -> Option<f64> {
+        Some(3600.0 * hours_per_step(grid))
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

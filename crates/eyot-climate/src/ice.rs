@@ -57,7 +57,7 @@ pub struct Ice {
     #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
     pub melt: f32,
     /// Share of the ice that flows through a face in a step at most. Little builds thick ice, much makes it run to the sea.
-    #[schemars(range(min = 0.0, max = 0.25), extend("unit" = "1"))]
+    #[schemars(range(min = 0.0, max = 0.25), extend("unit" = "1", "between_cells" = true))]
     pub flow: f32,
     /// Thickness of ice on the sea beyond which it breaks off.
     #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "m"))]

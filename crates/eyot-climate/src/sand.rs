@@ -45,10 +45,10 @@ pub const SAND: LayerSpec =
 #[serde(default, deny_unknown_fields)]
 pub struct Sand {
     /// How much running water makes and carries.
-    #[schemars(range(min = 0.0, max = 2.0), extend("unit" = "1"))]
+    #[schemars(range(min = 0.0, max = 2.0), extend("unit" = "1", "between_cells" = true))]
     pub erode: f32,
     /// How much sand slumps downhill.
-    #[schemars(range(min = 0.0, max = 2.0), extend("unit" = "1"))]
+    #[schemars(range(min = 0.0, max = 2.0), extend("unit" = "1", "between_cells" = true))]
     pub slump: f32,
 }
 

@@ -88,6 +88,10 @@ impl Process for Climate {
         check_ranges("climate", self)
     }
 
+    fn seconds_per_step(&self, grid: &Grid) -> Option<f64> {
+        Some(3600.0 * hours_per_step(grid))
+    }
+
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let (turns, turning) = (moment.turn as f32 + 1.0, self.seasons.year > 0.0);
         let hours = hours_per_step(&moment.grid) as f32;

@@ -114,6 +114,10 @@ impl Process for Temperature {
         check_ranges("temperature", self)
     }
 
+    fn seconds_per_step(&self, grid: &Grid) -> Option<f64> {
+        Some(3600.0 * hours_per_step(grid))
+    }
+
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let (rows, half_row) = rows(&moment.grid);
         let (share_x, share_y) = shares(&moment.grid);

@@ -4,12 +4,12 @@
 //! `g` ground, `d` depth of fresh water, head `H = max(g, sea) + d`, `P` precipitation, `y` years of a step.
 //! 1. `F = clamp(levelling (H - H_n), -d_n / 4, d / 4)` through each face.
 //! 2. `d1 = d - sum of outflows + sum of inflows`.
-//! 3. `d' = d1 + rain P y - min(d1 + rain P y, evaporate 0.02 m y (T - from))`, the last bracket where positive. In the
+//! 3. `d' = d1 + rain P y - min(d1 + rain P y, evaporate 0.059 m y (T - from))`, the last bracket where positive. In the
 //!    sea `d' = 0`.
 //! 4. `flow' = flow + 0.1 (F A / t - flow)`: a moving mean of the discharge, `A` the cell's area, `t` its duration.
 //!
 //! # Source
-//! Gerteis 2017.
+//! Gerteis 2017; what a degree evaporates in a year after Holdridge 1967.
 //!
 //! # Differences
 //! - The printed flow runs uphill and evaporation below 0 makes water. Both are mended.
@@ -42,6 +42,9 @@ use eyot_core::{Grid, LayerSpec, Result, Stagger, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// What a year evaporates for each degree, m: Holdridge's potential evapotranspiration. Plants and soil return it before it runs.
+const DRY_PER_DEGREE: f32 = 0.05893;
+
 /// Discharge through eastern faces.
 pub const FLOW_X: LayerSpec =
     LayerSpec::new("flow_x", "m3/s", "Water that flows to the east through the eastern edge", (-1e12, 1e12))
@@ -65,7 +68,7 @@ pub struct Water {
     #[schemars(range(min = -60.0, max = 30.0), extend("unit" = "°C"))]
     pub evaporate_from: f32,
     /// Share of the difference between two surfaces that flows in a step. More than 0.25 makes waves.
-    #[schemars(range(min = 0.0, max = 0.25), extend("unit" = "1"))]
+    #[schemars(range(min = 0.0, max = 0.25), extend("unit" = "1", "between_cells" = true))]
     pub levelling: f32,
 }
 
@@ -89,7 +92,7 @@ impl Process for Water {
         let years = ground_years_per_step(&moment.grid) as f32;
         plan.push::<Run>(RunParams {
             rain: 1e-3 * self.rain * years,
-            dry: 0.02 * self.evaporate * years,
+            dry: DRY_PER_DEGREE * self.evaporate * years,
             from: self.evaporate_from,
             levelling: self.levelling,
             discharge: discharge_per_metre(&moment.grid) as f32,

@@ -35,13 +35,13 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct Weathering {
     /// Differences in height between neighbours that stay, because they are too small.
-    #[schemars(range(min = 0.0, max = 10000.0), extend("unit" = "m"))]
+    #[schemars(range(min = 0.0, max = 10000.0), extend("unit" = "m", "between_cells" = true))]
     pub min_difference: f32,
     /// Differences that stay, because so steep a wall is hard rock.
-    #[schemars(range(min = 0.0, max = 10000.0), extend("unit" = "m"))]
+    #[schemars(range(min = 0.0, max = 10000.0), extend("unit" = "m", "between_cells" = true))]
     pub max_difference: f32,
     /// How much crumbles (0 in the source).
-    #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "1"))]
+    #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "1", "between_cells" = true))]
     pub strength: f32,
 }
 

@@ -31,7 +31,7 @@
 
 use crate::sky::{Seasons, cosine, edge_latitude, latitude, rows};
 use crate::turbulence;
-use crate::units::{FULL_WIND, FULL_WIND_CELLS};
+use crate::units::{FULL_WIND, FULL_WIND_CELLS, hours_per_step};
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, check_ranges};
@@ -135,6 +135,10 @@ impl Process for Wind {
 
     fn prepare(&self, world: &mut World) -> Result<()> {
         turbulence::prepare(world, self.turbulence, self.roughness)
+    }
+
+    fn seconds_per_step(&self, grid: &Grid) -> Option<f64> {
+        Some(3600.0 * hours_per_step(grid))
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

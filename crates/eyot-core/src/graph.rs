@@ -272,6 +272,30 @@ impl Graph {
         graph
     }
 
+    /// The same rule with parameters that each cell computes for itself. `reads` and `params` are those of this graph and
+    /// further ones behind them; `values` gives the parameters of this graph from all parameters of the new one.
+    #[must_use]
+    pub fn with_parameters(
+        &self,
+        reads: Vec<&'static str>,
+        params: Vec<&'static str>,
+        values: impl FnOnce(&Recorder, &[Node]) -> Vec<Node>,
+    ) -> Self {
+        BUILDER.with_borrow_mut(|b| *b = Builder::default());
+        let all: Vec<Node> = (0..params.len()).map(|i| Node(push(Op::Param(i as u32)))).collect();
+        let cell = Recorder(());
+        let own = values(&cell, &all);
+        let ids = |nodes: Vec<Node>| nodes.into_iter().map(|n| n.0).collect::<Vec<Id>>();
+        let (outputs, sums) = self.evaluate(&own, &cell);
+        let leaving = Side::ALL.map(|side| self.evaluate_leaving(&own, &cell, side).map_or(vec![], ids));
+        let nodes = BUILDER.with_borrow_mut(std::mem::take).nodes;
+        let (outputs, sums, names) = (ids(outputs), ids(sums), Vec::new());
+        let mut graph =
+            Self { name: self.name, nodes, params, reads, writes: self.writes.clone(), outputs, sums, leaving, names };
+        graph.drop_unused();
+        graph
+    }
+
     /// Computes what depends on constants alone, and drops what nothing needs any more.
     pub(crate) fn fold(&mut self) {
         let mut known: HashMap<Op, Id> = HashMap::new();
@@ -380,6 +404,18 @@ impl Graph {
 
     /// Evaluates the graph for one cell: new values and sums.
     pub fn evaluate<R: Real>(&self, params: &[R], cell: &impl Cell<R>) -> (Vec<R>, Vec<R>) {
+        let values = self.values(params, cell);
+        (pick(&values, &self.outputs), pick(&values, &self.sums))
+    }
+
+    /// Evaluates what leaves through a side of a border cell; `None` if nothing ever leaves there.
+    pub fn evaluate_leaving<R: Real>(&self, params: &[R], cell: &impl Cell<R>, side: Side) -> Option<Vec<R>> {
+        let leaving = &self.leaving[side as usize];
+        (!leaving.is_empty()).then(|| pick(&self.values(params, cell), leaving))
+    }
+
+    /// The value of each node that is no integer.
+    fn values<R: Real>(&self, params: &[R], cell: &impl Cell<R>) -> Vec<R> {
         // One of the two is meant, as [`Op::is_bits`] says.
         let (mut reals, mut bits) = (Vec::<R>::new(), Vec::<R::Bits>::new());
         for &op in &self.nodes {
@@ -398,9 +434,12 @@ impl Graph {
             reals.push(real);
             bits.push(integer);
         }
-        let pick = |ids: &[Id]| ids.iter().map(|&i| reals[i as usize]).collect();
-        (pick(&self.outputs), pick(&self.sums))
+        reals
     }
+}
+
+fn pick<R: Copy>(values: &[R], ids: &[Id]) -> Vec<R> {
+    ids.iter().map(|&i| values[i as usize]).collect()
 }
 
 /// What an operation gives.

@@ -196,6 +196,11 @@ fn west_faces<U: Rule>(params: &<U::Params as ParamSet>::Of<f32>, job: &RowJob) 
 
 #[inline(never)]
 fn leave<U: Rule>(params: &<U::Params as ParamSet>::Of<f32>, job: &mut RowJob) {
+    leave_by(job, |cell, side| U::leaving::<f32>(params, cell, side));
+}
+
+/// Adds what leaves through the open sides to the sums of the row.
+pub(crate) fn leave_by<S: AsRef<[f32]>>(job: &mut RowJob, leaving: impl Fn(&ScalarCell<'_>, Side) -> Option<S>) {
     for (side, open) in Side::ALL.into_iter().zip(job.open) {
         let columns = match side {
             Side::West => 0..1,
@@ -203,7 +208,7 @@ fn leave<U: Rule>(params: &<U::Params as ParamSet>::Of<f32>, job: &mut RowJob) {
             Side::North | Side::South => 0..job.width,
         };
         for x in columns.filter(|_| open) {
-            let Some(summands) = U::leaving::<f32>(params, &job.cell(x as isize), side) else { return };
+            let Some(summands) = leaving(&job.cell(x as isize), side) else { return };
             for (total, v) in job.sums.iter_mut().zip(summands.as_ref()) {
                 *total += f64::from(*v);
             }

@@ -59,6 +59,20 @@ impl Plan {
         self.passes.push(Pass { rule: Box::new(Bound::new(program, params)), step: self.step });
     }
 
+    /// Adds the passes of another plan; `instead` may give a program, with its parameters, for the pass of this number.
+    ///
+    /// # Panics
+    /// As [`Plan::push_program`].
+    pub fn append(&mut self, other: Self, mut instead: impl FnMut(usize, &Pass) -> Option<(Arc<Program>, Vec<f32>)>) {
+        for (i, pass) in other.passes.into_iter().enumerate() {
+            match instead(i, &pass) {
+                Some((program, params)) => self.push_program(&program, params),
+                None => self.passes.push(Pass { step: self.step, ..pass }),
+            }
+        }
+        other.scratch.iter().for_each(|spec| self.scratch(spec));
+    }
+
     /// Declares a layer that lives only between the passes of a step and is never seen outside.
     pub fn scratch(&mut self, spec: &LayerSpec) {
         if !self.scratch.iter().any(|s| s.name == spec.name) {

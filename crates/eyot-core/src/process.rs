@@ -15,6 +15,9 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::ops::Range;
 
+/// Seconds of a year, the Julian one.
+pub const SECONDS_PER_YEAR: f64 = 365.25 * 86_400.0;
+
 /// The moment for which a process plans a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
@@ -64,6 +67,12 @@ pub trait Process: Send + Sync {
 
     /// Work of a step that is not rules of cells; done after the passes that [`Process::plan`] adds.
     fn action(&self) -> Option<&dyn Action> {
+        None
+    }
+
+    /// Time that passes in a step, s; `None` if the process has no clock of its own. What is faster than nature for the sake of
+    /// whoever watches, beside others that are not, has none either.
+    fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {
         None
     }
 

@@ -77,4 +77,4 @@ pub use raster::{Numbers, Raster, ReadOptions, is_zarr, layer_names, read_raster
 pub use rows::Rows;
 pub use sample::{ByteOrder, RowOrder, Sample};
 pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};
-pub use zarr::{store_attributes, write_store};
+pub use zarr::{SECONDS, store_attributes, write_store};

@@ -54,6 +54,40 @@ fn steps(t: &Timeline) -> Vec<u64> {
     t.frames().iter().map(|f| f.step).collect()
 }
 
+/// What the metadata of the coordinate `time` say, by itself and in the root.
+fn time_attributes(path: &Path) -> Value {
+    let read = |file: &Path| -> Value { serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap() };
+    let own = read(&path.join("time/zarr.json"))["attributes"].clone();
+    assert_eq!(read(&path.join("zarr.json"))["consolidated_metadata"]["metadata"]["time"]["attributes"], own);
+    own
+}
+
+/// As CF has it: numbers with a factor and a unit, and a calendar where there can be one.
+#[test]
+fn steps_become_times_where_their_length_is_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = Record { every: 10, max_bytes: 1 << 30 };
+    for (seconds, units, calendar, factor) in [
+        (1562.5, "seconds since 2000-01-01 00:00:00", json!("proleptic_gregorian"), 1562.5),
+        (1e6 * 365.25 * 86_400.0, "years", Value::Null, 1e6),
+    ] {
+        let path = folder.path().join("timeline.zarr");
+        let attributes = json!({ "seconds_per_step": seconds }).as_object().cloned().unwrap();
+        let mut t = Timeline::create(&path, record, &attributes, &Limits::default()).unwrap();
+        [0, 10, 20].into_iter().for_each(|step| t.append(&world(step), "", &state(step)).unwrap());
+        let said = time_attributes(&path);
+        assert_eq!((&said["units"], &said["calendar"]), (&json!(units), &calendar), "{said}");
+        assert!((said["scale_factor"].as_f64().unwrap() / factor - 1.0).abs() < 1e-12, "{said}");
+        // Steps are what is kept, whatever they mean.
+        let mut t = Timeline::open_to_write(&path, &Limits::default()).unwrap();
+        assert_eq!(steps(&t), [0, 10, 20]);
+        t.lose_clock().unwrap();
+        let said = time_attributes(&path);
+        assert!(said["units"] == "1" && said["scale_factor"].is_null() && said["comment"].is_string(), "{said}");
+        assert_eq!(steps(&Timeline::open(&path, &Limits::default()).unwrap()), [0, 10, 20]);
+    }
+}
+
 fn assert_whole(t: &Timeline) {
     for (i, frame) in t.frames().iter().enumerate() {
         let back = t.load(i).unwrap();

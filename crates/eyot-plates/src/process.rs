@@ -49,7 +49,7 @@ use crate::parameters::Tectonics;
 use crate::plates::{Plates, check};
 use crate::start::Start;
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Action, Entry, Moment, Process};
+use eyot_core::process::{Action, Entry, Moment, Process, SECONDS_PER_YEAR};
 use eyot_core::{Control, Grid, LayerSpec, Result, World, about};
 
 /// The plate that owns a cell.
@@ -91,6 +91,10 @@ impl Process for Tectonics {
         plates.publish(world, sea, flat)?;
         plates.budget().post(&mut world.ledger, world.grid.cell_area_m2());
         Ok(())
+    }
+
+    fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {
+        Some(f64::from(self.years_per_step) * SECONDS_PER_YEAR)
     }
 
     fn action(&self) -> Option<&dyn Action> {

@@ -61,9 +61,14 @@ impl Climate {
     }
 }
 
-/// Thickness of ice, m, if the world has that layer.
+/// Thickness of ice that shows, m, if the world has that layer. A lake that fills a cell's hollow alone is far smaller than the
+/// cell, and as white spots such lakes would be all that is seen of a cold plain: ice shows where there is more of it around.
 pub(crate) fn ice(world: &World) -> Option<Vec<f32>> {
-    world.get("ice").map(|f| f.iter().map(|d| if d.is_finite() { d.max(0.0) } else { 0.0 }).collect())
+    let (width, height) = (world.grid.width, world.grid.height);
+    let thick: Vec<f32> = world.get("ice")?.iter().map(|d| if d.is_finite() { d.max(0.0) } else { 0.0 }).collect();
+    let covers: Vec<f32> = thick.iter().map(|d| cover(*d)).collect();
+    let around = box_mean(&covers, width, height, 2);
+    Some(thick.iter().zip(around).map(|(d, share)| d.min(ICE_SHOWN) * smoothstep(0.1, 0.4, share)).collect())
 }
 
 /// How much of a cell a river fills by its discharge, 0..1, if the world has the layers `flow_x` and `flow_y`.
@@ -84,9 +89,12 @@ pub(crate) fn rivers(world: &World) -> Option<Vec<f32>> {
 /// Discharges at which a river begins and ends to show: that of the Rhine, and that of the Mississippi.
 const RIVER_M3S: (f32, f32) = (2300.0, 16_000.0);
 
+/// Thickness from which ice covers a place, m; more of it looks the same.
+const ICE_SHOWN: f32 = 0.9;
+
 /// How much of a place ice of this thickness covers, 0..1.
 pub(crate) fn cover(thickness: f32) -> f32 {
-    smoothstep(0.05, 0.9, thickness)
+    smoothstep(0.05, ICE_SHOWN, thickness)
 }
 
 /// Colour of ice.

@@ -2,7 +2,7 @@
 //!
 //! A [`RuleDefinition`] holds texts such as `clamp(0.98 * wetness + 0.02 * step(0.01, water), 0, 1)`. [`rule`] reads them, checks
 //! names, types, units and limits, and gives a [`TextRule`]: a [`Program`](eyot_core::program::Program) with what it needs to
-//! be a process. A [`Mistake`] knows its place in the text to the character. [`functions::FUNCTIONS`] and
+//! be a process. A [`Term`] is a parameter of a built-in process as such a text. A [`Mistake`] knows its place in the text to the character. [`functions::FUNCTIONS`] and
 //! [`functions::NAMES`] are all that the language knows beside layers and parameters.
 //!
 //! The way of a text: `token` and `syntax` make a tree of it, `meaning` finds out what the names are and whether
@@ -15,6 +15,7 @@ mod meaning;
 mod mistake;
 mod rule;
 mod syntax;
+mod term;
 #[cfg(test)]
 mod tests;
 mod token;
@@ -23,6 +24,7 @@ mod unit;
 pub use meaning::{Known, Scope};
 pub use mistake::{Mistake, Part, Problem};
 pub use rule::{Acting, DeclaredLayer, LayerDefinition, RuleDefinition, TextRule, layer, rule};
+pub use term::{Obstacle, Replaced, Term, TermDefinition, Terms, numbers, of_schema, term};
 
 /// Longest text of an expression, bytes.
 pub const MAX_BYTES: usize = 4096;

@@ -147,6 +147,8 @@ pub(crate) struct Formula {
 pub(crate) enum Wanted<'a> {
     /// A number in this unit: of a layer of this name.
     Number(&'a Measure, &'a str),
+    /// A number in this unit: a parameter of this name.
+    Parameter(&'a Measure, &'a str),
     Condition,
 }
 
@@ -199,12 +201,17 @@ pub(crate) fn check(
     }
     let value = match wanted {
         Wanted::Condition => checker.condition(&tree.value, 0)?,
-        Wanted::Number(..) => checker.number(&tree.value, 0)?,
+        Wanted::Number(..) | Wanted::Parameter(..) => checker.number(&tree.value, 0)?,
     };
-    if let (Wanted::Number(wanted, layer), Some(found)) = (wanted, &value.measure)
+    let whose = match wanted {
+        Wanted::Number(wanted, layer) => Some((wanted, format!("the layer `{layer}`"))),
+        Wanted::Parameter(wanted, name) => Some((wanted, format!("the parameter `{name}`"))),
+        Wanted::Condition => None,
+    };
+    if let (Some((wanted, whose)), Some(found)) = (whose, &value.measure)
         && let Err((has, needs)) = found.with(wanted)
     {
-        let message = format!("this is in {has}, the layer `{layer}` in {needs}");
+        let message = format!("this is in {has}, {whose} in {needs}");
         let help = format!("a factor that you write takes any unit: {}", factor(&needs, &has));
         return Err(Mistake::at(&tree.value.span, message, format!("in {has}")).help(help));
     }

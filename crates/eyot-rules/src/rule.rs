@@ -61,6 +61,13 @@ pub struct DeclaredLayer {
     needs: Vec<&'static str>,
 }
 
+impl DeclaredLayer {
+    /// Adds the pass that gives it its first values, with the parameters that it was declared with.
+    pub(crate) fn begin(&self, moment: &Moment, plan: &mut Plan) {
+        self.start.push(&self.parameters, moment, plan);
+    }
+}
+
 /// A checked rule.
 #[derive(Debug)]
 pub struct TextRule {
@@ -165,10 +172,10 @@ pub(crate) fn stream(name: &str, role: &str) -> u32 {
     0x4000_0000 | (hash & 0x0fff_fc00)
 }
 
-type Split = (Vec<Arc<DeclaredLayer>>, Vec<&'static str>);
+pub(crate) type Split = (Vec<Arc<DeclaredLayer>>, Vec<&'static str>);
 
 /// Layers that the recipe declares, and others.
-fn split(names: &[String], scope: &Scope) -> Result<Split> {
+pub(crate) fn split(names: &[String], scope: &Scope) -> Result<Split> {
     let (mut declared, mut needs) = (Vec::<Arc<DeclaredLayer>>::new(), Vec::new());
     for name in names {
         match scope.layer(name).and_then(|k| k.declared.as_ref()) {
@@ -181,7 +188,7 @@ fn split(names: &[String], scope: &Scope) -> Result<Split> {
 }
 
 /// Adds what the start values need, and puts everything in the recipe's order.
-fn complete(declared: &mut Vec<Arc<DeclaredLayer>>, needs: &mut Vec<&'static str>) {
+pub(crate) fn complete(declared: &mut Vec<Arc<DeclaredLayer>>, needs: &mut Vec<&'static str>) {
     for layer in declared.clone() {
         declared.extend(layer.before.iter().cloned());
         needs.extend(&layer.needs);

@@ -257,7 +257,7 @@ impl Conversion<'_> {
         let layers = names.iter().filter_map(|name| Source::layer(&world, name));
         match (self.to, self.to.together()) {
             (Output::Raster(_), Some(format)) => {
-                let origin = exports::origin(&world, &self.name(), None);
+                let origin = exports::origin(&world, &self.name(), None, None);
                 exports::write_together(self.output, &mut layers.collect::<Vec<_>>(), format, &origin)
                     .map_err(alone)?;
             }

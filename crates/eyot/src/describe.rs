@@ -4,7 +4,8 @@ use crate::check::{choices, expects, shown};
 use crate::diagnostic::{alternatives, nearest};
 use crate::keys;
 use crate::registry::Registry;
-use eyot_core::process::schema_of;
+use eyot_core::process::{Entry, Process, schema_of};
+use eyot_rules::Replaced;
 use eyot_rules::functions::{FUNCTIONS, NAMES};
 use serde::Serialize;
 use serde_json::Value;
@@ -38,6 +39,20 @@ pub struct ParameterInfo {
     pub choices: Vec<Choice>,
     /// Value if the recipe does not give one.
     pub default: Value,
+    /// Where a recipe may give an expression instead of a number.
+    pub expression: Expression,
+}
+
+/// Whether a parameter may be an expression.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Expression {
+    /// It may not.
+    No,
+    /// One that is the same for all cells.
+    Time,
+    /// One that differs from cell to cell.
+    Cells,
 }
 
 /// A generator, a process or a table of the recipe.
@@ -69,7 +84,16 @@ pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> 
         return Ok(from_schema(name, "generator", &(e.schema)().to_value(), &(e.defaults)(), e.about, e.cites));
     }
     if let Some(e) = registry.process(name) {
-        return Ok(from_schema(name, "process", &(e.schema)().to_value(), &(e.defaults)(), e.about, e.cites));
+        let schema = (e.schema)().to_value();
+        let mut description = from_schema(name, "process", &schema, &(e.defaults)(), e.about, e.cites);
+        if takes_expressions(e) {
+            let cells = Replaced::possible(e);
+            let number = |name: &String| eyot_rules::numbers(&schema).any(|(n, _)| n == name);
+            for p in description.parameters.iter_mut().filter(|p| number(&p.name)) {
+                p.expression = if cells.contains(&p.name) { Expression::Cells } else { Expression::Time };
+            }
+        }
+        return Ok(description);
     }
     let table = match name {
         "recipe" => schema_of::<keys::Document>(),
@@ -105,6 +129,11 @@ pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> 
     Ok(from_schema(name, "table", &table.to_value(), &Value::Null, "", &[]))
 }
 
+/// Whether a process is rules of cells alone, so that its numbers may be expressions.
+pub(crate) fn takes_expressions(entry: &Entry<dyn Process>) -> bool {
+    (entry.make)(serde_json::json!({})).is_ok_and(|p| p.action().is_none())
+}
+
 fn from_schema(
     name: &str,
     kind: &'static str,
@@ -128,6 +157,7 @@ fn from_schema(
             Some(d) => tidy(d),
             None => tidy(&p["default"]),
         },
+        expression: Expression::No,
     });
     Description {
         name: name.to_owned(),
@@ -151,6 +181,7 @@ fn expressions() -> Description {
         maximum: None,
         choices: Vec::new(),
         default: Value::Null,
+        expression: Expression::No,
     };
     let names = NAMES.iter().map(|n| one(n.name.to_owned(), n.meaning, n.unit, "a name"));
     let functions = FUNCTIONS.iter().map(|f| one(format!("{}({})", f.name, f.arguments), f.meaning, "", "a function"));
@@ -213,6 +244,11 @@ impl fmt::Display for Description {
             }
             if !p.default.is_null() {
                 notes.push(format!("default {}", shown(&p.default)));
+            }
+            match p.expression {
+                Expression::No => {}
+                Expression::Time => notes.push("or an expression of time".to_owned()),
+                Expression::Cells => notes.push("or an expression".to_owned()),
             }
             writeln!(f, "  [{}]", notes.join("; "))?;
             writeln!(f, "{}", wrap(&p.meaning, 6, 100))?;

@@ -1,6 +1,7 @@
 //! The thread of a run: goes through the recipe's steps, listens to commands, writes checkpoints.
 
 use crate::backend::io::checkpoint;
+use crate::clock;
 use crate::diagnostic::Problems;
 use crate::engines::{Engine, EngineChoice, EngineOptions, Failure};
 use crate::error::RunError;
@@ -407,6 +408,7 @@ impl Driver {
         {
             let entry = self.state.replay.remove(i);
             self.apply(uses, &entry.set).map_err(RunError::Recipe)?;
+            self.keep_time(uses);
             self.state.journal.push(JournalEntry { step: self.state.done, ..entry });
         }
         Ok(())
@@ -448,6 +450,7 @@ impl Driver {
             Some(uses) => match self.apply(uses, &set) {
                 Ok(()) => {
                     self.go_on_from_here();
+                    self.keep_time(uses);
                     let entry = JournalEntry { recipe_step: step.number, step: self.state.done, set };
                     self.state.journal.push(entry.clone());
                     return self.tell(Event::Changed(entry));
@@ -531,6 +534,7 @@ impl Driver {
             world: &self.world,
             source: &self.world,
             fingerprint,
+            clock: clock::of_run(&self.recipe, &self.state.journal),
             out,
             limits: &self.options.limits,
             control: &Control::new(self.cancel.clone(), &|_, _| {}),

@@ -23,6 +23,8 @@ pub(crate) struct Outputs<'a> {
     pub(crate) source: &'a dyn Source,
     /// Of the whole world.
     pub(crate) fingerprint: u64,
+    /// Seconds of a step of simulation, if that is known.
+    pub(crate) clock: Option<f64>,
     pub(crate) out: &'a Path,
     pub(crate) limits: &'a Limits,
     pub(crate) control: &'a Control<'a>,
@@ -150,7 +152,7 @@ impl Outputs<'_> {
             corals: exports::corals_of(recipe),
             name: &recipe.name,
             out: self.out,
-            attributes: exports::origin(world, &recipe.name, Some(&recipe.source.text)),
+            attributes: exports::origin(world, &recipe.name, Some(&recipe.source.text), self.clock),
             limits: self.limits,
             control: self.control,
             begin: &mut |path| self.begin(path, written),

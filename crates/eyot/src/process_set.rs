@@ -58,6 +58,8 @@ pub(crate) fn apply(
                 if !u.parameters.is_object() {
                     u.parameters = Value::Object(serde_json::Map::new());
                 }
+                // A number takes the place of an expression.
+                u.terms = u.terms.without(&key);
                 u.parameters[key] = value;
             }
         }

@@ -8,7 +8,7 @@ use crate::registry::Registry;
 use crate::validate;
 use eyot_core::process::{Entry, Generator, Process, Scheduled};
 use eyot_core::{Georeference, Grid, Limits};
-use eyot_rules::{Acting, TextRule};
+use eyot_rules::{Acting, Replaced, Terms, TextRule};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -130,6 +130,8 @@ pub struct ProcessUse {
     pub actor: Actor,
     /// Its parameters, checked.
     pub parameters: Value,
+    /// Those that are expressions.
+    pub terms: Arc<Terms>,
     /// It acts in every n-th step.
     pub every: u64,
     /// Whether it acts.
@@ -203,7 +205,12 @@ impl Actor {
 impl ProcessUse {
     /// The process with its parameters.
     pub(crate) fn make(&self) -> Result<Box<dyn Process>, serde_json::Error> {
-        self.actor.make(&self.parameters)
+        match self.actor {
+            Actor::Process(entry) if !self.terms.list().is_empty() => {
+                Ok(Box::new(Replaced::new(entry, self.parameters.clone(), Arc::clone(&self.terms))?))
+            }
+            _ => self.actor.make(&self.parameters),
+        }
     }
 }
 

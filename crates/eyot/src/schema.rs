@@ -1,5 +1,6 @@
 //! The JSON Schema of a whole recipe, composed from the registries, for editors.
 
+use crate::describe;
 use crate::keys;
 use crate::registry::Registry;
 use eyot_core::process::schema_of;
@@ -64,6 +65,10 @@ fn simulate(registry: &Registry) -> Value {
     for e in registry.processes() {
         let mut process = (e.schema)().to_value();
         let mut properties: Map<String, Value> = process["properties"].as_object().cloned().unwrap_or_default();
+        if describe::takes_expressions(e) {
+            let numbers: Vec<String> = eyot_rules::numbers(&process).map(|(name, _)| name.clone()).collect();
+            numbers.iter().for_each(|name| properties[name]["type"] = json!(["number", "string"]));
+        }
         properties.extend(schedule.clone());
         process["properties"] = Value::Object(properties);
         own["properties"][e.name] = finish(process);

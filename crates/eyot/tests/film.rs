@@ -3,8 +3,10 @@
 mod common;
 
 use eyot::core::layer::known;
-use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Video, film, film_run};
-use eyot::{Cancel, Control, Field, Grid, Limits, Rim, RunError, Scenery, View, World};
+use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Video, film, film_recording, film_run};
+use eyot::{
+    Cancel, Control, Field, Grid, Limits, Record, Rim, Run, RunError, RunOptions, Scenery, Timeline, View, World,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -205,6 +207,42 @@ fn the_film_of_a_run_ends_with_its_world_and_goes_on_after_a_stop() {
     assert!(matches!(stopped, Err(RunError::Stopped)));
     assert_eq!(make(&parts, &Control::none(), &mut |_| {}).unwrap().drawn, 3);
     assert_eq!(frames(&parts), pictures);
+}
+
+/// A picture for each frame, which shows what the frame holds; more pictures hold frames for longer, under a camera that moves.
+#[test]
+fn the_film_of_a_recording_shows_its_frames() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = dir.path().join("run");
+    let record = Some(Record { every: 8, max_bytes: 1 << 30 });
+    let options_of_run = RunOptions { out: Some(run.clone()), record, ..RunOptions::default() };
+    Run::start(common::recipe(SLIDES, &[]), options_of_run).unwrap().join().unwrap();
+    let timeline = Timeline::open(&run, &Limits::default()).unwrap();
+    let steps: Vec<u64> = timeline.frames().iter().map(|f| f.steps_done).collect();
+    assert_eq!(steps, [0, 8, 16, 24, 30, 32, 40]);
+    let play = |o: &FilmOptions, out: &str| {
+        let out = dir.path().join(out);
+        let filmed = film_recording(&run, o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        (filmed.frames, frames(&out))
+    };
+    let o = FilmOptions { frames: None, ..options(FilmPath::Still) };
+    let (count, pictures) = play(&o, "whole");
+    // Steps 0, 8, 16, 24, 32, 40: the frame of step 30 is none of every eighth.
+    assert_eq!((count, pictures.len()), (6, 6));
+    let distinct: std::collections::BTreeSet<_> = pictures.values().collect();
+    assert_eq!(distinct.len(), 6, "the land changes");
+    let last = dir.path().join("last.png");
+    eyot::draw_view(&timeline.load(6).unwrap(), &o.scenery, &last, &Limits::default()).unwrap();
+    assert_eq!(std::fs::read(&last).unwrap(), pictures["frame_00005.png"]);
+    let (count, slow) = play(&FilmOptions { frames: Some(11), ..o.clone() }, "slow");
+    assert_eq!(count, 11);
+    assert_eq!(slow["frame_00001.png"], slow["frame_00000.png"]);
+    assert_eq!(slow["frame_00010.png"], pictures["frame_00005.png"]);
+    let (_, moving) = play(&FilmOptions { frames: Some(11), ..options(FilmPath::Orbit) }, "moving");
+    assert_ne!(moving["frame_00001.png"], moving["frame_00000.png"]);
+    // Without a recording there is nothing to play.
+    let e = film_recording(dir.path(), &o, &dir.path().join("none"), &Limits::default(), &Control::none(), &mut |_| {});
+    assert!(e.unwrap_err().is_refusal() && !dir.path().join("none").exists());
 }
 
 #[test]

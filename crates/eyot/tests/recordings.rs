@@ -404,3 +404,33 @@ fn a_folder_at_work_is_not_set_back_and_a_new_run_has_no_old_frames() {
     Run::start(recipe(&[]), o).unwrap().join().unwrap();
     assert!(!out.join("timeline.zarr").exists());
 }
+
+/// The attribute `seconds_per_step` of a recording.
+fn clock(out: &Path) -> Option<f64> {
+    let text = std::fs::read_to_string(out.join("timeline.zarr/zarr.json")).unwrap();
+    serde_json::from_str::<serde_json::Value>(&text).unwrap()["attributes"]["seconds_per_step"].as_f64()
+}
+
+/// Processes that share a clock give steps a length in time; those that do not, or a change by hand, take it away.
+#[test]
+fn recordings_have_times_where_processes_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let recorded = |name: &str, set: &[&str], replay: Vec<eyot::JournalEntry>| {
+        let out = folder.path().join(name);
+        let o = RunOptions { replay, ..options(Some(&out), Some(RECORD)) };
+        Run::start(recipe(set), o).unwrap().join().unwrap();
+        clock(&out)
+    };
+    // Hydraulic erosion counts seconds, the reef years.
+    assert_eq!(recorded("both", &[], vec![]), None);
+    let seconds = recorded("rain", &["reefs.enabled=false", "hydraulic.time_step=0.125"], vec![]);
+    assert_eq!(seconds, Some(0.125));
+    let every = recorded("every", &["reefs.enabled=false", "hydraulic.time_step=0.125", "hydraulic.every=2"], vec![]);
+    assert_eq!(every, Some(0.0625));
+    let set = "hydraulic.time_step=0.25".to_owned();
+    let change = vec![eyot::JournalEntry { recipe_step: 2, step: 15, set }];
+    assert_eq!(recorded("changed", &["reefs.enabled=false", "hydraulic.time_step=0.125"], change), None);
+    let other = "hydraulic.rain=0.001".to_owned();
+    let change = vec![eyot::JournalEntry { recipe_step: 2, step: 15, set: other }];
+    assert_eq!(recorded("kept", &["reefs.enabled=false", "hydraulic.time_step=0.125"], change), Some(0.125));
+}

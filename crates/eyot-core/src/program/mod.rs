@@ -1,4 +1,4 @@
-//! Programs: rules that came as a text and not as Rust.
+//! Programs: rules that are no Rust: they came as a text, or a text replaces parameters of them.
 //!
 //! A [`Program`] is an expression graph with what a rule declares. The GPU engine prints its graph as it prints every
 //! rule's. The CPU engine runs it in blocks of cells: `compile` turns the graph into a short list of instructions on blocks,
@@ -144,7 +144,8 @@ impl ErasedRule for Bound {
     fn cell_f32(&self, view: &View<'_, f32>) -> (Vec<f32>, Vec<f32>) {
         self.program.graph.evaluate(&self.params, view)
     }
-    fn leaving_f64(&self, _view: &View<'_, f64>, _side: Side) -> Option<Vec<f64>> {
-        None
+    fn leaving_f64(&self, view: &View<'_, f64>, side: Side) -> Option<Vec<f64>> {
+        let params: Vec<f64> = self.params.iter().map(|&v| f64::from(v)).collect();
+        self.program.graph.evaluate_leaving(&params, view, side)
     }
 }

@@ -6,7 +6,7 @@
 use super::Bound;
 use super::compile::{Action, Code, Constant, Instruction, Pair};
 use crate::isa::{Isa, LaneTask, run_lanes};
-use crate::kernel::{RowJob, cell_number};
+use crate::kernel::{RowJob, cell_number, leave_by};
 use crate::lanes::{LaneBlock, Lanes, WIDTH};
 use crate::real::{Bits, Real};
 use crate::rng::{self, Key};
@@ -16,6 +16,10 @@ use std::cell::RefCell;
 /// Runs a program over the row.
 pub(super) fn row(isa: Isa, bound: &Bound, job: &mut RowJob) {
     let (program, params) = (&*bound.program, &bound.params[..]);
+    // What leaves is computed from the old state, so it comes before the row, which may overwrite it.
+    if job.open.iter().any(|&o| o) {
+        leave_by(job, |cell, side| program.graph.evaluate_leaving(params, cell, side));
+    }
     if job.west_face.iter().any(|&f| f) {
         let (values, _) = program.graph.evaluate(params, &job.cell(-1));
         for (i, v) in values.iter().enumerate().filter(|(i, _)| job.west_face[*i]) {

@@ -2,7 +2,8 @@
 //!
 //! # Layout
 //! A recording is a Zarr v3 store that opens as one data set: each layer an array (time, y, x), whose shards hold one frame
-//! each, with the coordinates `time` (steps of simulation done), `y` and `x`. Layers on faces have one more row or column,
+//! each, with the coordinates `time` (steps of simulation done, with the factor that makes times of them if one is known),
+//! `y` and `x`. Layers on faces have one more row or column,
 //! along `y_face` or `x_face`. A layer that comes late is NaN before. What else a frame needs lies where readers of Zarr do
 //! not look: `.frames/N.eyot` is the head of a checkpoint ([`crate::checkpoint`]) without the values of its layers; of
 //! layers on faces, outer faces and their CRC-32 follow.
@@ -30,7 +31,7 @@ use crate::error::{Error, Result};
 use crate::head::{Head, Sealed, write_faces};
 use crate::rows::Rows;
 use crate::zarr::metadata::{self, Axis, X_FACE, Y_FACE};
-use crate::zarr::{CHUNK, Flush, METADATA, SHARD, TIME, check_name, write_coordinates, write_layer};
+use crate::zarr::{CHUNK, Flush, METADATA, SECONDS, SHARD, TIME, check_name, write_coordinates, write_layer};
 use eyot_core::{Layer, Limits, Stagger, World};
 use serde_json::{Map, Value, json};
 use std::fs::File;
@@ -127,6 +128,18 @@ impl Timeline {
         self.record = checked(&self.path, record)?;
         self.attributes.insert(EVERY.to_owned(), json!(record.every));
         self.attributes.insert(MAX_BYTES.to_owned(), json!(record.max_bytes));
+        let steps: Vec<u64> = self.frames.iter().map(|f| f.step).collect();
+        self.commit(self.arrays.clone(), &steps)
+    }
+
+    /// Says that steps have no length in time any more.
+    ///
+    /// # Errors
+    /// If the root cannot be written.
+    pub fn lose_clock(&mut self) -> Result<()> {
+        if self.attributes.remove(SECONDS).is_none() {
+            return Ok(());
+        }
         let steps: Vec<u64> = self.frames.iter().map(|f| f.step).collect();
         self.commit(self.arrays.clone(), &steps)
     }
@@ -256,7 +269,7 @@ impl Timeline {
 
     /// Makes frames visible: as many as there are steps.
     fn commit(&mut self, mut arrays: Map<String, Value>, steps: &[u64]) -> Result<()> {
-        arrays.insert(TIME.to_owned(), metadata::time(steps.len(), TIMES));
+        arrays.insert(TIME.to_owned(), metadata::time(steps.len(), TIMES, &self.attributes));
         for (name, is) in &mut arrays {
             if is["shape"].as_array().is_some_and(|s| s.len() == 3) {
                 is["shape"][0] = json!(steps.len());

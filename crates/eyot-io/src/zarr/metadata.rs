@@ -1,8 +1,9 @@
 //! The metadata of what is written: arrays of layers, their coordinates and place, and the group around them.
 
-use super::{ATTRIBUTES, CHUNK, PLACE, SHARD, SYSTEM, TIME};
+use super::{ATTRIBUTES, CHUNK, PLACE, SECONDS, SHARD, SYSTEM, TIME};
 use crate::about::About;
 use eyot_core::CoordinateSystem;
+use eyot_core::process::SECONDS_PER_YEAR;
 use serde_json::{Map, Value, json};
 
 /// The usual balance of zstd.
@@ -142,9 +143,28 @@ pub(crate) fn coordinate(place: &About, along: Axis) -> Value {
     array(json!([n]), "float64", json!([n]), codecs, json!(0.0), attributes, json!([name]))
 }
 
-/// `n` steps of time in pieces of `piece`.
-pub(crate) fn time(n: usize, piece: usize) -> Value {
-    let attributes = json!({ "axis": "T", "long_name": "steps of simulation done", "units": "1" });
+/// Steps of time that are longer than this are counted in years, s.
+const LONG_STEP: f64 = 0.1 * SECONDS_PER_YEAR;
+
+/// `n` steps of time in pieces of `piece`. The numbers are steps of simulation; where the attributes of the root say how long
+/// one takes, readers that know CF make times of them.
+pub(crate) fn time(n: usize, piece: usize, root: &Map<String, Value>) -> Value {
+    let attributes = match root.get(SECONDS).and_then(Value::as_f64).filter(|s| s.is_finite() && *s > 0.0) {
+        Some(seconds) if seconds < LONG_STEP => json!({
+            "axis": "T", "standard_name": "time", "long_name": "simulated time, kept in steps",
+            // The year that it begins in is a convention.
+            "units": "seconds since 2000-01-01 00:00:00", "calendar": "proleptic_gregorian", "scale_factor": seconds,
+        }),
+        // No calendar goes so far.
+        Some(seconds) => json!({
+            "axis": "T", "standard_name": "time", "long_name": "simulated time, kept in steps",
+            "units": "years", "scale_factor": seconds / SECONDS_PER_YEAR,
+        }),
+        None => json!({
+            "axis": "T", "long_name": "steps of simulation done", "units": "1",
+            "comment": "the processes of this run share no clock, so steps have no length in time",
+        }),
+    };
     let codecs = json!([{ "name": "bytes", "configuration": { "endian": "little" } }]);
     let attributes = attributes.as_object().cloned().unwrap_or_default();
     array(json!([n]), "int64", json!([piece]), codecs, json!(0), attributes, json!([TIME]))

@@ -38,6 +38,8 @@ const ATTRIBUTES: [&str; 12] = [
     "missing_value",
     "_ARRAY_DIMENSIONS",
 ];
+/// What the root says of how long a step of simulation takes, s, if that is known.
+pub const SECONDS: &str = "seconds_per_step";
 /// What the root says of how many steps of simulation were done, which is the coordinate along [`TIME`].
 const STEPS: &str = "steps_done";
 /// The first dimension.

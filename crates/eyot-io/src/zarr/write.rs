@@ -50,7 +50,7 @@ pub fn write_store(path: &Path, layers: &mut [(&About, &mut dyn Rows)], attribut
         write_coordinates(folder, &place, height, Axis::of_cells((width, height)), &mut known)?;
         let step = attributes.get(STEPS).and_then(Value::as_i64).unwrap_or(0);
         write_piece(&folder.join(TIME).join("c/0"), &step.to_le_bytes(), Flush::Yes)?;
-        known.insert(TIME.to_owned(), metadata::time(1, 1));
+        known.insert(TIME.to_owned(), metadata::time(1, 1, attributes));
         for (name, metadata) in &known {
             write_metadata(&folder.join(name), metadata)?;
         }

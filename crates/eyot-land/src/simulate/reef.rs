@@ -35,7 +35,7 @@
 
 use eyot_core::layer::known::{CARBON, GROWTH, HEIGHT, LIMESTONE};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process};
+use eyot_core::process::{Moment, Process, SECONDS_PER_YEAR};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
 use eyot_core::{Edge, Error, Grid, LayerSpec, Result, World, rule_params};
@@ -221,6 +221,10 @@ impl Process for Reef {
             }
         }
         Ok(())
+    }
+
+    fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {
+        Some(f64::from(self.years_per_step) * SECONDS_PER_YEAR)
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct Seabed {
     /// How much of the difference to the neighbours' mean goes in a step.
-    #[schemars(range(min = 0.0, max = 0.9), extend("unit" = "1"))]
+    #[schemars(range(min = 0.0, max = 0.9), extend("unit" = "1", "between_cells" = true))]
     pub rate: f32,
 }
 

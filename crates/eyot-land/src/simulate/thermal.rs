@@ -38,10 +38,10 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct Thermal {
     /// Steepest slope that stays: about 33 degrees for dry sand, 35 to 40 for scree, more for rock.
-    #[schemars(range(min = 0.0, max = 89.0), extend("unit" = "degree"))]
+    #[schemars(range(min = 0.0, max = 89.0), extend("unit" = "degree", "between_cells" = true))]
     pub talus: f32,
     /// How much of the excess moves in a step. 1 is the stable limit.
-    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1", "between_cells" = true))]
     pub rate: f32,
     /// Olsen's inverted form: flattens what is flatter than the talus angle and leaves cliffs alone.
     pub inverted: bool,

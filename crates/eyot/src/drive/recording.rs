@@ -2,9 +2,11 @@
 
 use super::Driver;
 use crate::backend::io::timeline::{self, Timeline};
+use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
 use crate::exports;
+use crate::recipe::ProcessUse;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, TIMELINE_STORE};
 use crate::timeline::{branch_off, position, state_of};
@@ -14,6 +16,8 @@ use std::path::Path;
 /// The recording of a run at work.
 pub(super) struct Recorder {
     timeline: Timeline,
+    /// Seconds of a step at the beginning, if they are known.
+    clock: Option<f64>,
     /// Whether the last frame shows the world as it is.
     is_current: bool,
     /// Once is enough until a frame succeeds again.
@@ -51,12 +55,14 @@ impl Driver {
         let last = timeline.frames().last().filter(|f| f.step == self.world.step);
         let is_current = last.is_some()
             && state_of(&timeline, timeline.frames().len() - 1).is_ok_and(|s| s.place() == self.state.place());
-        Ok(Some(Recorder { timeline, is_current, warned: false }))
+        let clock = clock::of_run(&self.recipe, &self.state.journal);
+        Ok(Some(Recorder { timeline, clock, is_current, warned: false }))
     }
 
     /// What the root of the recording says, beside its time.
     fn origin(&self) -> Map<String, Value> {
-        let origin = exports::origin(&self.world, &self.recipe.name, Some(&self.recipe.source.text));
+        let clock = clock::of_run(&self.recipe, &self.state.journal);
+        let origin = exports::origin(&self.world, &self.recipe.name, Some(&self.recipe.source.text), clock);
         origin.into_iter().filter(|(key, _)| !["steps_done", "sea_level_m"].contains(&key.as_str())).collect()
     }
 
@@ -108,6 +114,16 @@ impl Driver {
         recorder.is_current = false;
         if was_set_back && let Err(e) = recorder.timeline.truncate(self.world.step + 1) {
             self.tell(Event::Warning { message: format!("frames of another future are still there: {e}") });
+        }
+    }
+
+    /// To be called when parameters have changed: a recording whose steps differ in length has none.
+    pub(super) fn keep_time(&mut self, uses: &[ProcessUse]) {
+        let clock = clock::of_step(uses, &self.world.grid);
+        let Some(recorder) = &mut self.recorder else { return };
+        let lost = if recorder.clock == clock { Ok(()) } else { recorder.timeline.lose_clock() };
+        if let Err(e) = lost {
+            self.tell(Event::Warning { message: format!("the recording's times are wrong from here on: {e}") });
         }
     }
 

@@ -64,6 +64,7 @@ impl Driver {
                 world: &overview,
                 source: &world,
                 fingerprint,
+                clock: None,
                 out,
                 limits: &options.limits,
                 control,

@@ -72,7 +72,7 @@ pub(crate) fn is_material(layer: &str) -> bool {
 }
 
 /// What the root of a Zarr store says of its origin.
-pub(crate) fn origin(world: &World, name: &str, recipe: Option<&str>) -> Map<String, Value> {
+pub(crate) fn origin(world: &World, name: &str, recipe: Option<&str>, clock: Option<f64>) -> Map<String, Value> {
     let mut m = Map::new();
     m.insert("title".to_owned(), json!(name));
     m.insert("source".to_owned(), json!(format!("Eyot {}", crate::VERSION)));
@@ -81,6 +81,7 @@ pub(crate) fn origin(world: &World, name: &str, recipe: Option<&str>) -> Map<Str
     m.insert("seed".to_owned(), json!(world.seed));
     m.insert("steps_done".to_owned(), json!(world.step));
     m.insert("sea_level_m".to_owned(), json!(world.sea_level_m));
+    m.extend(clock.map(|seconds| (io::SECONDS.to_owned(), json!(seconds))));
     if let Some(recipe) = recipe {
         m.insert("recipe".to_owned(), json!(recipe));
     }

@@ -1,4 +1,4 @@
-//! Films: pictures along a camera's path or of a run at work, and a video of them.
+//! Films: pictures along a camera's path, of a run at work or of a recording, and a video of them.
 //!
 //! A film is a folder of numbered PNG files and a `film.json` that says what they show. Each picture appears whole or not at all, so
 //! a film that was stopped goes on with the first one that is missing.
@@ -11,10 +11,11 @@ use crate::artist::{Artist, Scenery};
 use crate::backend::{self, io, render};
 use crate::error::{RunError, shell_word};
 use crate::outputs::view_options;
+use crate::timeline::Timeline;
 use eyot_core::layer::known::ARIDITY;
 use eyot_core::{Control, Limits, World};
 use render::CameraPath;
-use rerun::Made;
+use rerun::{Made, Rerun};
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -50,7 +51,8 @@ pub struct FilmOptions {
     pub scenery: Scenery,
     /// The way of the camera.
     pub path: FilmPath,
-    /// Pictures; 1 to [`MOST_FRAMES`]. `None` takes ten seconds, or the time that a file of key frames names.
+    /// Pictures; 1 to [`MOST_FRAMES`]. `None` takes ten seconds, or the time that a file of key frames names; of a recording,
+    /// as many as it would have frames if none had been dropped.
     pub frames: Option<u32>,
     /// Pictures a second, 1 to 240.
     pub fps: f32,
@@ -102,7 +104,7 @@ pub fn film(
     control: &Control<'_>,
     tell: &mut dyn FnMut(&FilmProgress),
 ) -> Result<Filmed, RunError> {
-    shoot(&Land { world, made: None }, options, out, limits, control, tell)
+    shoot(&Land { world, moves: None }, options, out, limits, control, tell)
 }
 
 /// Films the finished run in the folder `run`: its recipe is carried out again, by the processor, and the pictures show the land from
@@ -119,15 +121,108 @@ pub fn film_run(
     tell: &mut dyn FnMut(&FilmProgress),
 ) -> Result<Filmed, RunError> {
     let made = Made::open(run, limits)?;
-    shoot(&Land { world: &made.world, made: Some(&made) }, options, out, limits, control, tell)
+    shoot(&Land { world: &made.world, moves: Some(Moves::Run(&made)) }, options, out, limits, control, tell)
+}
+
+/// Films the recording in the folder `run`: each picture shows the last frame that is no later than its moment. The run may be at
+/// work, or have ended early.
+///
+/// # Errors
+/// As [`film`], and if there is no recording, it holds no frame or is damaged.
+pub fn film_recording(
+    run: &Path,
+    options: &FilmOptions,
+    out: &Path,
+    limits: &Limits,
+    control: &Control<'_>,
+    tell: &mut dyn FnMut(&FilmProgress),
+) -> Result<Filmed, RunError> {
+    let timeline = Timeline::open(run, limits)?;
+    let Some(last) = timeline.frames().len().checked_sub(1) else {
+        let reason = format!("the recording in `{}` holds no frame", run.display());
+        return Err(RunError::Input { reason, help: Some("resume its run, or film another one") });
+    };
+    let world = timeline.load(last)?;
+    shoot(&Land { world: &world, moves: Some(Moves::Recording(&timeline)) }, options, out, limits, control, tell)
 }
 
 /// What is filmed.
 struct Land<'a> {
     /// The world in its last state, which scales all pictures.
     world: &'a World,
-    /// How it was made, if that is to be seen.
-    made: Option<&'a Made>,
+    /// Where earlier states come from, if they are to be seen.
+    moves: Option<Moves<'a>>,
+}
+
+/// Where the states of a world that changes come from.
+#[derive(Clone, Copy)]
+enum Moves<'a> {
+    /// Its run, which is done again.
+    Run(&'a Made),
+    /// Its recording.
+    Recording(&'a Timeline),
+}
+
+impl Moves<'_> {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Run(_) => "its run",
+            Self::Recording(_) => "its recording",
+        }
+    }
+}
+
+/// The states, one after the other.
+enum States<'a> {
+    Run(&'a Made, Box<Rerun>),
+    /// With the number of the frame that was shown last.
+    Recording(&'a Timeline, Option<usize>),
+}
+
+impl<'a> States<'a> {
+    fn begin(moves: Moves<'a>, limits: &Limits, control: &Control<'_>) -> Result<Self, RunError> {
+        Ok(match moves {
+            Moves::Run(made) => Self::Run(made, Box::new(made.start(limits, control)?)),
+            Moves::Recording(timeline) => Self::Recording(timeline, None),
+        })
+    }
+
+    /// The world that a picture shows, unless it is that of the picture before.
+    fn of(&mut self, picture: u32, frames: u32, control: &Control<'_>) -> Result<Option<Arc<World>>, RunError> {
+        match self {
+            Self::Run(made, rerun) => rerun.world_at(made.moment(picture, frames), control).map(Some),
+            Self::Recording(timeline, shown) => {
+                let frame = frame_at(timeline, picture, frames);
+                if shown.replace(frame) == Some(frame) {
+                    return Ok(None);
+                }
+                timeline.load(frame).map(|w| Some(Arc::new(w)))
+            }
+        }
+    }
+
+    fn notes(self) -> Vec<String> {
+        match self {
+            Self::Run(_, mut rerun) => std::mem::take(&mut rerun.notes),
+            Self::Recording(..) => Vec::new(),
+        }
+    }
+}
+
+/// The number of the frame that a picture shows: moments follow each other evenly, and a single picture shows the end.
+fn frame_at(timeline: &Timeline, picture: u32, frames: u32) -> usize {
+    let steps = |i: usize| timeline.frames()[i].steps_done;
+    let (first, last) = (steps(0), steps(timeline.frames().len() - 1));
+    let share = if frames <= 1 { 1.0 } else { f64::from(picture) / f64::from(frames - 1) };
+    let moment = first + (share * (last - first) as f64).round() as u64;
+    timeline.frames().partition_point(|f| f.steps_done <= moment).max(1) - 1
+}
+
+/// Pictures of a recording: one for each frame that it would have if none had been dropped.
+fn usual_frames(timeline: &Timeline) -> u32 {
+    let steps = |f: Option<&crate::timeline::Frame>| f.map_or(0, |f| f.steps_done);
+    let span = steps(timeline.frames().last()) - steps(timeline.frames().first());
+    (span / timeline.record().every + 1).min(u64::from(MOST_FRAMES)) as u32
 }
 
 impl Land<'_> {
@@ -174,25 +269,27 @@ fn shoot(
         _ => CameraPath::orbit(artist.stage(), &view),
     };
     let seconds = if keys.is_some_and(|k| k.is_timed()) { path.duration() } else { USUAL_SECONDS };
-    let frames =
-        options.frames.unwrap_or_else(|| (seconds * options.fps).round().clamp(1.0, MOST_FRAMES as f32) as u32);
+    let usual = || match land.moves {
+        Some(Moves::Recording(timeline)) => usual_frames(timeline),
+        _ => (seconds * options.fps).round().clamp(1.0, MOST_FRAMES as f32) as u32,
+    };
+    let frames = options.frames.unwrap_or_else(usual);
 
     let manifest = manifest(land, options, &path, frames, &artist.name());
     prepare(out, &manifest, options.restart)?;
     let name = |i: u32| out.join(format!("frame_{i:05}.png"));
     let missing: Vec<u32> = (0..frames).filter(|i| !is_picture(&name(*i))).collect();
-    let mut rerun = match land.made {
-        Some(made) if !missing.is_empty() => Some((made, made.start(limits, control)?)),
-        _ => None,
-    };
+    let moves = land.moves.filter(|_| !missing.is_empty());
+    let mut states = moves.map(|m| States::begin(m, limits, control)).transpose()?;
     let begun = Instant::now();
     for (drawn, &i) in missing.iter().enumerate() {
         control.check().map_err(|_| RunError::Stopped)?;
         let left = (missing.len() - drawn) as f64;
         let seconds_left = (drawn > 0).then(|| begun.elapsed().as_secs_f64() / drawn as f64 * left);
         tell(&FilmProgress { done: frames - left as u32, frames, seconds_left, engine: artist.name() });
-        if let Some((made, rerun)) = &mut rerun {
-            let world = rerun.world_at(made.moment(i, frames), control)?;
+        if let Some(states) = &mut states
+            && let Some(world) = states.of(i, frames, control)?
+        {
             artist.follow(&land.whole(world, options.scenery.drape.as_deref()), control)?;
         }
         // A closed path's last picture is the one before its first.
@@ -204,7 +301,7 @@ fn shoot(
     }
     tell(&FilmProgress { done: frames, frames, seconds_left: Some(0.0), engine: artist.name() });
     let mut notes = artist.notes;
-    notes.extend(rerun.into_iter().flat_map(|(_, mut r)| std::mem::take(&mut r.notes)));
+    notes.extend(states.into_iter().flat_map(States::notes));
     let video = video::make(out, options.video, options.fps, frames, &mut notes, control)?;
     Ok(Filmed { drawn: missing.len() as u32, frames, video, notes })
 }
@@ -236,7 +333,7 @@ fn manifest(land: &Land<'_>, o: &FilmOptions, path: &CameraPath, frames: u32, en
     json!({
         "engine_version": crate::VERSION,
         "world": format!("{:016x}", land.world.fingerprint()),
-        "shows": if land.made.is_some() { "its run" } else { "the world" },
+        "shows": land.moves.map_or("the world", Moves::name),
         "engine": engine,
         "frames": frames,
         "fps": o.fps,

@@ -76,6 +76,7 @@ pub(crate) fn recipe(
 
 mod rules;
 mod steps;
+mod terms;
 
 struct Validator<'a> {
     registry: &'a Registry,

@@ -207,7 +207,7 @@ impl Validator<'_> {
     }
 
     /// What texts may name now, and what is wrong with the start values of layers that are left out.
-    fn scope(&self) -> (Scope, HashMap<String, Vec<Problem>>) {
+    pub(super) fn scope(&self) -> (Scope, HashMap<String, Vec<Problem>>) {
         let (mut scope, mut failed) = (Scope::default(), HashMap::new());
         let own = |name: &str| self.own.iter().any(|o| o.name == name && matches!(o.what, What::Layer(..)));
         for name in self.layers.iter().filter(|n| !own(n)) {
@@ -268,6 +268,11 @@ impl Validator<'_> {
             Part::Whole => None,
         };
         let span = text.map_or_else(|| own.node.span.clone(), |node| self.inside(node, mistake));
+        self.mistaken(span, mistake)
+    }
+
+    /// What is wrong at this place.
+    pub(super) fn mistaken(&self, span: Span, mistake: &Mistake) -> Diagnostic {
         let diagnostic = Diagnostic::at(span, mistake.message.clone(), mistake.label.clone());
         let help = mistake.unknown.as_deref().map(|(name, known)| self.instead(name, known)).or(mistake.help.clone());
         match help {
@@ -293,7 +298,7 @@ impl Validator<'_> {
     }
 
     /// The place of a mistake in the recipe. A text with escapes is shown as a whole.
-    fn inside(&self, node: &Node, mistake: &Mistake) -> Span {
+    pub(super) fn inside(&self, node: &Node, mistake: &Mistake) -> Span {
         let whole = node.span.clone();
         let written = self.sources.get(whole.source).and_then(|s| s.text.get(whole.start..whole.end));
         let at = written.zip(node.text()).and_then(|(written, text)| written.find(text));

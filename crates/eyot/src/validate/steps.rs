@@ -1,6 +1,6 @@
 //! The `[[step]]` tables: what each does, with whose parameters, and what it leaves for the next.
 
-use super::{Validator, without};
+use super::{Validator, terms, without};
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, alternatives, nearest};
 use crate::keys::{self, Names, Schedule};
@@ -299,6 +299,7 @@ impl Validator<'_> {
         let node = table.unwrap_or(&empty);
         let before = self.out.len();
         let (name, own) = (actor.name(), actor.schema());
+        let (texts, node) = &terms::apart(&actor, node);
         let schedule = schema_of::<Schedule>().to_value();
         let theirs = Node {
             span: node.span.clone(),
@@ -341,7 +342,8 @@ impl Validator<'_> {
                         self.layers.push(spec.name.into_owned());
                     }
                 }
-                Some(ProcessUse { actor, parameters, every: schedule.every, enabled: schedule.enabled })
+                let terms = self.terms(&actor, &parameters, texts, acts)?;
+                Some(ProcessUse { actor, parameters, terms, every: schedule.every, enabled: schedule.enabled })
             }
             Err(e) => {
                 self.out.push(Diagnostic::at(node.span.clone(), format!("`{name}`: {e}"), "here"));

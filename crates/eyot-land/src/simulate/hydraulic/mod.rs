@@ -58,7 +58,7 @@ pub use signed::{Erode, ErodeParams, Flux, FluxParams, Spring, SpringParams};
 #[serde(default, deny_unknown_fields)]
 pub struct Hydraulic {
     /// Duration of a step. Longer steps do more at once; beyond the stability bound they are cut into parts.
-    #[schemars(range(min = 0.0001, max = 1000.0), extend("unit" = "s"))]
+    #[schemars(range(min = 0.0001, max = 1000.0), extend("unit" = "s", "between_cells" = true))]
     pub time_step: f32,
     /// Rain. More of it makes wider and deeper channels; far too much floods the land and nothing but mud remains.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "m/s"))]
@@ -230,6 +230,10 @@ impl Process for Hydraulic {
 
     fn needs(&self) -> Vec<&'static str> {
         if self.springs > 0.0 { vec!["springs"] } else { Vec::new() }
+    }
+
+    fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {
+        Some(f64::from(self.time_step))
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

@@ -52,7 +52,7 @@ pub use heights::HEIGHT_REST;
 
 use crate::drainage::{Base, Neighbours, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Action, Moment, Process, check_ranges};
+use eyot_core::process::{Action, Moment, Process, SECONDS_PER_YEAR, check_ranges};
 use eyot_core::{Control, Edge, Field, Grid, LayerSpec, Result, World};
 use incise::Cut;
 use rayon::prelude::*;
@@ -125,6 +125,10 @@ impl Process for Streampower {
 
     fn check(&self, _grid: &Grid) -> Result<()> {
         check_ranges("streampower", self)
+    }
+
+    fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {
+        Some(f64::from(self.years_per_step) * SECONDS_PER_YEAR)
     }
 
     fn action(&self) -> Option<&dyn Action> {
