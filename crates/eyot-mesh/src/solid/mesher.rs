@@ -3,13 +3,13 @@
 use super::block::{Corner, Raw, Source, extract};
 use super::field::{Point, ScalarField};
 use super::lattice::{BlockId, Lattice};
-use super::relax::{Net, Vertex};
+use super::relax::{Net, Vertex, each_block};
 use super::solid_mesh::Solid;
 use super::vector::unit;
 use crate::error::{Error, Result};
 use eyot_core::{Error as CoreError, Limits};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How to mesh a field.
@@ -48,14 +48,20 @@ pub fn mesh_field(
 ) -> Result<Solid> {
     let mut remesher = Remesher::new(*lattice, *options);
     remesher.update(field, limits)?;
-    Ok(remesher.solid())
+    Ok(remesher.into_solid())
 }
 
 /// Meshes a field that changes, and only those blocks of it that did; the bytes are those of meshing all of it.
 pub struct Remesher {
     lattice: Lattice,
     options: MeshingOptions,
-    blocks: BTreeMap<BlockId, Arc<Block>>,
+    layout: Layout,
+    /// Blocks in which something may be, in the layout's order.
+    blocks: Vec<Block>,
+    /// For each place of the layout the number of its block, or [`NOBODY`].
+    slots: Vec<u32>,
+    /// Corners of all triangles, where the last update had to know them all.
+    indices: Option<Vec<u32>>,
 }
 
 /// What [`Remesher::update`] did.
@@ -70,16 +76,53 @@ pub struct Update {
 /// A block of the surface.
 #[derive(Clone)]
 struct Block {
+    id: BlockId,
     stamp: Option<u64>,
     raw: Arc<Raw>,
-    vertices: Vec<Vertex>,
+    /// Vertices after they have moved.
+    vertices: Arc<Vec<Vertex>>,
+}
+
+/// No block, or no vertex.
+const NOBODY: u32 = u32::MAX;
+
+/// The places of blocks in a lattice, along x first.
+#[derive(Clone, Copy)]
+struct Layout {
+    low: [i32; 3],
+    count: [usize; 3],
+}
+
+impl Layout {
+    fn new(lattice: &Lattice) -> Self {
+        let range = lattice.block_range();
+        Self { low: range.map(|r| r[0]), count: range.map(|[first, last]| (last - first + 1).max(0) as usize) }
+    }
+
+    fn len(&self) -> usize {
+        self.count.iter().product()
+    }
+
+    fn id(&self, place: usize) -> BlockId {
+        let [nx, ny, _] = self.count;
+        let at = |axis: usize, i: usize| self.low[axis] + i as i32;
+        BlockId { z: at(2, place / (nx * ny)), y: at(1, place / nx % ny), x: at(0, place % nx) }
+    }
+
+    fn place(&self, id: BlockId) -> Option<usize> {
+        let i = [id.x - self.low[0], id.y - self.low[1], id.z - self.low[2]];
+        let is_in = (0..3).all(|axis| i[axis] >= 0 && (i[axis] as usize) < self.count[axis]);
+        let [x, y, z] = i.map(|v| v as usize);
+        is_in.then(|| (z * self.count[1] + y) * self.count[0] + x)
+    }
 }
 
 impl Remesher {
     /// A mesher that has seen nothing yet.
     pub fn new(lattice: Lattice, options: MeshingOptions) -> Self {
         let options = MeshingOptions { rounds: options.rounds.min(MOST_ROUNDS) };
-        Self { lattice, options, blocks: BTreeMap::new() }
+        let layout = Layout::new(&lattice);
+        Self { lattice, options, layout, blocks: Vec::new(), slots: Vec::new(), indices: None }
     }
 
     /// Meshes what differs from the last time.
@@ -87,115 +130,183 @@ impl Remesher {
     /// # Errors
     /// As [`mesh_field`]. Then everything is meshed the next time.
     pub fn update(&mut self, field: &dyn ScalarField, limits: &Limits) -> Result<Update> {
-        let old = std::mem::take(&mut self.blocks);
-        let lattice = self.lattice;
-        let remesh = |id: BlockId| -> Option<Result<(BlockId, Arc<Block>, bool)>> {
+        let (old, old_slots) = (std::mem::take(&mut self.blocks), std::mem::take(&mut self.slots));
+        let (lattice, layout) = (self.lattice, self.layout);
+        let before = |place: usize| old.get(*old_slots.get(place)? as usize);
+        let remesh = |place: usize| -> Result<Option<(Block, bool)>> {
+            let id = layout.id(place);
             let source = Source::new(field, &lattice, id);
             if source.is_nothing() {
-                return None;
+                return Ok(None);
             }
             let stamp = source.stamp();
-            if let Some(block) = old.get(&id).filter(|b| stamp.is_some() && b.stamp == stamp) {
-                return Some(Ok((id, block.clone(), false)));
+            if let Some(block) = before(place).filter(|b| stamp.is_some() && b.stamp == stamp) {
+                return Ok(Some((block.clone(), false)));
             }
-            let block = |raw| Arc::new(Block { stamp, raw: Arc::new(raw), vertices: Vec::new() });
-            Some(extract(&source, &lattice, id).map(|raw| (id, block(raw), true)))
+            let raw = Arc::new(extract(&source, &lattice, id)?);
+            Ok(Some((Block { id, stamp, raw, vertices: Arc::default() }, true)))
         };
-        let found: Vec<(BlockId, Arc<Block>, bool)> =
-            lattice.blocks().par_bridge().filter_map(remesh).collect::<Result<_>>()?;
-        let vertices: u64 = found.iter().map(|b| b.1.raw.positions.len() as u64).sum();
+        let all = (0..layout.len()).into_par_iter().with_min_len(8).map(remesh);
+        let found: Vec<Option<(Block, bool)>> = all.collect::<Result<_>>()?;
+        let vertices = found.iter().flatten().map(|b| b.0.raw.positions.len() as u64).sum();
         check_size(vertices, limits)?;
 
-        let mut changed: BTreeSet<BlockId> = found.iter().filter(|b| b.2).map(|b| b.0).collect();
-        let blocks: BTreeMap<BlockId, Arc<Block>> = found.into_iter().map(|(id, block, _)| (id, block)).collect();
-        changed.extend(old.keys().filter(|id| !blocks.contains_key(id)));
-        let meshed = changed.iter().filter(|id| blocks.contains_key(id)).count();
+        // Changed are those that were meshed, and those that are gone.
+        let changed: Vec<bool> = (0..layout.len())
+            .map(|place| found[place].as_ref().map_or_else(|| before(place).is_some(), |b| b.1))
+            .collect();
+        let mut numbers = 0..;
+        let slot = |b: &Option<_>| b.as_ref().and_then(|_| numbers.next()).unwrap_or(NOBODY);
+        let slots: Vec<u32> = found.iter().map(slot).collect();
+        let meshed = found.iter().flatten().filter(|b| b.1).count();
+        let blocks: Vec<Block> = found.into_iter().flatten().map(|b| b.0).collect();
         let update = Update { meshed, kept: blocks.len() - meshed };
-        self.blocks = self.relaxed(field, blocks, &changed)?;
+        let mut surface = Surface { lattice, layout, blocks, slots };
+        self.indices = surface.relax(field, &changed, update.kept == 0, self.options.rounds)?;
+        (self.blocks, self.slots) = (surface.blocks, surface.slots);
         Ok(update)
     }
 
     /// The surface as the last update left it.
     pub fn solid(&self) -> Solid {
-        let mut solid = Solid::default();
-        let mut first = BTreeMap::new();
-        for (id, block) in &self.blocks {
-            first.insert(*id, solid.positions.len() as u32);
+        let surface =
+            Surface { lattice: self.lattice, layout: self.layout, blocks: self.blocks.clone(), slots: self.slots.clone() };
+        surface.solid(self.indices.clone())
+    }
+
+    /// The surface, given away.
+    fn into_solid(self) -> Solid {
+        let surface = Surface { lattice: self.lattice, layout: self.layout, blocks: self.blocks, slots: self.slots };
+        surface.solid(self.indices)
+    }
+}
+
+/// Blocks side by side.
+struct Surface {
+    lattice: Lattice,
+    layout: Layout,
+    blocks: Vec<Block>,
+    slots: Vec<u32>,
+}
+
+impl Surface {
+    fn solid(&self, indices: Option<Vec<u32>>) -> Solid {
+        let all: Vec<usize> = (0..self.blocks.len()).collect();
+        let mut solid = Solid { indices: indices.unwrap_or_else(|| self.corners(&all).0), ..Solid::default() };
+        for block in &self.blocks {
             solid.positions.extend(block.vertices.iter().map(|v| v.position));
             solid.normals.extend(block.vertices.iter().map(|v| v.normal));
-        }
-        for (id, block) in &self.blocks {
-            let own = (*id, first[id]);
-            // All neighbours were there when the vertices were relaxed.
-            let corner = |c: Corner| find(&self.blocks, &first, own, &c).unwrap_or(0);
-            solid.indices.extend(block.raw.triangles().flatten().map(corner));
         }
         straighten(&mut solid);
         solid
     }
 
-    /// Moves the vertices of changed blocks and of those around them.
-    fn relaxed(
-        &self,
-        field: &dyn ScalarField,
-        mut blocks: BTreeMap<BlockId, Arc<Block>>,
-        changed: &BTreeSet<BlockId>,
-    ) -> Result<BTreeMap<BlockId, Arc<Block>>> {
-        let present = |ids: &BTreeSet<BlockId>| -> BTreeSet<BlockId> {
-            ids.iter().flat_map(|id| id.around()).filter(|id| blocks.contains_key(id)).collect()
-        };
-        // What moves differently lies next to what changed; to know how it moves, one must know its neighbours.
-        let moving = present(changed);
-        let known = present(&moving);
-        let (mut home, mut ranges, mut first) = (Vec::new(), Vec::new(), BTreeMap::new());
-        for id in &known {
-            let positions = &blocks[id].raw.positions;
-            first.insert(*id, home.len() as u32);
-            ranges.push((home.len()..home.len() + positions.len(), Source::new(field, &self.lattice, *id)));
-            home.extend_from_slice(positions);
-        }
-        let mut indices = Vec::new();
-        for id in &known {
-            let beyond = (0..3).filter(|&axis| blocks[id].raw.continues[axis]);
-            let is_there = |axis: usize| blocks.contains_key(&id.offset([0, 1, 2].map(|i| -i32::from(i == axis))));
-            if moving.contains(id) && !beyond.into_iter().all(is_there) {
-                return Err(Error::FieldOverlooked { at: self.lattice.box_of(*id, 0.0)[0] });
-            }
-            let own = (*id, first[id]);
-            for corners in blocks[id].raw.triangles() {
-                let corners = corners.map(|c| find(&blocks, &first, own, &c));
-                if let [Some(a), Some(b), Some(c)] = corners {
-                    indices.extend([a, b, c]);
-                } else if moving.contains(id) {
-                    return Err(Error::FieldOverlooked { at: self.lattice.box_of(*id, 0.0)[1] });
+    /// Which blocks there are next to these, or are these.
+    fn around(&self, are: &[bool]) -> Vec<bool> {
+        let mut around = vec![false; are.len()];
+        for (place, _) in are.iter().enumerate().filter(|a| *a.1) {
+            for id in self.layout.id(place).around() {
+                if let Some(next) = self.layout.place(id).filter(|&p| self.slots[p] != NOBODY) {
+                    around[next] = true;
                 }
             }
         }
-        let is_relaxed = self.options.rounds > 0;
-        let net = Net::new(ranges, home, if is_relaxed { &indices } else { &[] }, self.lattice.voxel());
-        let vertices = if is_relaxed { net.relaxed(self.options.rounds) } else { net.unmoved() };
-        for (id, (range, _)) in known.iter().zip(&net.blocks) {
-            if let Some(block) = blocks.get_mut(id).filter(|_| moving.contains(id)) {
-                Arc::make_mut(block).vertices = vertices[range.clone()].to_vec();
+        around
+    }
+
+    /// Numbers of the blocks at these places.
+    fn at(&self, places: &[bool]) -> Vec<usize> {
+        places.iter().zip(&self.slots).filter(|(is, s)| **is && **s != NOBODY).map(|(_, s)| *s as usize).collect()
+    }
+
+    /// Corners of the triangles of some blocks, whose vertices are numbered one block after the other; [`NOBODY`] for those of
+    /// other blocks. With it, where each block's corners are.
+    fn corners(&self, some: &[usize]) -> (Vec<u32>, Vec<Range<usize>>) {
+        let mut first = vec![NOBODY; self.blocks.len()];
+        let (mut vertices, mut corners) = (0, 0);
+        let mut ranges = Vec::with_capacity(some.len());
+        for &b in some {
+            first[b] = vertices;
+            vertices += self.blocks[b].raw.positions.len() as u32;
+            let n = 3 * self.blocks[b].raw.triangles().len();
+            ranges.push(corners..corners + n);
+            corners += n;
+        }
+        let mut indices = vec![0; corners];
+        let fill = |(b, _): &(usize, Range<usize>), out: &mut [u32]| {
+            let (own, block) = (first[*b], &self.blocks[*b]);
+            // The block itself and those beyond its upper faces.
+            let near: [Option<(u32, &Raw)>; 8] = std::array::from_fn(|side| {
+                let id = block.id.offset([0, 1, 2].map(|axis| (side >> axis & 1) as i32));
+                let slot = self.slots[self.layout.place(id)?] as usize;
+                let first = first.get(slot).copied().filter(|&f| f != NOBODY)?;
+                Some((first, &*self.blocks[slot].raw))
+            });
+            for (out, &code) in out.iter_mut().zip(block.raw.triangles().as_flattened()) {
+                *out = match Raw::corner(code) {
+                    Corner::Own(i) => own + i,
+                    Corner::Foreign(side, edge) => near[side]
+                        .and_then(|(first, raw)| Some(first + raw.vertex_on(edge)?))
+                        .unwrap_or(NOBODY),
+                };
+            }
+        };
+        let parts: Vec<(usize, Range<usize>)> = some.iter().copied().zip(ranges.iter().cloned()).collect();
+        each_block(&parts, |p| p.1.clone(), &mut indices, fill);
+        (indices, ranges)
+    }
+
+    /// Moves the vertices of changed blocks and of those around them. Returns the corners of all triangles if it had to know them.
+    fn relax(
+        &mut self,
+        field: &dyn ScalarField,
+        changed: &[bool],
+        is_new: bool,
+        rounds: u32,
+    ) -> Result<Option<Vec<u32>>> {
+        // What moves differently lies next to what changed; to know how it moves, one must know its neighbours.
+        let (moving, known) = if is_new {
+            (vec![true; self.blocks.len()], (0..self.blocks.len()).collect())
+        } else {
+            let moving = self.around(changed);
+            let known = self.at(&self.around(&moving));
+            let mut is_moving = vec![false; self.blocks.len()];
+            self.at(&moving).into_iter().for_each(|b| is_moving[b] = true);
+            (is_moving, known)
+        };
+        let (mut indices, ranges) = self.corners(&known);
+        let mut is_whole = true;
+        for (&b, range) in known.iter().zip(&ranges) {
+            let block = &self.blocks[b];
+            let is_there = |axis: usize| {
+                let id = block.id.offset([0, 1, 2].map(|i| -i32::from(i == axis)));
+                self.layout.place(id).is_some_and(|p| self.slots[p] != NOBODY)
+            };
+            let lacks = (0..3).any(|axis| block.raw.continues[axis] && !is_there(axis));
+            let unknown = indices[range.clone()].contains(&NOBODY);
+            is_whole &= !unknown;
+            if moving[b] && (lacks || unknown) {
+                return Err(Error::FieldOverlooked { at: self.lattice.box_of(block.id, 0.0)[usize::from(!lacks)] });
             }
         }
-        Ok(blocks)
-    }
-}
-
-/// Number of a corner's vertex, given where the vertices of its own block and of all blocks begin.
-fn find(
-    blocks: &BTreeMap<BlockId, Arc<Block>>,
-    first: &BTreeMap<BlockId, u32>,
-    (id, own): (BlockId, u32),
-    corner: &Corner,
-) -> Option<u32> {
-    match corner {
-        Corner::Own(i) => Some(own + i),
-        Corner::Foreign(side, edge) => {
-            let other = id.offset(*side);
-            Some(first.get(&other)? + blocks.get(&other)?.raw.vertex_on(*edge)?)
+        if !is_whole {
+            let known = indices.chunks_exact(3).filter(|t| !t.contains(&NOBODY));
+            indices = known.flatten().copied().collect();
         }
+        let mut home: Vec<Point> = Vec::new();
+        let mut sources = Vec::with_capacity(known.len());
+        for &b in &known {
+            let block = &self.blocks[b];
+            let begin = home.len();
+            home.extend_from_slice(&block.raw.positions);
+            sources.push((begin..home.len(), Source::new(field, &self.lattice, block.id)));
+        }
+        let net = Net::new(sources, home, if rounds > 0 { &indices } else { &[] }, self.lattice.voxel());
+        let vertices = if rounds > 0 { net.relaxed(rounds) } else { net.unmoved() };
+        for (&b, (range, _)) in known.iter().zip(&net.blocks).filter(|(b, _)| moving[**b]) {
+            self.blocks[b].vertices = Arc::new(vertices[range.clone()].to_vec());
+        }
+        Ok(is_new.then_some(indices))
     }
 }
 

@@ -81,6 +81,7 @@ fn samples(blobs: &Blobs, spacing: f32) -> Vec<f32> {
     let start: Point = [low[0] + 0.5 * spacing, 0.5 * spacing, low[2] + 0.5 * spacing];
     let counts = [0, 1, 2].map(count);
     let mut values = Vec::new();
+    let mut block = vec![0.0; BLOCK * BLOCK * BLOCK];
     let at = |i: usize, n: usize| start[i] + n as f32 * spacing;
     for z0 in (0..counts[2]).step_by(BLOCK) {
         for y0 in (0..counts[1]).step_by(BLOCK) {
@@ -91,13 +92,10 @@ fn samples(blobs: &Blobs, spacing: f32) -> Vec<f32> {
                 else {
                     continue;
                 };
-                let xs: [f32; BLOCK] = std::array::from_fn(|n| at(0, x0 + n));
-                let mut row = [0.0; BLOCK];
-                for (y, z) in (z0..=z1).flat_map(|z| (y0..=y1).map(move |y| (y, z))) {
-                    part.row(&xs, at(1, y), at(2, z), &mut row);
-                    // The field is the value minus 1/2.
-                    values.extend(row.iter().map(|v| v + 0.5).filter(|&v| v > 0.02));
-                }
+                let line = |i: usize, first: usize| -> [f32; BLOCK] { std::array::from_fn(|n| at(i, first + n)) };
+                part.fill([&line(0, x0), &line(1, y0), &line(2, z0)], &mut block);
+                // The field is the value minus 1/2.
+                values.extend(block.iter().map(|v| v + 0.5).filter(|&v| v > 0.02));
             }
         }
     }
