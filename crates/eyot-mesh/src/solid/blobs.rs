@@ -232,7 +232,7 @@ impl Shape {
 
     /// True if it may matter somewhere in a box.
     fn touches(&self, low: Point, high: Point) -> bool {
-        (0..3).all(|i| self.low[i] <= high[i] && low[i] <= self.high[i])
+        (0..3).fold(true, |all, i| all & (self.low[i] <= high[i]) & (low[i] <= self.high[i]))
     }
 
     /// From where to where along y the shape reaches at this z.
@@ -444,16 +444,19 @@ impl ScalarField for Part {
             *next += 1;
         }
         let (isa, mut begin) = (Isa::best(), 0);
-        let mut shapes = Vec::with_capacity(self.shapes.len());
+        let mut shapes = vec![0u32; self.shapes.len()];
         for end in ends.map(|e| e as usize) {
             let chosen = &chosen[std::mem::replace(&mut begin, end)..end];
             let Some(&one) = chosen.first() else { continue };
             let one = points[one as usize];
             let [low, high] = chosen.iter().fold([one; 2], |b, &i| bounds(b, &points[i as usize]));
-            shapes.clear();
-            let near = self.shapes.iter().enumerate().filter(|(_, s)| s.touches(low, high));
-            shapes.extend(near.map(|(i, _)| i as u32));
-            run_lanes(isa, Slopes { part: self, shapes: &shapes, chosen, points, slopes: &mut *slopes });
+            // Every number is written and only those of neighbours stay: whether a shape is one is a coin toss, not to be bet on.
+            let mut near = 0;
+            for (i, shape) in self.shapes.iter().enumerate() {
+                shapes[near] = i as u32;
+                near += usize::from(shape.touches(low, high));
+            }
+            run_lanes(isa, Slopes { part: self, shapes: &shapes[..near], chosen, points, slopes: &mut *slopes });
         }
     }
 
@@ -482,7 +485,7 @@ struct Buckets {
 }
 
 /// Fewer primitives are looked through one by one.
-const FEW: usize = 64;
+const FEW: usize = 512;
 
 impl Buckets {
     fn new(shapes: &[Shape]) -> Self {

@@ -77,7 +77,7 @@ pub enum Within<'a> {
     /// No simpler field is known.
     Whole,
     /// A field with the same values in the box, bit by bit.
-    Part(Box<dyn ScalarField + 'a>),
+    Part(Box<dyn ScalarField + Send + 'a>),
 }
 
 /// A field cut off by a box: inside where both are. What would leave the lattice is closed by the box's faces.

@@ -133,7 +133,7 @@ impl Remesher {
         let (old, old_slots) = (std::mem::take(&mut self.blocks), std::mem::take(&mut self.slots));
         let (lattice, layout) = (self.lattice, self.layout);
         let before = |place: usize| old.get(*old_slots.get(place)? as usize);
-        let remesh = |place: usize| -> Result<Option<(Block, bool)>> {
+        let remesh = |place: usize| -> Result<Option<(Block, bool, Source<'_>)>> {
             let id = layout.id(place);
             let source = Source::new(field, &lattice, id);
             if source.is_nothing() {
@@ -141,13 +141,13 @@ impl Remesher {
             }
             let stamp = source.stamp();
             if let Some(block) = before(place).filter(|b| stamp.is_some() && b.stamp == stamp) {
-                return Ok(Some((block.clone(), false)));
+                return Ok(Some((block.clone(), false, source)));
             }
             let raw = Arc::new(extract(&source, &lattice, id)?);
-            Ok(Some((Block { id, stamp, raw, vertices: Arc::default() }, true)))
+            Ok(Some((Block { id, stamp, raw, vertices: Arc::default() }, true, source)))
         };
         let all = (0..layout.len()).into_par_iter().with_min_len(8).map(remesh);
-        let found: Vec<Option<(Block, bool)>> = all.collect::<Result<_>>()?;
+        let found: Vec<Option<(Block, bool, Source<'_>)>> = all.collect::<Result<_>>()?;
         let vertices = found.iter().flatten().map(|b| b.0.raw.positions.len() as u64).sum();
         check_size(vertices, limits)?;
 
@@ -159,10 +159,10 @@ impl Remesher {
         let slot = |b: &Option<_>| b.as_ref().and_then(|_| numbers.next()).unwrap_or(NOBODY);
         let slots: Vec<u32> = found.iter().map(slot).collect();
         let meshed = found.iter().flatten().filter(|b| b.1).count();
-        let blocks: Vec<Block> = found.into_iter().flatten().map(|b| b.0).collect();
+        let (blocks, sources): (Vec<Block>, Vec<Source<'_>>) = found.into_iter().flatten().map(|b| (b.0, b.2)).unzip();
         let update = Update { meshed, kept: blocks.len() - meshed };
         let mut surface = Surface { lattice, layout, blocks, slots };
-        self.indices = surface.relax(field, &changed, update.kept == 0, self.options.rounds)?;
+        self.indices = surface.relax(sources, &changed, update.kept == 0, self.options.rounds)?;
         (self.blocks, self.slots) = (surface.blocks, surface.slots);
         Ok(update)
     }
@@ -259,7 +259,7 @@ impl Surface {
     /// Moves the vertices of changed blocks and of those around them. Returns the corners of all triangles if it had to know them.
     fn relax(
         &mut self,
-        field: &dyn ScalarField,
+        sources: Vec<Source<'_>>,
         changed: &[bool],
         is_new: bool,
         rounds: u32,
@@ -294,14 +294,16 @@ impl Surface {
             indices = known.flatten().copied().collect();
         }
         let mut home: Vec<Point> = Vec::new();
-        let mut sources = Vec::with_capacity(known.len());
+        let mut vertices = Vec::with_capacity(known.len());
+        let mut sources = sources.into_iter().enumerate();
         for &b in &known {
-            let block = &self.blocks[b];
             let begin = home.len();
-            home.extend_from_slice(&block.raw.positions);
-            sources.push((begin..home.len(), Source::new(field, &self.lattice, block.id)));
+            home.extend_from_slice(&self.blocks[b].raw.positions);
+            // Numbers rise.
+            let source = sources.find(|s| s.0 == b).map(|s| s.1);
+            vertices.extend(source.map(|s| (begin..home.len(), s)));
         }
-        let net = Net::new(sources, home, if rounds > 0 { &indices } else { &[] }, self.lattice.voxel());
+        let net = Net::new(vertices, home, if rounds > 0 { &indices } else { &[] }, self.lattice.voxel());
         let vertices = if rounds > 0 { net.relaxed(rounds) } else { net.unmoved() };
         for (&b, (range, _)) in known.iter().zip(&net.blocks).filter(|(b, _)| moving[**b]) {
             self.blocks[b].vertices = Arc::new(vertices[range.clone()].to_vec());

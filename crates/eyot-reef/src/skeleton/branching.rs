@@ -31,7 +31,8 @@ const TIP: f32 = 0.8;
 
 /// What a colony's branches grow by.
 pub(super) struct Branches<'a> {
-    pub(super) grammar: &'a Grammar,
+    /// What the grammar draws.
+    pub(super) drawing: &'a [Segment],
     /// Radius of the full-grown colony, m.
     pub(super) full_radius: f32,
     /// Height of the growth volume over its radius.
@@ -49,11 +50,18 @@ struct Branch {
     is_tip: bool,
 }
 
-pub(super) fn branching(outline: &Outline, b: &Branches<'_>, chance: Chance) -> Result<Vec<Primitive>> {
+/// Everything that a colony's grammar ever draws, as long as it lives.
+///
+/// # Errors
+/// If the grammar makes more than fits into 256 MiB, or leaves the range of numbers.
+pub(crate) fn drawing(grammar: &Grammar, chance: Chance) -> Result<Vec<Segment>> {
     let limits = Limits { max_bytes: 256 << 20, ..Limits::default() };
-    let word = b.grammar.derive(b.grammar.steps, chance.seed(), &limits)?;
-    let drawing = b.grammar.draw(&word, chance.seed(), &limits)?;
-    let (clipped, r) = grown(&drawing.segments, outline, b);
+    let word = grammar.derive(grammar.steps, chance.seed(), &limits)?;
+    Ok(grammar.draw(&word, chance.seed(), &limits)?.segments)
+}
+
+pub(super) fn branching(outline: &Outline, b: &Branches<'_>) -> Vec<Primitive> {
+    let (clipped, r) = grown(b.drawing, outline, b);
     let cone = |branch: &Branch| {
         let mut radii = branch.widths.map(|w| w * r);
         if branch.is_tip {
@@ -65,15 +73,17 @@ pub(super) fn branching(outline: &Outline, b: &Branches<'_>, chance: Chance) -> 
     // What all of them grow from.
     let foot = (0.16 * outline.radius).min(2.5 * r).max(1.2 * r);
     primitives.push(Primitive::ball([0.0, 0.3 * foot, 0.0], foot));
-    Ok(primitives)
+    primitives
 }
 
 /// The branches that there are, and their thickness, m.
 fn grown(segments: &[Segment], outline: &Outline, b: &Branches<'_>) -> (Vec<Branch>, f32) {
+    let room = reach(segments, outline, b, 0.0);
     let with = |generations: f32| {
-        let all = clip(segments, outline, b, generations, 0.0);
+        let all = clip(segments, &room, generations);
         // Once more with the room that the branches' own thickness takes.
-        let all = clip(segments, outline, b, generations, thickness(&all, b.volume, outline.radius));
+        let room = reach(segments, outline, b, thickness(&all, b.volume, outline.radius));
+        let all = clip(segments, &room, generations);
         let r = thickness(&all, b.volume, outline.radius);
         (all, r)
     };
@@ -100,9 +110,14 @@ fn thickness(branches: &[Branch], volume: f32, radius: f32) -> f32 {
     if sum > 0.0 { (volume / (0.8 * std::f32::consts::PI * sum)).sqrt().min(0.4 * radius) } else { 0.3 * radius }
 }
 
-/// The parts of segments of so many generations beyond the first within the growth volume, which ends `margin` before the colony
-/// does.
-fn clip(segments: &[Segment], outline: &Outline, b: &Branches<'_>, generations: f32, margin: f32) -> Vec<Branch> {
+/// A segment at its place, m, and the part of it before it leaves the growth volume; `None` if it begins outside.
+struct Reach {
+    ends: [[f32; 3]; 2],
+    inside: Option<f32>,
+}
+
+/// How far segments lie within the growth volume, which ends `margin` before the colony does.
+fn reach(segments: &[Segment], outline: &Outline, b: &Branches<'_>, margin: f32) -> Vec<Reach> {
     let room = ((outline.radius - margin) / outline.radius).max(0.3);
     let height = (b.height * outline.radius - margin).max(0.3 * b.height * outline.radius);
     let depth = |p: [f32; 3]| {
@@ -112,29 +127,44 @@ fn clip(segments: &[Segment], outline: &Outline, b: &Branches<'_>, generations: 
     // The turtle's z is up.
     let scale = (outline.radius * b.full_radius).sqrt();
     let place = |v: Vector| [v[0] as f32, v[2] as f32, v[1] as f32].map(|c| c * scale);
+    let of_segment = |s: &Segment| {
+        let ends = [place(s.from), place(s.to)];
+        // Branches neither leave the dome nor run into the floor.
+        let is_inside = |t: f32| {
+            let p = between(ends, t);
+            depth(p) < 1.0 && p[1] >= 0.0
+        };
+        let begins = depth(ends[0]) < 1.0 && ends[0][1] >= -1e-6;
+        let inside = begins.then(|| if is_inside(1.0) { 1.0 } else { last_inside(is_inside) });
+        Reach { ends, inside }
+    };
+    segments.iter().map(of_segment).collect()
+}
+
+fn between([from, to]: [[f32; 3]; 2], t: f32) -> [f32; 3] {
+    std::array::from_fn(|i| from[i] + t * (to[i] - from[i]))
+}
+
+/// The parts of segments of so many generations beyond the first within the growth volume.
+fn clip(segments: &[Segment], room: &[Reach], generations: f32) -> Vec<Branch> {
     let first = segments.iter().map(|s| s.depth).min().unwrap_or(0);
     let mut whole = vec![false; segments.len()];
     let mut branches = Vec::new();
     let mut has_children = vec![false; segments.len()];
-    for (i, s) in segments.iter().enumerate() {
+    for (i, (s, reach)) in segments.iter().zip(room).enumerate() {
         if s.parent.is_some_and(|p| !whole[p as usize]) {
             continue;
         }
         let part = (generations + 1.0 - (s.depth - first) as f32).clamp(0.0, 1.0);
-        let (from, to) = (place(s.from), place(s.to));
-        if part < 0.02 || depth(from) >= 1.0 || from[1] < -1e-6 {
-            continue;
-        }
+        let Some(inside) = reach.inside.filter(|_| part >= 0.02) else { continue };
         if let Some(p) = s.parent {
             has_children[p as usize] = true;
         }
-        let at = |t: f32| -> [f32; 3] { std::array::from_fn(|i| from[i] + t * (to[i] - from[i])) };
-        // Branches neither leave the dome nor run into the floor.
-        let is_inside = |t: f32| depth(at(t)) < 1.0 && at(t)[1] >= 0.0;
-        let t = if is_inside(1.0) { 1.0 } else { last_inside(is_inside) }.min(part);
+        let t = inside.min(part);
         whole[i] = t >= 1.0;
         let [w0, w1] = s.widths.map(|w| w as f32);
-        branches.push((i, Branch { ends: [from, at(t)], widths: [w0, w0 + t * (w1 - w0)], is_tip: true }));
+        let ends = [reach.ends[0], between(reach.ends, t)];
+        branches.push((i, Branch { ends, widths: [w0, w0 + t * (w1 - w0)], is_tip: true }));
     }
     branches.into_iter().map(|(i, b)| Branch { is_tip: !has_children[i], ..b }).collect()
 }

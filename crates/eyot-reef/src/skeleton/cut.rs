@@ -6,7 +6,7 @@ use eyot_mesh::{Point, ScalarField, Within};
 
 /// The part of a field that lies over its foot and, if there is an outline, within it.
 pub(crate) struct Cut<'a> {
-    pub(crate) field: Box<dyn ScalarField + 'a>,
+    pub(crate) field: Box<dyn ScalarField + Send + 'a>,
     pub(crate) outline: Option<&'a Outline>,
     /// How deep below the ground it ends, m: the edge there is ragged.
     pub(crate) foot: f32,
