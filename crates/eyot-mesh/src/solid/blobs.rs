@@ -385,7 +385,7 @@ impl LaneTask for Slopes<'_> {
 }
 
 /// Parts along each side of a box of points that are asked together.
-const PARTS: usize = 3;
+const PARTS: usize = 2;
 
 impl ScalarField for Part {
     fn value(&self, p: Point) -> f32 {

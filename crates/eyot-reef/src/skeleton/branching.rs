@@ -78,12 +78,16 @@ pub(super) fn branching(outline: &Outline, b: &Branches<'_>) -> Vec<Primitive> {
 
 /// The branches that there are, and their thickness, m.
 fn grown(segments: &[Segment], outline: &Outline, b: &Branches<'_>) -> (Vec<Branch>, f32) {
-    let room = reach(segments, outline, b, 0.0);
+    // The turtle's z is up.
+    let scale = (outline.radius * b.full_radius).sqrt();
+    let place = |v: Vector| [v[0] as f32, v[2] as f32, v[1] as f32].map(|c| c * scale);
+    let ends: Vec<[[f32; 3]; 2]> = segments.iter().map(|s| [place(s.from), place(s.to)]).collect();
+    let free: Vec<Option<f32>> = ends.iter().map(|&e| inside(e, outline, b, 0.0)).collect();
     let with = |generations: f32| {
-        let all = clip(segments, &room, generations);
+        let all = clip(segments, &ends, generations, |i| free[i]);
         // Once more with the room that the branches' own thickness takes.
-        let room = reach(segments, outline, b, thickness(&all, b.volume, outline.radius));
-        let all = clip(segments, &room, generations);
+        let margin = thickness(&all, b.volume, outline.radius);
+        let all = clip(segments, &ends, generations, |i| inside(ends[i], outline, b, margin));
         let r = thickness(&all, b.volume, outline.radius);
         (all, r)
     };
@@ -110,61 +114,55 @@ fn thickness(branches: &[Branch], volume: f32, radius: f32) -> f32 {
     if sum > 0.0 { (volume / (0.8 * std::f32::consts::PI * sum)).sqrt().min(0.4 * radius) } else { 0.3 * radius }
 }
 
-/// A segment at its place, m, and the part of it before it leaves the growth volume; `None` if it begins outside.
-struct Reach {
-    ends: [[f32; 3]; 2],
-    inside: Option<f32>,
-}
-
-/// How far segments lie within the growth volume, which ends `margin` before the colony does.
-fn reach(segments: &[Segment], outline: &Outline, b: &Branches<'_>, margin: f32) -> Vec<Reach> {
+/// The part of a segment before it leaves the growth volume, which ends `margin` before the colony does; `None` if it begins
+/// outside.
+fn inside(ends: [[f32; 3]; 2], outline: &Outline, b: &Branches<'_>, margin: f32) -> Option<f32> {
     let room = ((outline.radius - margin) / outline.radius).max(0.3);
     let height = (b.height * outline.radius - margin).max(0.3 * b.height * outline.radius);
     let depth = |p: [f32; 3]| {
         let (q, y) = (outline.gauge(p[0], p[2]).0 / room, p[1] / height);
         q * q + y * y
     };
-    // The turtle's z is up.
-    let scale = (outline.radius * b.full_radius).sqrt();
-    let place = |v: Vector| [v[0] as f32, v[2] as f32, v[1] as f32].map(|c| c * scale);
-    let of_segment = |s: &Segment| {
-        let ends = [place(s.from), place(s.to)];
-        // Branches neither leave the dome nor run into the floor.
-        let is_inside = |t: f32| {
-            let p = between(ends, t);
-            depth(p) < 1.0 && p[1] >= 0.0
-        };
-        let begins = depth(ends[0]) < 1.0 && ends[0][1] >= -1e-6;
-        let inside = begins.then(|| if is_inside(1.0) { 1.0 } else { last_inside(is_inside) });
-        Reach { ends, inside }
+    // Branches neither leave the dome nor run into the floor.
+    let is_inside = |t: f32| {
+        let p = between(ends, t);
+        depth(p) < 1.0 && p[1] >= 0.0
     };
-    segments.iter().map(of_segment).collect()
+    let begins = depth(ends[0]) < 1.0 && ends[0][1] >= -1e-6;
+    begins.then(|| if is_inside(1.0) { 1.0 } else { last_inside(is_inside) })
 }
 
 fn between([from, to]: [[f32; 3]; 2], t: f32) -> [f32; 3] {
     std::array::from_fn(|i| from[i] + t * (to[i] - from[i]))
 }
 
-/// The parts of segments of so many generations beyond the first within the growth volume.
-fn clip(segments: &[Segment], room: &[Reach], generations: f32) -> Vec<Branch> {
+/// The parts of segments of so many generations beyond the first within the growth volume, in which each has a part `inside`.
+fn clip(
+    segments: &[Segment],
+    ends: &[[[f32; 3]; 2]],
+    generations: f32,
+    inside: impl Fn(usize) -> Option<f32>,
+) -> Vec<Branch> {
     let first = segments.iter().map(|s| s.depth).min().unwrap_or(0);
     let mut whole = vec![false; segments.len()];
     let mut branches = Vec::new();
     let mut has_children = vec![false; segments.len()];
-    for (i, (s, reach)) in segments.iter().zip(room).enumerate() {
+    for (i, (s, &ends)) in segments.iter().zip(ends).enumerate() {
         if s.parent.is_some_and(|p| !whole[p as usize]) {
             continue;
         }
         let part = (generations + 1.0 - (s.depth - first) as f32).clamp(0.0, 1.0);
-        let Some(inside) = reach.inside.filter(|_| part >= 0.02) else { continue };
+        if part < 0.02 {
+            continue;
+        }
+        let Some(inside) = inside(i) else { continue };
         if let Some(p) = s.parent {
             has_children[p as usize] = true;
         }
         let t = inside.min(part);
         whole[i] = t >= 1.0;
         let [w0, w1] = s.widths.map(|w| w as f32);
-        let ends = [reach.ends[0], between(reach.ends, t)];
-        branches.push((i, Branch { ends, widths: [w0, w0 + t * (w1 - w0)], is_tip: true }));
+        branches.push((i, Branch { ends: [ends[0], between(ends, t)], widths: [w0, w0 + t * (w1 - w0)], is_tip: true }));
     }
     branches.into_iter().map(|(i, b)| Branch { is_tip: !has_children[i], ..b }).collect()
 }
