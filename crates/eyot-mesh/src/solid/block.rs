@@ -90,12 +90,12 @@ fn rank_id(y: usize, z: usize, axis: usize) -> usize {
 pub(crate) struct Source<'a> {
     part: Within<'a>,
     whole: &'a dyn ScalarField,
-    lattice: &'a Lattice,
+    lattice: Lattice,
     is_inner: bool,
 }
 
 impl<'a> Source<'a> {
-    pub(crate) fn new(whole: &'a dyn ScalarField, lattice: &'a Lattice, block: BlockId) -> Self {
+    pub(crate) fn new(whole: &'a dyn ScalarField, lattice: Lattice, block: BlockId) -> Self {
         // Vertices leave their block by at most half a voxel, see `relax`.
         let [low, high] = lattice.box_of(block, 1.0);
         Self { part: whole.within(low, high), whole, lattice, is_inner: lattice.is_inner(block) }
@@ -240,7 +240,13 @@ pub(crate) fn extract(source: &Source<'_>, lattice: &Lattice, block: BlockId) ->
     if any == 0 || all & everywhere == everywhere {
         return Ok(Raw::default());
     }
-    let mut raw = Raw { continues: samples.lower_faces(), ..Raw::default() };
+    let mut raw = Raw {
+        ranks: vec![Rank::default(); 3 * CELLS * CELLS],
+        // A plane across the block.
+        positions: Vec::with_capacity(3 * CELLS * CELLS),
+        triangles: Vec::with_capacity(6 * CELLS * CELLS),
+        continues: samples.lower_faces(),
+    };
     NUMBERS.with_borrow_mut(|numbers| {
         let place = Place { samples: &samples, voxel: lattice.voxel(), first: block.first() };
         place.vertices(&mut raw, numbers);
@@ -264,15 +270,15 @@ impl Place<'_> {
         q[axis] += 1;
         let (a, b) = (self.samples.at(p), self.samples.at(q));
         let t = (a / (a - b)).clamp(KEEP_OFF, 1.0 - KEEP_OFF);
-        let mut place = [0, 1, 2].map(|i| (self.first[i] + p[i] as i32) as f32);
+        let on = |i: usize| (self.first[i] + p[i] as i32) as f32;
+        let mut place = [on(0), on(1), on(2)];
         place[axis] += t;
-        place.map(|v| v * self.voxel)
+        super::vector::scale(place, self.voxel)
     }
 
     /// Puts a vertex on each edge whose ends differ, and writes down what all edges of its cells carry.
     fn vertices(&self, raw: &mut Raw, numbers: &mut Numbers) {
         let rows = &self.samples.rows;
-        raw.ranks = vec![Rank::default(); 3 * CELLS * CELLS];
         for z in 0..POINTS {
             for y in 0..POINTS {
                 let here = rows[z * POINTS + y];
@@ -325,7 +331,7 @@ impl Place<'_> {
         let here = &numbers[number_at([x, y, z], 0)..];
         if filling.middles.is_empty() {
             let code = |edge: u8| here[FROM_CELL[usize::from(edge & 15)]];
-            raw.triangles.extend(filling.corners.iter().map(|t| t.map(code)));
+            raw.triangles.extend(filling.corners.iter().map(|&[a, b, c]| [code(a), code(b), code(c)]));
             return;
         }
         let first_middle = raw.positions.len() as u32;
@@ -340,7 +346,7 @@ impl Place<'_> {
             Some(middle) => first_middle + u32::from(middle),
             None => here[FROM_CELL[usize::from(edge)]],
         };
-        raw.triangles.extend(filling.corners.iter().map(|t| t.map(code)));
+        raw.triangles.extend(filling.corners.iter().map(|&[a, b, c]| [code(a), code(b), code(c)]));
     }
 }
 

@@ -46,22 +46,16 @@ pub fn mesh_field(
     options: &MeshingOptions,
     limits: &Limits,
 ) -> Result<Solid> {
-    let mut remesher = Remesher::new(*lattice, *options);
-    remesher.update(field, limits)?;
-    Ok(remesher.into_solid())
+    let layout = Layout::new(lattice);
+    let Found { surface, sources, .. } = Surface::find(field, *lattice, layout, |_, _| None, limits)?;
+    let moved = surface.relax(sources, None, options.rounds)?;
+    Ok(solid(moved.vertices.iter(), moved.indices))
 }
 
 /// Meshes a field that changes, and only those blocks of it that did; the bytes are those of meshing all of it.
 pub struct Remesher {
-    lattice: Lattice,
     options: MeshingOptions,
-    layout: Layout,
-    /// Blocks in which something may be, in the layout's order.
-    blocks: Vec<Block>,
-    /// For each place of the layout the number of its block, or [`NOBODY`].
-    slots: Vec<u32>,
-    /// Corners of all triangles, where the last update had to know them all.
-    indices: Option<Vec<u32>>,
+    surface: Surface,
 }
 
 /// What [`Remesher::update`] did.
@@ -120,9 +114,7 @@ impl Layout {
 impl Remesher {
     /// A mesher that has seen nothing yet.
     pub fn new(lattice: Lattice, options: MeshingOptions) -> Self {
-        let options = MeshingOptions { rounds: options.rounds.min(MOST_ROUNDS) };
-        let layout = Layout::new(&lattice);
-        Self { lattice, options, layout, blocks: Vec::new(), slots: Vec::new(), indices: None }
+        Self { options, surface: Surface::new(lattice, Layout::new(&lattice)) }
     }
 
     /// Meshes what differs from the last time.
@@ -130,75 +122,111 @@ impl Remesher {
     /// # Errors
     /// As [`mesh_field`]. Then everything is meshed the next time.
     pub fn update(&mut self, field: &dyn ScalarField, limits: &Limits) -> Result<Update> {
-        let (old, old_slots) = (std::mem::take(&mut self.blocks), std::mem::take(&mut self.slots));
-        let (lattice, layout) = (self.lattice, self.layout);
-        let before = |place: usize| old.get(*old_slots.get(place)? as usize);
-        let remesh = |place: usize| -> Result<Option<(Block, bool, Source<'_>)>> {
-            let id = layout.id(place);
-            let source = Source::new(field, &lattice, id);
-            if source.is_nothing() {
-                return Ok(None);
-            }
-            let stamp = source.stamp();
-            if let Some(block) = before(place).filter(|b| stamp.is_some() && b.stamp == stamp) {
-                return Ok(Some((block.clone(), false, source)));
-            }
-            let raw = Arc::new(extract(&source, &lattice, id)?);
-            Ok(Some((Block { id, stamp, raw, vertices: Arc::default() }, true, source)))
-        };
-        let all = (0..layout.len()).into_par_iter().with_min_len(8).map(remesh);
-        let found: Vec<Option<(Block, bool, Source<'_>)>> = all.collect::<Result<_>>()?;
-        let vertices = found.iter().flatten().map(|b| b.0.raw.positions.len() as u64).sum();
-        check_size(vertices, limits)?;
-
+        let empty = Surface::new(self.surface.lattice, self.surface.layout);
+        let old = std::mem::replace(&mut self.surface, empty);
+        let before = |place: usize| old.blocks.get(*old.slots.get(place)? as usize);
+        let kept = |place: usize, stamp: u64| before(place).filter(|b| b.stamp == Some(stamp)).cloned();
+        let found = Surface::find(field, old.lattice, old.layout, kept, limits)?;
+        let (mut surface, is_new) = (found.surface, found.is_new);
         // Changed are those that were meshed, and those that are gone.
-        let changed: Vec<bool> = (0..layout.len())
-            .map(|place| found[place].as_ref().map_or_else(|| before(place).is_some(), |b| b.1))
+        let slots = surface.slots.iter().enumerate();
+        let changed: Vec<bool> = slots
+            .map(|(place, &slot)| is_new.get(slot as usize).copied().unwrap_or_else(|| before(place).is_some()))
             .collect();
-        let mut numbers = 0..;
-        let slot = |b: &Option<_>| b.as_ref().and_then(|_| numbers.next()).unwrap_or(NOBODY);
-        let slots: Vec<u32> = found.iter().map(slot).collect();
-        let meshed = found.iter().flatten().filter(|b| b.1).count();
-        let (blocks, sources): (Vec<Block>, Vec<Source<'_>>) = found.into_iter().flatten().map(|b| (b.0, b.2)).unzip();
-        let update = Update { meshed, kept: blocks.len() - meshed };
-        let mut surface = Surface { lattice, layout, blocks, slots };
-        self.indices = surface.relax(sources, &changed, update.kept == 0, self.options.rounds)?;
-        (self.blocks, self.slots) = (surface.blocks, surface.slots);
+        let meshed = is_new.iter().filter(|n| **n).count();
+        let update = Update { meshed, kept: is_new.len() - meshed };
+        let moved = surface.relax(found.sources, (update.kept > 0).then_some(&changed), self.options.rounds)?;
+        for (b, range) in moved.blocks.iter().filter(|b| b.2).map(|b| (b.0, b.1.clone())) {
+            surface.blocks[b].vertices = Arc::new(moved.vertices[range].to_vec());
+        }
+        self.surface = surface;
         Ok(update)
     }
 
     /// The surface as the last update left it.
     pub fn solid(&self) -> Solid {
-        let surface =
-            Surface { lattice: self.lattice, layout: self.layout, blocks: self.blocks.clone(), slots: self.slots.clone() };
-        surface.solid(self.indices.clone())
+        let blocks = &self.surface.blocks;
+        let all: Vec<usize> = (0..blocks.len()).collect();
+        solid(blocks.iter().flat_map(|b| b.vertices.iter()), self.surface.corners(&all).0)
     }
+}
 
-    /// The surface, given away.
-    fn into_solid(self) -> Solid {
-        let surface = Surface { lattice: self.lattice, layout: self.layout, blocks: self.blocks, slots: self.slots };
-        surface.solid(self.indices)
-    }
+/// A surface of these vertices, three corners to a triangle.
+fn solid<'a>(vertices: impl Iterator<Item = &'a Vertex>, indices: Vec<u32>) -> Solid {
+    let (positions, normals) = vertices.map(|v| (v.position, v.normal)).unzip();
+    let mut solid = Solid { positions, normals, indices };
+    straighten(&mut solid);
+    solid
 }
 
 /// Blocks side by side.
 struct Surface {
     lattice: Lattice,
     layout: Layout,
+    /// Blocks in which something may be, in the layout's order.
     blocks: Vec<Block>,
+    /// For each place of the layout the number of its block, or [`NOBODY`].
     slots: Vec<u32>,
 }
 
+/// What a look at a field found.
+struct Found<'a> {
+    surface: Surface,
+    /// What each block asks of the field.
+    sources: Vec<Source<'a>>,
+    /// Which blocks were meshed.
+    is_new: Vec<bool>,
+}
+
+/// Vertices where they belong.
+struct Moved {
+    /// Blocks whose vertices are known, where these are, and whether they are right: those of the others lack neighbours.
+    blocks: Vec<(usize, Range<usize>, bool)>,
+    vertices: Vec<Vertex>,
+    /// Corners of the triangles whose vertices are known.
+    indices: Vec<u32>,
+}
+
 impl Surface {
-    fn solid(&self, indices: Option<Vec<u32>>) -> Solid {
-        let all: Vec<usize> = (0..self.blocks.len()).collect();
-        let mut solid = Solid { indices: indices.unwrap_or_else(|| self.corners(&all).0), ..Solid::default() };
-        for block in &self.blocks {
-            solid.positions.extend(block.vertices.iter().map(|v| v.position));
-            solid.normals.extend(block.vertices.iter().map(|v| v.normal));
+    const fn new(lattice: Lattice, layout: Layout) -> Self {
+        Self { lattice, layout, blocks: Vec::new(), slots: Vec::new() }
+    }
+
+    /// Meshes all blocks in which something may be, except for those that `kept` still knows by their stamp.
+    fn find<'a>(
+        field: &'a dyn ScalarField,
+        lattice: Lattice,
+        layout: Layout,
+        kept: impl Fn(usize, u64) -> Option<Block> + Sync,
+        limits: &Limits,
+    ) -> Result<Found<'a>> {
+        let look = |place: usize| -> Result<Option<(Block, Source<'a>, bool)>> {
+            let id = layout.id(place);
+            let source = Source::new(field, lattice, id);
+            if source.is_nothing() {
+                return Ok(None);
+            }
+            let stamp = source.stamp();
+            if let Some(block) = stamp.and_then(|s| kept(place, s)) {
+                return Ok(Some((block, source, false)));
+            }
+            let raw = Arc::new(extract(&source, &lattice, id)?);
+            Ok(Some((Block { id, stamp, raw, vertices: Arc::default() }, source, true)))
+        };
+        let all: Vec<Option<_>> = (0..layout.len()).into_par_iter().with_min_len(8).map(look).collect::<Result<_>>()?;
+        let vertices = all.iter().flatten().map(|b| b.0.raw.positions.len() as u64).sum();
+        check_size(vertices, limits)?;
+        let mut found = Found { surface: Self::new(lattice, layout), sources: Vec::new(), is_new: Vec::new() };
+        for one in all {
+            let number = found.is_new.len() as u32;
+            found.surface.slots.push(if one.is_some() { number } else { NOBODY });
+            if let Some((block, source, is_new)) = one {
+                found.surface.blocks.push(block);
+                found.sources.push(source);
+                found.is_new.push(is_new);
+            }
         }
-        straighten(&mut solid);
-        solid
+        Ok(found)
     }
 
     /// Which blocks there are next to these, or are these.
@@ -256,36 +284,31 @@ impl Surface {
         (indices, ranges)
     }
 
-    /// Moves the vertices of changed blocks and of those around them. Returns the corners of all triangles if it had to know them.
-    fn relax(
-        &mut self,
-        sources: Vec<Source<'_>>,
-        changed: &[bool],
-        is_new: bool,
-        rounds: u32,
-    ) -> Result<Option<Vec<u32>>> {
+    /// Moves the vertices of changed blocks and of those around them; of all blocks if nobody says what changed.
+    fn relax(&self, sources: Vec<Source<'_>>, changed: Option<&[bool]>, rounds: u32) -> Result<Moved> {
         // What moves differently lies next to what changed; to know how it moves, one must know its neighbours.
-        let (moving, known) = if is_new {
-            (vec![true; self.blocks.len()], (0..self.blocks.len()).collect())
-        } else {
-            let moving = self.around(changed);
-            let known = self.at(&self.around(&moving));
-            let mut is_moving = vec![false; self.blocks.len()];
-            self.at(&moving).into_iter().for_each(|b| is_moving[b] = true);
-            (is_moving, known)
+        let all = self.blocks.len();
+        let (is_moving, known) = match changed {
+            None => (vec![true; all], (0..all).collect()),
+            Some(changed) => {
+                let moving = self.around(changed);
+                let mut is_moving = vec![false; all];
+                self.at(&moving).into_iter().for_each(|b| is_moving[b] = true);
+                (is_moving, self.at(&self.around(&moving)))
+            }
         };
         let (mut indices, ranges) = self.corners(&known);
         let mut is_whole = true;
-        for (&b, range) in known.iter().zip(&ranges) {
+        for (&b, range) in known.iter().zip(ranges) {
             let block = &self.blocks[b];
             let is_there = |axis: usize| {
                 let id = block.id.offset([0, 1, 2].map(|i| -i32::from(i == axis)));
                 self.layout.place(id).is_some_and(|p| self.slots[p] != NOBODY)
             };
             let lacks = (0..3).any(|axis| block.raw.continues[axis] && !is_there(axis));
-            let unknown = indices[range.clone()].contains(&NOBODY);
+            let unknown = indices[range].contains(&NOBODY);
             is_whole &= !unknown;
-            if moving[b] && (lacks || unknown) {
+            if is_moving[b] && (lacks || unknown) {
                 return Err(Error::FieldOverlooked { at: self.lattice.box_of(block.id, 0.0)[usize::from(!lacks)] });
             }
         }
@@ -294,21 +317,20 @@ impl Surface {
             indices = known.flatten().copied().collect();
         }
         let mut home: Vec<Point> = Vec::new();
-        let mut vertices = Vec::with_capacity(known.len());
+        let (mut blocks, mut parts) = (Vec::with_capacity(known.len()), Vec::with_capacity(known.len()));
         let mut sources = sources.into_iter().enumerate();
         for &b in &known {
             let begin = home.len();
             home.extend_from_slice(&self.blocks[b].raw.positions);
             // Numbers rise.
-            let source = sources.find(|s| s.0 == b).map(|s| s.1);
-            vertices.extend(source.map(|s| (begin..home.len(), s)));
+            let source = sources.find(|s| s.0 == b);
+            parts.extend(source.map(|s| (begin..home.len(), s.1)));
+            blocks.push((b, begin..home.len(), is_moving[b]));
         }
-        let net = Net::new(vertices, home, if rounds > 0 { &indices } else { &[] }, self.lattice.voxel());
+        let rounds = rounds.min(MOST_ROUNDS);
+        let net = Net::new(parts, home, if rounds > 0 { &indices } else { &[] }, self.lattice.voxel());
         let vertices = if rounds > 0 { net.relaxed(rounds) } else { net.unmoved() };
-        for (&b, (range, _)) in known.iter().zip(&net.blocks).filter(|(b, _)| moving[**b]) {
-            self.blocks[b].vertices = Arc::new(vertices[range.clone()].to_vec());
-        }
-        Ok(is_new.then_some(indices))
+        Ok(Moved { blocks, vertices, indices })
     }
 }
 

@@ -76,13 +76,22 @@ impl<'a> Net<'a> {
 
     /// The vertices where they begin, with their normals.
     pub(crate) fn unmoved(&self) -> Vec<Vertex> {
-        let mut vertices = self.home.iter().map(|&position| Vertex { position, normal: [0.0; 3] }).collect();
-        self.onto_surface(&mut vertices);
-        vertices.iter_mut().zip(&self.home).for_each(|(v, &position)| v.position = position);
+        let mut vertices = vec![Vertex { position: [0.0; 3], normal: [0.0; 3] }; self.home.len()];
+        self.each_block(&mut vertices, |(range, source), vertices| {
+            let points = &self.home[range.clone()];
+            let mut slopes = vec![(0.0, [0.0; 3]); points.len()];
+            source.with(|field| field.slopes(points, self.voxel, &mut slopes));
+            for ((v, (_, gradient)), &position) in vertices.iter_mut().zip(slopes).zip(points) {
+                let square = dot(gradient, gradient);
+                let is_sound = square > 0.0 && square.is_finite();
+                let normal = if is_sound { scale(gradient, -1.0 / square.sqrt()) } else { [0.0; 3] };
+                *v = Vertex { position, normal };
+            }
+        });
         vertices
     }
 
-    fn onto_surface(&self, vertices: &mut Vec<Vertex>) {
+    fn onto_surface(&self, vertices: &mut [Vertex]) {
         self.each_block(vertices, |(range, source), vertices| {
             let points: Vec<Point> = vertices.iter().map(|v| v.position).collect();
             let mut slopes = vec![(0.0, [0.0; 3]); points.len()];
@@ -99,7 +108,7 @@ impl<'a> Net<'a> {
         });
     }
 
-    fn glide(&self, from: &[Vertex], to: &mut Vec<Vertex>) {
+    fn glide(&self, from: &[Vertex], to: &mut [Vertex]) {
         self.each_block(to, |(range, _), to| {
             for (i, to) in range.clone().zip(to) {
                 let Vertex { position, normal } = from[i];
