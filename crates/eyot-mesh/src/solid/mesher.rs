@@ -5,7 +5,7 @@ use super::field::{Point, ScalarField};
 use super::lattice::{BlockId, Lattice};
 use super::relax::{Net, Vertex, each_block};
 use super::solid_mesh::Solid;
-use super::vector::unit;
+use super::vector::{add, cross, dot, sub, unit};
 use crate::error::{Error, Result};
 use eyot_core::{Error as CoreError, Limits};
 use rayon::prelude::*;
@@ -16,7 +16,8 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MeshingOptions {
     /// Rounds in which vertices spread out over the surface, at most 7; 0 leaves them on the lattice's edges, where the
-    /// field is interpolated linearly. From 1 on, less than one triangle in a hundred has an angle below 10 degrees.
+    /// field is interpolated linearly. From 1 on, less than one triangle in a hundred has an angle below 10 degrees, and
+    /// normals follow the triangles instead of the field where these disagree, as in creases.
     pub rounds: u32,
 }
 
@@ -28,13 +29,16 @@ impl Default for MeshingOptions {
 
 /// More would carry a change farther than into the next block.
 const MOST_ROUNDS: u32 = 7;
+/// Cosine of the angle by which a field's gradient may differ from the normal of the triangles around: 32 degrees. A
+/// cylinder of a radius of one voxel stays below it, a right-angled edge is above.
+const AGREED: f32 = 0.85;
 /// Bytes of a vertex with its share of triangles, in all arrays that are alive at once.
 const BYTES_PER_VERTEX: u128 = 200;
 
 /// Meshes where a field is 0.
 ///
 /// The surface is closed, and a manifold, for any field: every edge has two triangles, the triangles around every vertex make one
-/// fan. What reaches out of the lattice's box ends flat there. Normals are the field's gradient. The same field gives
+/// fan. What reaches out of the lattice's box ends flat there. Normals are the field's gradient (see [`MeshingOptions`]). The same field gives
 /// the same bytes on any number of threads.
 ///
 /// # Errors
@@ -49,7 +53,7 @@ pub fn mesh_field(
     let layout = Layout::new(lattice);
     let Found { surface, sources, .. } = Surface::find(field, *lattice, layout, |_, _| None, limits)?;
     let moved = surface.relax(sources, None, options.rounds)?;
-    Ok(solid(moved.vertices.iter(), moved.indices))
+    Ok(solid(moved.vertices.iter(), moved.indices, options.rounds > 0))
 }
 
 /// Meshes a field that changes, and only those blocks of it that did; the bytes are those of meshing all of it.
@@ -147,15 +151,16 @@ impl Remesher {
     pub fn solid(&self) -> Solid {
         let blocks = &self.surface.blocks;
         let all: Vec<usize> = (0..blocks.len()).collect();
-        solid(blocks.iter().flat_map(|b| b.vertices.iter()), self.surface.corners(&all).0)
+        let vertices = blocks.iter().flat_map(|b| b.vertices.iter());
+        solid(vertices, self.surface.corners(&all).0, self.options.rounds > 0)
     }
 }
 
 /// A surface of these vertices, three corners to a triangle.
-fn solid<'a>(vertices: impl Iterator<Item = &'a Vertex>, indices: Vec<u32>) -> Solid {
+fn solid<'a>(vertices: impl Iterator<Item = &'a Vertex>, indices: Vec<u32>, is_relaxed: bool) -> Solid {
     let (positions, normals) = vertices.map(|v| (v.position, v.normal)).unzip();
     let mut solid = Solid { positions, normals, indices };
-    straighten(&mut solid);
+    straighten(&mut solid, is_relaxed);
     solid
 }
 
@@ -347,20 +352,26 @@ fn check_size(vertices: u64, limits: &Limits) -> Result<()> {
     Ok(limits.check_bytes("the mesh of a field", u128::from(vertices) * BYTES_PER_VERTEX)?)
 }
 
-/// Gives vertices at which the field had no gradient the normal of the triangles around them.
-fn straighten(solid: &mut Solid) {
-    if solid.normals.iter().all(|n| *n != [0.0; 3]) {
+/// Gives vertices the normal of the triangles around them where the field had no gradient, and, if `all` are asked, where its
+/// gradient is not what the triangles show: in creases, and where a body is hardly thicker than a voxel.
+fn straighten(solid: &mut Solid, all: bool) {
+    if !all && solid.normals.iter().all(|n| *n != [0.0; 3]) {
         return;
     }
     let mut sums = vec![[0.0; 3]; solid.positions.len()];
     for (t, [a, b, c]) in solid.indices.chunks_exact(3).zip(solid.corners()) {
-        let normal = super::vector::cross(super::vector::sub(b, a), super::vector::sub(c, a));
+        // All count alike: a small triangle turns away as much as a large one.
+        let normal = unit(cross(sub(b, a), sub(c, a))).unwrap_or_default();
         for &i in t {
-            sums[i as usize] = super::vector::add(sums[i as usize], normal);
+            sums[i as usize] = add(sums[i as usize], normal);
         }
     }
     let up: Point = [0.0, 1.0, 0.0];
-    for (normal, sum) in solid.normals.iter_mut().zip(sums).filter(|(n, _)| **n == [0.0; 3]) {
-        *normal = unit(sum).unwrap_or(up);
+    for (normal, sum) in solid.normals.iter_mut().zip(sums) {
+        let around = unit(sum);
+        let agrees = || around.is_none_or(|a| dot(a, *normal) >= AGREED);
+        if *normal == [0.0; 3] || all && !agrees() {
+            *normal = around.unwrap_or(up);
+        }
     }
 }

@@ -292,7 +292,7 @@ fn alga() -> Result<Solid> {
         reason: e.to_string(),
     };
     let blobs = Blobs::new(&primitives, Kernel::Muraki, Blend::Normalised, &limits).map_err(fault)?;
-    let lattice = Lattice::over([-0.6, -0.1, -0.6], [0.6, 1.1, 0.6], 0.03, &limits).map_err(fault)?;
+    let lattice = Lattice::over([-0.6, -0.1, -0.6], [0.6, 1.1, 0.6], 0.015, &limits).map_err(fault)?;
     Ok(mesh_field(&blobs, &lattice, &MeshingOptions { rounds: 1 }, &limits).map_err(fault)?.largest_piece())
 }
 
