@@ -347,6 +347,13 @@ fn meshing(e: eyot_mesh::Error) -> Error {
     }
 }
 
+/// Triangles over the square of the voxels along a radius, at most, of bodies with gaps and of others.
+const OPEN_TRIANGLES: f32 = 110.0;
+const SOLID_TRIANGLES: f32 = 60.0;
+/// Bytes of a triangle and of half a vertex: place, normal, colour, texture; those of a drawing.
+const BYTES_PER_TRIANGLE: f64 = 12.0 + 0.5 * 36.0;
+const DRAWING: u128 = 128 << 10;
+
 /// What a grammar draws for a colony.
 type Drawing = Arc<[Segment]>;
 
@@ -369,6 +376,24 @@ impl Bodies {
     /// As [`Sculptor::new`].
     pub fn new(community: &Community, seed: u64, detail: Detail) -> Result<Self> {
         Ok(Self { sculptor: Sculptor::new(community, seed, detail)?, bodies: HashMap::new() })
+    }
+
+    /// Bytes that the bodies of a plot hold at most, with what making one takes on each thread: what to ask a limit for before
+    /// they are made.
+    pub fn bytes(plot: &Plot, detail: Detail) -> u128 {
+        let of = |colony: &Colony| {
+            let open = plot.community().species[usize::from(colony.species)].body.shape.is_open();
+            let (voxel, least, triangles, drawing) = if open {
+                (detail.open_m, 2.0 * detail.per_radius, OPEN_TRIANGLES, DRAWING)
+            } else {
+                (detail.solid_m, detail.per_radius, SOLID_TRIANGLES, 0)
+            };
+            let voxels = (colony.radius / voxel).max(least);
+            (f64::from(triangles * voxels * voxels) * BYTES_PER_TRIANGLE) as u128 + drawing
+        };
+        let (sum, most) = plot.colonies().iter().map(of).fold((0, 0), |(sum, most), n| (sum + n, n.max(most)));
+        // Samples, vertices, neighbours and blocks, while they move.
+        sum + 8 * most * rayon::current_num_threads() as u128
     }
 
     /// Follows the plot: makes bodies of new colonies and of those that grew, bleached or recovered, and forgets the dead. Returns
