@@ -5,7 +5,9 @@
 //! best of seven by the clock, and of processor time.
 
 use eyot_core::Limits;
-use eyot_mesh::{Blend, Blobs, Kernel, Lattice, MeshingOptions, Point, Primitive, ScalarField, Solid, Volume, mesh_field};
+use eyot_mesh::{
+    Blend, Blobs, Kernel, Lattice, MeshingOptions, Point, Primitive, ScalarField, Solid, Volume, mesh_field,
+};
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 use fidget::context::Tree;
@@ -187,7 +189,9 @@ fn run(threads: usize) {
         let volume = mesh(field, &lattice(0.25 * VOXEL), 1).volume();
         let (values, n) = sampled(field, HALF, VOXEL);
         println!("\n{name}, {} points, {threads} threads", n.pow(3));
-        println!("| mesher | triangles | ms | ms of processors | M triangles/s | evenness | slivers | flaws | volume |");
+        println!(
+            "| mesher | triangles | ms | ms of processors | M triangles/s | evenness | slivers | flaws | volume |"
+        );
         println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
         let shape = RuntimeShape::<u32, 3>::new([n as u32; 3]);
         assert_eq!(shape.size() as usize, values.values().len());

@@ -278,9 +278,9 @@ impl Surface {
             for (out, &code) in out.iter_mut().zip(block.raw.triangles().as_flattened()) {
                 *out = match Raw::corner(code) {
                     Corner::Own(i) => own + i,
-                    Corner::Foreign(side, edge) => near[side]
-                        .and_then(|(first, raw)| Some(first + raw.vertex_on(edge)?))
-                        .unwrap_or(NOBODY),
+                    Corner::Foreign(side, edge) => {
+                        near[side].and_then(|(first, raw)| Some(first + raw.vertex_on(edge)?)).unwrap_or(NOBODY)
+                    }
                 };
             }
         };

@@ -162,7 +162,8 @@ fn clip(
         let t = inside.min(part);
         whole[i] = t >= 1.0;
         let [w0, w1] = s.widths.map(|w| w as f32);
-        branches.push((i, Branch { ends: [ends[0], between(ends, t)], widths: [w0, w0 + t * (w1 - w0)], is_tip: true }));
+        branches
+            .push((i, Branch { ends: [ends[0], between(ends, t)], widths: [w0, w0 + t * (w1 - w0)], is_tip: true }));
     }
     branches.into_iter().map(|(i, b)| Branch { is_tip: !has_children[i], ..b }).collect()
 }

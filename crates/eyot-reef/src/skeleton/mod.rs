@@ -34,13 +34,7 @@ pub(crate) enum Plan<'a> {
 }
 
 /// The skeleton of a colony of this `height` (in mean radii) and volume, m3.
-pub(crate) fn skeleton(
-    plan: &Plan<'_>,
-    outline: &Outline,
-    height: f32,
-    volume: f32,
-    chance: Chance,
-) -> Vec<Primitive> {
+pub(crate) fn skeleton(plan: &Plan<'_>, outline: &Outline, height: f32, volume: f32, chance: Chance) -> Vec<Primitive> {
     match *plan {
         Plan::Massive { roughness } => massive::massive(outline, roughness, chance),
         Plan::Branching { drawing, full_radius, thinnest } => {
