@@ -251,8 +251,9 @@ def inspect_bodies(path, mesh, parts=None):
     pieces = count_pieces(mesh.faces, len(mesh.vertices))
     check(path, "one piece for each body", parts is None or pieces == parts, (pieces, parts))
     check(path, "outwards", mesh.volume > 0, mesh.volume)
-    # Ours are those of the field, trimesh's those of the faces around.
-    straight = (mesh.face_normals * mesh.vertex_normals[mesh.faces[:, 0]]).sum(axis=1)
+    # What the middle of a face is shaded by: the mean of its corners' normals, which are ours, against the face's own.
+    shading = mesh.vertex_normals[mesh.faces].sum(axis=1)
+    straight = (mesh.face_normals * shading).sum(axis=1) / np.linalg.norm(shading, axis=1).clip(1e-9)
     check(path, "normals point out of the faces", bool(np.mean(straight > 0.3) > 0.99), straight.min())
 
 

@@ -543,11 +543,11 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, world or plates; on a graphics card also island,
-    /// which is hydraulic, thermal and reef together
+    /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, bodies, world or plates; on a
+    /// graphics card also island, which is hydraulic, thermal and reef together
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,
-    /// Cells along each side, metres for community [default: 512, 40 for community]
+    /// Cells along each side, metres for community and bodies [default: 512, 40 for community, 10 for bodies]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub(crate) size: Option<u32>,
     /// Threads [default: all cores]

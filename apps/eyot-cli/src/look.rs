@@ -165,6 +165,19 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
             1e-6 * individuals as f64 / c.seconds_per_month
         ));
     }
+    if let Some(b) = &r.bodies {
+        print::line(&format!("{}, {} x {} m, {} threads", r.what, r.size, r.size, r.threads))?;
+        return print::line(&format!(
+            "  {:>10.1} ms for {} bodies with {} triangles (best of {}; median {:.1} ms)\n  {:>10.1} ms for those that changed in a month (median)\n  {:>10.2} million triangles/s",
+            1e3 * b.seconds_per_plot,
+            b.colonies,
+            b.triangles,
+            r.samples,
+            1e3 * r.seconds_per_step_median,
+            1e3 * b.seconds_per_month,
+            1e-6 * b.triangles_per_second
+        ));
+    }
     print::line(&format!("{}, {} x {} cells, {} threads, {}", r.what, r.size, r.size, r.threads, r.isa))?;
     print::line(&format!(
         "  {:>10.3} ms a step (best of {}; median {:.3} ms)",

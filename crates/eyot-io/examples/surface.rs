@@ -11,6 +11,7 @@ use eyot_mesh::{
     Blend, Blobs, Kernel, Lattice, MeshingOptions, Point, Primitive, ScalarField, Solid, mesh_field, solid_levels,
 };
 use std::path::Path;
+use std::time::Instant;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
@@ -31,7 +32,10 @@ fn main() -> Result<()> {
     let mesh = |field: &dyn ScalarField, low: Point, high: Point| -> Result<Solid> {
         let longest = (0..3).map(|i| high[i] - low[i]).fold(0.0, f32::max);
         let lattice = Lattice::over(low, high, voxel.unwrap_or(longest / 100.0), &limits)?;
-        Ok(mesh_field(field, &lattice, &MeshingOptions::default(), &limits)?)
+        let start = Instant::now();
+        let solid = mesh_field(field, &lattice, &MeshingOptions::default(), &limits)?;
+        println!("{} triangles in {:.2} ms", solid.triangles(), 1e3 * start.elapsed().as_secs_f64());
+        Ok(solid)
     };
     let solid = if what == "gyroid" {
         mesh(&Gyroid, [-6.3; 3], [6.3; 3])?

@@ -53,6 +53,14 @@ pub enum Error {
         /// What is wrong and what would be right.
         reason: String,
     },
+    /// A volume without a value for each of its points, or without a cell.
+    #[error("a volume of {} x {} x {} points with {values} values; it needs one each, and 2 to 4,194,304 points along each axis", size[0], size[1], size[2])]
+    BadVolume {
+        /// Points on x, y and z.
+        size: [usize; 3],
+        /// Values that were given.
+        values: usize,
+    },
     /// A value of a field that is not a finite number.
     #[error("the field is {value} at {at:?}; meshing needs finite values in the whole box")]
     FieldNotFinite {

@@ -33,6 +33,6 @@ pub use error::{Error, Result};
 pub use lod::{Lod, levels_of_detail, levels_of_detail_controlled};
 pub use solid::{
     Blend, Blobs, Kernel, Lattice, MeshingOptions, Point, Primitive, Quality, Remesher, ScalarField, Solid, SolidLod,
-    Topology, Update, Within, mesh_field, solid_levels,
+    Topology, Update, Volume, Within, mesh_field, solid_levels,
 };
 pub use terrain::{Attribute, MeshOptions, Terrain, TerrainMesh, terrain, terrain_bytes};

@@ -3,8 +3,8 @@
 use eyot_core::Limits;
 use eyot_core::rng::mix64;
 use eyot_mesh::{
-    Blend, Blobs, Error, Kernel, Lattice, MeshingOptions, Point, Primitive, Remesher, ScalarField, Solid, Within,
-    mesh_field, solid_levels,
+    Blend, Blobs, Error, Kernel, Lattice, MeshingOptions, Point, Primitive, Remesher, ScalarField, Solid, Volume,
+    Within, mesh_field, solid_levels,
 };
 
 struct Of<F: Fn(Point) -> f32 + Sync>(F);
@@ -238,6 +238,105 @@ fn gradients_are_those_of_the_values() {
             }
         }
     }
+}
+
+#[test]
+fn many_points_at_once_have_the_bits_of_one() {
+    for kernel in Kernel::ALL {
+        for blend in [Blend::Sum, Blend::Normalised] {
+            let cones: Vec<Primitive> = (0..40)
+                .map(|i| {
+                    let at = |k: u64| 2.0 * unit(100 * i + k) - 1.0;
+                    let (a, b) = ([at(0), at(1), at(2)], [at(3), at(4), at(5)]);
+                    match i % 3 {
+                        0 => Primitive::ball(a, 0.2),
+                        1 => Primitive::cylinder(a, b, 0.15),
+                        _ => Primitive::cone(a, b, [0.2, 0.05]),
+                    }
+                })
+                .collect();
+            let field = Blobs::new(&cones, kernel, blend, &Limits::default()).unwrap();
+            let Within::Part(part) = field.within([-2.0; 3], [2.0; 3]) else { panic!("there is something") };
+            // 17 and 21 are no multiples of the lanes.
+            let line = |n: usize, step: f32| -> Vec<f32> { (0..n).map(|i| step * i as f32 - 1.3).collect() };
+            let (xs, ys, zs) = (line(21, 0.13), line(17, 0.151), line(5, 0.55));
+            let mut values = vec![f32::NAN; xs.len() * ys.len() * zs.len()];
+            part.fill([&xs, &ys, &zs], &mut values);
+            let points: Vec<Point> = zs
+                .iter()
+                .flat_map(|&z| ys.iter().map(move |&y| (y, z)))
+                .flat_map(|(y, z)| xs.iter().map(move |&x| [x, y, z]))
+                .collect();
+            assert!(points.iter().zip(&values).all(|(&p, v)| field.value(p).to_bits() == v.to_bits()), "{kernel:?}");
+            let mut slopes = vec![(f32::NAN, [0.0; 3]); points.len()];
+            part.slopes(&points, 0.1, &mut slopes);
+            assert!(points.iter().zip(&slopes).all(|(&p, s)| field.slope(p, 0.1) == *s), "{kernel:?} {blend:?}");
+            assert!(points.iter().zip(&slopes).all(|(&p, s)| field.value(p) == s.0), "{kernel:?} {blend:?}");
+        }
+    }
+}
+
+#[test]
+fn given_values_make_the_body_of_their_field() {
+    let (limits, voxel) = (Limits::default(), 0.07);
+    let field = blobs(60, 7, Blend::Normalised);
+    let half = 24;
+    let line: Vec<f32> = (-half..=half).map(|i| i as f32 * voxel).collect();
+    let mut values = vec![0.0; line.len().pow(3)];
+    field.fill([&line, &line, &line], &mut values);
+    let volume = Volume::new([-half; 3], [line.len(); 3], voxel, values).unwrap();
+    let lattice = volume.lattice(&limits).unwrap();
+    let plain = |field: &dyn ScalarField, rounds: u32| {
+        mesh_field(field, &lattice, &MeshingOptions { rounds }, &limits).unwrap()
+    };
+    let (given, own) = (plain(&volume, 0), plain(&field, 0));
+    assert!(given.triangles() > 10_000 && given.positions == own.positions && given.indices == own.indices);
+    let along: Vec<f32> =
+        given.normals.iter().zip(&own.normals).map(|(a, b)| (0..3).map(|i| a[i] * b[i]).sum()).collect();
+    assert!(along.iter().filter(|d| **d > 0.9).count() as f32 > 0.97 * along.len() as f32);
+    let relaxed = plain(&volume, 1);
+    assert!(relaxed.topology().is_closed_manifold() && relaxed.quality().slivers < 0.01);
+    assert!((relaxed.volume() / own.volume() - 1.0).abs() < 0.01);
+    // Between the points and beyond them.
+    let point = [0.31, -0.22, 0.17];
+    let (value, gradient) = volume.slope(point, voxel);
+    let central = Of(|p| volume.value(p)).slope(point, 0.1 * voxel).1;
+    assert_eq!(value, volume.value(point));
+    assert!(
+        (0..3).all(|i| (gradient[i] - central[i]).abs() < 0.02 * (1.0 + length(gradient))),
+        "{gradient:?} {central:?}"
+    );
+    assert_eq!(volume.value([9.0, 0.0, 0.0]), volume.value([half as f32 * voxel, 0.0, 0.0]));
+    // A body that fills it all is closed by the outermost points.
+    let full = Volume::new([2; 3], [5; 3], 0.5, vec![1.0; 125]).unwrap();
+    let solid = mesh_field(&full, &full.lattice(&limits).unwrap(), &MeshingOptions::default(), &limits).unwrap();
+    assert!(solid.topology().is_closed_manifold() && (solid.volume() / 8.0 - 1.0).abs() < 0.2, "{}", solid.volume());
+    for (size, n) in [([3, 3, 3], 26), ([1, 4, 4], 16), ([1 << 23, 1, 1], 1 << 23)] {
+        let e = Volume::new([0; 3], size, 1.0, vec![0.0; n]).map(|_| ()).unwrap_err().to_string();
+        assert!(e.contains("values; it needs one each"), "{e}");
+    }
+    assert!(Volume::new([0; 3], [2; 3], f32::NAN, vec![0.0; 8]).is_err());
+}
+
+#[test]
+fn triangles_are_shaded_from_their_own_side() {
+    // Twigs hardly thicker than a voxel, with sharp crotches.
+    let twigs: Vec<Primitive> = (0..60u64)
+        .map(|i| {
+            let at = |k: u64| 2.0 * unit(100 * i + k) - 1.0;
+            Primitive::cone([0.0, -0.8, 0.0], [at(0), 0.5 + 0.5 * at(1), at(2)], [0.07, 0.05])
+        })
+        .collect();
+    let field = Blobs::new(&twigs, Kernel::Muraki, Blend::Normalised, &Limits::default()).unwrap();
+    let solid = mesh(&field, [-1.4; 3], [1.4; 3], 0.055, 1);
+    let against = solid.indices.chunks_exact(3).zip(solid.corners()).filter(|(t, [a, b, c])| {
+        let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+        let face = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let shade = |i: usize| t.iter().map(|&n| solid.normals[n as usize][i]).sum::<f32>();
+        (0..3).map(|i| face[i] * shade(i)).sum::<f32>() <= 0.0
+    });
+    let share = against.count() as f32 / solid.triangles() as f32;
+    assert!(solid.triangles() > 5_000 && share < 0.005, "{share} of {}", solid.triangles());
 }
 
 #[test]

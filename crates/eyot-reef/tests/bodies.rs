@@ -189,6 +189,22 @@ fn only_colonies_that_changed_get_new_bodies() {
 }
 
 #[test]
+fn bodies_hold_no_more_than_they_say() {
+    for (seed, detail) in [(1, Detail::default()), (2, Detail { open_m: 0.02, solid_m: 0.05, ..Detail::default() })] {
+        let community = Community::default();
+        let forcing = Forcing::chumbe(&community, seed).unwrap();
+        let mut plot = Plot::new(community, Site::flat(4.0, 4.0), forcing, seed).unwrap();
+        plot.month().unwrap();
+        let mut bodies = Bodies::new(plot.community(), seed, detail).unwrap();
+        bodies.update(&plot).unwrap();
+        let held = |b: &Body| 36 * b.solid.positions.len() + 4 * b.solid.indices.len();
+        let held: u128 = plot.colonies().iter().map(|c| held(bodies.of(c.id).unwrap()) as u128).sum();
+        let said = Bodies::bytes(&plot, detail);
+        assert!(held > 1 << 20 && held < said, "{held} {said}");
+    }
+}
+
+#[test]
 fn bad_colonies_and_plans_are_refused_with_a_reason() {
     let community = Community::default();
     let sculptor = Sculptor::new(&community, 1, Detail::default()).unwrap();

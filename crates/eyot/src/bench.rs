@@ -15,6 +15,7 @@ use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
 use eyot_plates::Tectonics;
+use eyot_reef::bodies::{Bodies, Detail};
 use eyot_reef::community::{self, Community, Forcing, Plot};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -42,6 +43,9 @@ pub enum BenchSubject {
     Streampower,
     /// A month of the default community of corals on a square plot; the size is in metres.
     Community,
+    /// The bodies of all corals of a square plot at the voxels of their source, and of those that changed in a month; the
+    /// size is in metres.
+    Bodies,
     /// A step of all processes of the living world, zones in every tenth, on a ring with closed poles.
     World,
     /// Ten plates on a torus as large as the Earth; a step is a million years of all that they do, less on fine grids.
@@ -50,7 +54,7 @@ pub enum BenchSubject {
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Hydraulic,
         Self::Thermal,
         Self::Rule,
@@ -59,14 +63,16 @@ impl BenchSubject {
         Self::Drainage,
         Self::Streampower,
         Self::Community,
+        Self::Bodies,
         Self::World,
         Self::Plates,
     ];
 
-    /// Cells along a side unless somebody says something else: metres for the community.
+    /// Cells along a side unless somebody says something else: metres for the community and bodies.
     pub const fn usual_size(self) -> usize {
         match self {
             Self::Community => 40,
+            Self::Bodies => 10,
             _ => 512,
         }
     }
@@ -82,6 +88,7 @@ impl BenchSubject {
             Self::Drainage => "drainage",
             Self::Streampower => "streampower",
             Self::Community => "community",
+            Self::Bodies => "bodies",
             Self::World => "world",
             Self::Plates => "plates",
         }
@@ -103,7 +110,7 @@ impl FromStr for BenchSubject {
 pub struct BenchOptions {
     /// What to measure.
     pub what: BenchSubject,
-    /// Cells along a side of the square grid; metres along a side of the community's plot.
+    /// Cells along a side of the square grid; metres along a side of the plot of corals.
     pub size: usize,
     /// Threads; at least 1.
     pub threads: usize,
@@ -125,7 +132,7 @@ impl Default for BenchOptions {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
     /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`,
-    /// `community`, `world` or `plates`.
+    /// `community`, `bodies`, `world` or `plates`.
     pub what: &'static str,
     /// Cells along a side, or metres.
     pub size: usize,
@@ -157,6 +164,9 @@ pub struct BenchReport {
     /// What the community adds.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub community: Option<CommunityReport>,
+    /// What bodies add.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<BodiesReport>,
     /// Ledger of the whole run, warm-up included, in the accounts' units.
     pub ledger: BTreeMap<String, f64>,
 }
@@ -170,6 +180,21 @@ pub struct CommunityReport {
     pub colonies: usize,
     /// Macroalgae at the end.
     pub algae: usize,
+}
+
+/// Speed and size of the bodies of corals.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BodiesReport {
+    /// Seconds for all bodies of the plot in the best sample.
+    pub seconds_per_plot: f64,
+    /// Seconds for the bodies that changed in a month, the median of two years after the first.
+    pub seconds_per_month: f64,
+    /// Triangles of all bodies of the plot, over the seconds that they took in the best sample.
+    pub triangles_per_second: f64,
+    /// Colonies of the plot.
+    pub colonies: usize,
+    /// Their triangles.
+    pub triangles: usize,
 }
 
 /// Runs a benchmark.
@@ -195,6 +220,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
         BenchSubject::Noise => noise(options),
         BenchSubject::Drainage => drainage(options),
         BenchSubject::Community => community(options),
+        BenchSubject::Bodies => bodies(options),
         BenchSubject::Plates => plates(options),
         _ => simulation(options),
     });
@@ -210,7 +236,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
 ///
 /// # Errors
 /// If the grid is not sound or the run would exceed the limits, or if asked for noise, drainage,
-/// the community or plates, which are no simulations of cells.
+/// the community, bodies or plates, which are no simulations of cells.
 pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
     if what == BenchSubject::World {
         let grid =
@@ -229,6 +255,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
             BenchSubject::Noise
             | BenchSubject::Drainage
             | BenchSubject::Community
+            | BenchSubject::Bodies
             | BenchSubject::World
             | BenchSubject::Plates,
             _,
@@ -490,6 +517,42 @@ fn community(options: &BenchOptions) -> Result<BenchReport> {
     Ok(report)
 }
 
+fn bodies(options: &BenchOptions) -> Result<BenchReport> {
+    let isa = best_isa(options)?;
+    let parameters = Community::default();
+    let (side, forcing) = (options.size as f64, Forcing::chumbe(&parameters, 1)?);
+    let mut plot = Plot::new(parameters, community::Site::flat(side, side), forcing, 1)?;
+    plot.month()?;
+    let bytes = Bodies::bytes(&plot, Detail::default());
+    Limits::default().check_bytes("this benchmark", bytes)?;
+    let update = |bodies: &mut Bodies, plot: &Plot| {
+        let start = Instant::now();
+        std::hint::black_box(bodies.update(plot)?);
+        Ok::<_, Error>(start.elapsed().as_secs_f64())
+    };
+    let all = || update(&mut Bodies::new(plot.community(), 1, Detail::default())?, &plot);
+    let once = all()?;
+    let timed = samples(options, once, |_| all())?;
+    let mut report = report(options.what.name(), options, isa, &timed);
+    let mut followed = Bodies::new(plot.community(), 1, Detail::default())?;
+    followed.update(&plot)?;
+    let of = |colony: &community::Colony| followed.of(colony.id).map_or(0, |b| b.solid.triangles());
+    let (colonies, triangles) = (plot.colonies().len(), plot.colonies().iter().map(of).sum::<usize>());
+    // The first year sorts out what was put down at random.
+    let months: Result<Vec<f64>> = (0..36).map(|_| plot.month().and_then(|_| update(&mut followed, &plot))).collect();
+    let mut months = months?.split_off(12);
+    months.sort_unstable_by(f64::total_cmp);
+    report.bytes_per_cell = bytes as f64 / (options.size * options.size).max(1) as f64;
+    report.bodies = Some(BodiesReport {
+        seconds_per_plot: report.seconds_per_step,
+        seconds_per_month: months[months.len() / 2],
+        triangles_per_second: triangles as f64 / report.seconds_per_step,
+        colonies,
+        triangles,
+    });
+    Ok(report)
+}
+
 /// A world of ten plates as `PyPlatec` has it: a torus with 35 in 100 cells of land, cycles of 550 steps at most.
 ///
 /// # Errors
@@ -581,6 +644,7 @@ fn report(what: &'static str, options: &BenchOptions, isa: Isa, timed: &[(u64, f
         bytes_moved_per_cell_step: None,
         operations_per_cell_step: None,
         community: None,
+        bodies: None,
         ledger: BTreeMap::new(),
     }
 }
@@ -657,6 +721,18 @@ mod tests {
         let json = serde_json::to_value(&r).unwrap();
         assert!(json["seconds_per_month"].as_f64().unwrap() > 0.0 && json["colonies"].as_u64().unwrap() > 0);
         assert_eq!((r.samples, r.what, r.size), (SAMPLES as usize, "community", 40));
+    }
+
+    #[test]
+    fn bodies_report_their_plot_and_months() {
+        let what = BenchSubject::Bodies;
+        let r = run(&BenchOptions { what, size: 3, seconds: 0.05, ..Default::default() }).unwrap();
+        let json = serde_json::to_value(&r).unwrap();
+        for name in ["seconds_per_plot", "seconds_per_month", "triangles_per_second"] {
+            assert!(json[name].as_f64().unwrap() > 0.0, "{name}");
+        }
+        assert!(json["triangles"].as_u64().unwrap() > 100 * json["colonies"].as_u64().unwrap());
+        assert_eq!((r.samples, r.what), (SAMPLES as usize, "bodies"));
     }
 
     #[test]

@@ -13,9 +13,12 @@
 
 use super::field::{Point, ScalarField, Within};
 use super::kernel::Kernel;
-use super::vector::{add, dot, scale, sub};
+use super::vector::{dot, sub};
 use crate::error::{Error, Result};
 use eyot_core::Limits;
+use eyot_core::isa::{Isa, LaneTask, run_lanes};
+use eyot_core::lanes::{LaneBlock, WIDTH};
+use eyot_core::real::Real;
 use eyot_core::rng::mix64;
 
 /// A ball, a rounded cylinder or a rounded cone.
@@ -86,6 +89,8 @@ struct Shape {
     /// Radius of influence at the first end, and what it gains towards the other.
     radius: f32,
     gain: f32,
+    /// One over the squared radius of influence, if it is the same at both ends.
+    per_radius2: f32,
     low: Point,
     high: Point,
 }
@@ -107,11 +112,13 @@ impl Blobs {
             let axis = sub(p.ends[1], p.ends[0]);
             let length2 = dot(axis, axis);
             let [low, high] = p.reach(1.0001 * factor);
+            let radius = factor * p.radii[0];
             Shape {
                 from: p.ends[0],
                 axis,
-                per_length2: if length2 > 0.0 { 1.0 / length2 } else { 0.0 },
-                radius: factor * p.radii[0],
+                per_length2: if length2 > f32::MIN_POSITIVE { 1.0 / length2 } else { 0.0 },
+                radius,
+                per_radius2: 1.0 / (radius * radius),
                 gain: factor * (p.radii[1] - p.radii[0]),
                 low,
                 high,
@@ -138,112 +145,122 @@ impl Blobs {
         }))
     }
 
-    fn part(&self, near: Vec<Shape>, low: Point, high: Point) -> Part {
-        let corners = Corners::new(&near, low, high);
-        Part { kernel: self.kernel, blend: self.blend, iso: self.iso, shapes: near, corners }
+    fn part(&self, low: Point, high: Point) -> Part {
+        let shapes = self.buckets.near(&self.shapes, low, high);
+        Part { kernel: self.kernel, blend: self.blend, iso: self.iso, shapes }
     }
 }
 
 impl ScalarField for Blobs {
     fn value(&self, p: Point) -> f32 {
-        self.part(self.buckets.near(&self.shapes, p, p), p, p).value(p)
+        self.part(p, p).value(p)
     }
 
     fn slope(&self, p: Point, voxel: f32) -> (f32, Point) {
-        self.part(self.buckets.near(&self.shapes, p, p), p, p).slope(p, voxel)
+        self.part(p, p).slope(p, voxel)
     }
 
     fn within(&self, low: Point, high: Point) -> Within<'_> {
-        let near = self.buckets.near(&self.shapes, low, high);
-        if near.is_empty() { Within::Nothing } else { Within::Part(Box::new(self.part(near, low, high))) }
+        let part = self.part(low, high);
+        if part.shapes.is_empty() { Within::Nothing } else { Within::Part(Box::new(part)) }
     }
 }
 
 /// The primitives that matter in some box, in the order in which all of them stand. Sums in that order, to which the others
-/// add exactly nothing, have the same bits in every box.
+/// add exactly nothing, have the same bits in every box, for one point and for sixteen.
 struct Part {
     kernel: Kernel,
     blend: Blend,
     iso: f32,
     shapes: Vec<Shape>,
-    corners: Corners,
-}
-
-/// Which primitives of a box matter in each of its 64 parts, for questions about single points.
-#[derive(Default)]
-struct Corners {
-    low: Point,
-    per_m: Point,
-    lists: Vec<Vec<u16>>,
-}
-
-impl Corners {
-    /// Parts along a side.
-    const SIDE: usize = 4;
-    /// Fewer primitives are asked one by one.
-    const FEW: usize = 8;
-
-    fn new(shapes: &[Shape], low: Point, high: Point) -> Self {
-        if shapes.len() <= Self::FEW || shapes.len() > usize::from(u16::MAX) || (0..3).any(|i| low[i] >= high[i]) {
-            return Self::default();
-        }
-        let per_m = std::array::from_fn(|i| Self::SIDE as f32 / (high[i] - low[i]));
-        let mut corners = Self { low, per_m, lists: vec![Vec::new(); Self::SIDE.pow(3)] };
-        for (number, s) in shapes.iter().enumerate() {
-            let ([x0, y0, z0], [x1, y1, z1]) = (corners.part(s.low), corners.part(s.high));
-            for (z, y) in (z0..=z1).flat_map(|z| (y0..=y1).map(move |y| (z, y))) {
-                let row = (z * Self::SIDE + y) * Self::SIDE;
-                corners.lists[row + x0..=row + x1].iter_mut().for_each(|list| list.push(number as u16));
-            }
-        }
-        corners
-    }
-
-    /// The part in which a point lies. The same rounding for points and boxes, so that nobody is overlooked.
-    fn part(&self, p: Point) -> [usize; 3] {
-        std::array::from_fn(|i| ((p[i] - self.low[i]) * self.per_m[i]).clamp(0.0, Self::SIDE as f32 - 1.0) as usize)
-    }
-
-    /// Numbers of the primitives that matter at a point of the box; all of them if nothing better is known.
-    fn near(&self, p: Point) -> Option<&[u16]> {
-        let [x, y, z] = self.part(p);
-        self.lists.get((z * Self::SIDE + y) * Self::SIDE + x).map(Vec::as_slice)
-    }
 }
 
 impl Shape {
-    /// `1 - (d / R)^2`, not below 0, at a point.
+    /// From the axis to a point, where the axis is nearest, in axes, and that before it ends where the axis does.
     #[inline(always)]
-    fn depth(&self, p: Point) -> f32 {
-        let to = sub(p, self.from);
-        let t = (dot(to, self.axis) * self.per_length2).clamp(0.0, 1.0);
-        let off = sub(to, scale(self.axis, t));
-        let radius = self.radius + t * self.gain;
-        (1.0 - dot(off, off) / (radius * radius)).max(0.0)
+    fn off<R: Real>(&self, p: [R; 3]) -> ([R; 3], R, R) {
+        let n = R::of;
+        let to = [p[0] - n(self.from[0]), p[1] - n(self.from[1]), p[2] - n(self.from[2])];
+        if self.per_length2 == 0.0 {
+            return (to, n(0.0), n(0.0));
+        }
+        let a = [n(self.axis[0]), n(self.axis[1]), n(self.axis[2])];
+        let along = product(to, a) * n(self.per_length2);
+        let t = along.clamp(n(0.0), n(1.0));
+        ([to[0] - a[0] * t, to[1] - a[1] * t, to[2] - a[2] * t], t, along)
     }
 
-    /// The same with its gradient.
-    fn slope(&self, p: Point) -> (f32, Point) {
-        let to = sub(p, self.from);
-        let along = dot(to, self.axis) * self.per_length2;
-        let t = along.clamp(0.0, 1.0);
-        let off = sub(to, scale(self.axis, t));
-        let radius = self.radius + t * self.gain;
-        // The same operations as in `depth`, so that both give the same value.
-        let share = dot(off, off) / (radius * radius);
-        if share >= 1.0 {
-            return (0.0, [0.0; 3]);
-        }
+    /// `1 - (d / R)^2`, not below 0, at a point.
+    #[inline(always)]
+    fn depth<R: Real>(&self, p: [R; 3]) -> R {
+        let (off, t, _) = self.off(p);
+        (R::of(1.0) - self.share(off, t).0).positive()
+    }
+
+    /// `(d / R)^2`, and one over `R^2`.
+    #[inline(always)]
+    fn share<R: Real>(&self, off: [R; 3], t: R) -> (R, R) {
+        let n = R::of;
+        let per_radius2 = if self.gain == 0.0 {
+            n(self.per_radius2)
+        } else {
+            let radius = n(self.radius) + t * n(self.gain);
+            n(1.0) / (radius * radius)
+        };
+        (product(off, off) * per_radius2, per_radius2)
+    }
+
+    /// The same as [`Shape::depth`] with its gradient, which means nothing where the value is 0.
+    #[inline(always)]
+    fn slope<R: Real>(&self, p: [R; 3]) -> (R, [R; 3]) {
+        let n = R::of;
+        let (off, t, along) = self.off(p);
+        let (share, per_radius2) = self.share(off, t);
         // v = 1 - |off|^2 / R^2; off stands on the axis, so only R changes along it.
-        let mut gradient = scale(off, -2.0 / (radius * radius));
-        if t == along {
-            gradient = add(gradient, scale(self.axis, 2.0 * share / radius * self.gain * self.per_length2));
+        let across = n(-2.0) * per_radius2;
+        let mut gradient = [off[0] * across, off[1] * across, off[2] * across];
+        if self.gain != 0.0 {
+            let radius = n(self.radius) + t * n(self.gain);
+            let growth = n(2.0) * share / radius * n(self.gain * self.per_length2);
+            let growth = along.lt(n(0.0)).pick(n(0.0), n(1.0).lt(along).pick(n(0.0), growth));
+            for (g, a) in gradient.iter_mut().zip(self.axis) {
+                *g = *g + n(a) * growth;
+            }
         }
-        (1.0 - share, gradient)
+        ((n(1.0) - share).positive(), gradient)
+    }
+
+    /// True if it may matter somewhere in a box.
+    fn touches(&self, low: Point, high: Point) -> bool {
+        (0..3).fold(true, |all, i| all & (self.low[i] <= high[i]) & (low[i] <= self.high[i]))
+    }
+
+    /// From where to where along y the shape reaches at this z.
+    fn reach_at(&self, z: f32) -> [f32; 2] {
+        let (dz, r) = (self.axis[2], 1.001 * self.radius.max(self.radius + self.gain));
+        if dz.abs() < 0.01 * r {
+            return [self.low[1], self.high[1]];
+        }
+        // Parts of the axis that are nearer than that in z.
+        let at = |z: f32| ((z - self.from[2]) / dz).clamp(0.0, 1.0);
+        let y = [at(z - r), at(z + r)].map(|t| self.from[1] + t * self.axis[1]);
+        [(y[0].min(y[1]) - r).max(self.low[1]), (y[0].max(y[1]) + r).min(self.high[1])]
     }
 }
 
-fn eighth_power(k: f32) -> f32 {
+/// A box that holds another point, too.
+fn bounds([low, high]: [Point; 2], p: &Point) -> [Point; 2] {
+    [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
+}
+
+/// Product of two vectors.
+#[inline(always)]
+fn product<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn eighth_power<R: Real>(k: R) -> R {
     let k2 = k * k;
     (k2 * k2) * (k2 * k2)
 }
@@ -251,86 +268,195 @@ fn eighth_power(k: f32) -> f32 {
 impl Part {
     /// Field from the sums of values and of their ninth powers.
     #[inline(always)]
-    fn blended(&self, sum: f32, ninth: f32) -> f32 {
+    fn blended<R: Real>(&self, sum: R, ninth: R) -> R {
+        let n = R::of;
         match self.blend {
-            Blend::Sum => sum - self.iso,
+            Blend::Sum => sum - n(self.iso),
             Blend::Normalised => {
-                let mean8 = if sum > 0.0 { ninth / sum } else { 0.0 };
-                mean8.sqrt().sqrt().sqrt() - self.iso
+                let mean8 = n(0.0).lt(sum).pick(ninth / sum, n(0.0));
+                mean8.sqrt().sqrt().sqrt() - n(self.iso)
             }
         }
     }
 
-    /// Adds each primitive to the sums of a row; `kernel` is a constant here, so that the loop is one of plain arithmetic.
+    /// Value and gradient at points, from these primitives, among which are all that matter there.
     #[inline(always)]
-    fn sums(&self, kernel: Kernel, xs: &[f32], y: f32, z: f32, sums: &mut [[f32; MAX_ROW]; 2]) {
-        for shape in &self.shapes {
-            if y < shape.low[1] || y > shape.high[1] || z < shape.low[2] || z > shape.high[2] {
-                continue;
+    fn slope_of<R: Real>(&self, shapes: &[u32], p: [R; 3]) -> (R, [R; 3]) {
+        let n = R::of;
+        let (mut sum, mut ninth) = (n(0.0), n(0.0));
+        let (mut by_sum, mut by_ninth) = ([n(0.0); 3], [n(0.0); 3]);
+        for &i in shapes {
+            let (v, gradient) = self.shapes[i as usize].slope(p);
+            let k = self.kernel.at(v);
+            let eighth = eighth_power(k);
+            sum = sum + k;
+            ninth = ninth + k * eighth;
+            let by_depth = self.kernel.derivative(v);
+            let nine = n(9.0) * eighth;
+            for axis in 0..3 {
+                let g = n(0.0).lt(v).pick(gradient[axis] * by_depth, n(0.0));
+                by_sum[axis] = by_sum[axis] + g;
+                by_ninth[axis] = by_ninth[axis] + g * nine;
             }
-            let begin = xs.partition_point(|&x| x < shape.low[0]);
-            let end = begin + xs[begin..].partition_point(|&x| x <= shape.high[0]);
-            let [sum, ninth] = sums;
-            for ((&x, s), n) in xs[begin..end].iter().zip(&mut sum[begin..end]).zip(&mut ninth[begin..end]) {
-                let k = kernel.at(shape.depth([x, y, z]));
-                *s += k;
-                *n += k * eighth_power(k);
+        }
+        let value = self.blended(sum, ninth);
+        match self.blend {
+            Blend::Sum => (value, by_sum),
+            Blend::Normalised => {
+                // ln F = (ln ninth - ln sum) / 8
+                let f = (value + n(self.iso)) * n(0.125);
+                let (high, low) = (f / ninth, f / sum);
+                for axis in 0..3 {
+                    let g = by_ninth[axis] * high - by_sum[axis] * low;
+                    by_sum[axis] = n(0.0).lt(ninth).pick(g, n(0.0));
+                }
+                (value, by_sum)
             }
         }
     }
 }
 
-/// Points of a row that are summed at once.
-const MAX_ROW: usize = 32;
+/// Values at the points of a plane of rows along x, sixteen to a row.
+struct Plane<'a> {
+    part: &'a Part,
+    xs: &'a [f32; WIDTH],
+    ys: &'a [f32],
+    z: f32,
+    rows: &'a mut [[f32; WIDTH]],
+}
+
+impl LaneTask for Plane<'_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<L: LaneBlock>(self) {
+        let Plane { part, xs, ys, z, rows } = self;
+        let (n, x) = (rows.len().min(WIDTH), L::from_array(*xs));
+        let mut sums = [[L::of(0.0); 2]; WIDTH];
+        for shape in part.shapes.iter().filter(|s| s.low[2] <= z && z <= s.high[2]) {
+            let [low, high] = shape.reach_at(z);
+            for (sums, &y) in sums[..n].iter_mut().zip(ys) {
+                if low <= y && y <= high {
+                    let k = part.kernel.at(shape.depth([x, L::of(y), L::of(z)]));
+                    sums[0] = sums[0] + k;
+                    sums[1] = sums[1] + k * eighth_power(k);
+                }
+            }
+        }
+        for (row, [sum, ninth]) in rows.iter_mut().zip(sums) {
+            *row = part.blended(sum, ninth).to_array();
+        }
+    }
+}
+
+/// Values and gradients at points for which the same primitives matter.
+struct Slopes<'a> {
+    part: &'a Part,
+    shapes: &'a [u32],
+    /// Numbers of the points.
+    chosen: &'a [u32],
+    points: &'a [Point],
+    slopes: &'a mut [(f32, Point)],
+}
+
+impl LaneTask for Slopes<'_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<L: LaneBlock>(self) {
+        for chosen in self.chosen.chunks(WIDTH) {
+            // Lanes that are left over repeat the first point.
+            let mut p = [[0.0; WIDTH]; 3];
+            for lane in 0..WIDTH {
+                let point = self.points[chosen[if lane < chosen.len() { lane } else { 0 }] as usize];
+                for axis in 0..3 {
+                    p[axis][lane] = point[axis];
+                }
+            }
+            let p = [L::from_array(p[0]), L::from_array(p[1]), L::from_array(p[2])];
+            let (value, gradient) = self.part.slope_of(self.shapes, p);
+            let (value, g) =
+                (value.to_array(), [gradient[0].to_array(), gradient[1].to_array(), gradient[2].to_array()]);
+            for (lane, &i) in chosen.iter().enumerate() {
+                self.slopes[i as usize] = (value[lane], [g[0][lane], g[1][lane], g[2][lane]]);
+            }
+        }
+    }
+}
+
+/// Parts along each side of a box of points that are asked together.
+const PARTS: usize = 2;
 
 impl ScalarField for Part {
     fn value(&self, p: Point) -> f32 {
-        let mut value = [0.0];
-        self.row(&[p[0]], p[1], p[2], &mut value);
-        value[0]
+        let (mut sum, mut ninth) = (0.0, 0.0);
+        for shape in &self.shapes {
+            let k = self.kernel.at(shape.depth(p));
+            (sum, ninth) = (sum + k, ninth + k * eighth_power(k));
+        }
+        self.blended(sum, ninth)
     }
 
-    fn row(&self, xs: &[f32], y: f32, z: f32, values: &mut [f32]) {
-        for (xs, values) in xs.chunks(MAX_ROW).zip(values.chunks_mut(MAX_ROW)) {
-            let mut sums = [[0.0; MAX_ROW]; 2];
-            match self.kernel {
-                Kernel::Blinn => self.sums(Kernel::Blinn, xs, y, z, &mut sums),
-                Kernel::Wyvill => self.sums(Kernel::Wyvill, xs, y, z, &mut sums),
-                Kernel::Nishimura => self.sums(Kernel::Nishimura, xs, y, z, &mut sums),
-                Kernel::Muraki => self.sums(Kernel::Muraki, xs, y, z, &mut sums),
-            }
-            for (i, v) in values.iter_mut().enumerate() {
-                *v = self.blended(sums[0][i], sums[1][i]);
+    fn fill(&self, [xs, ys, zs]: [&[f32]; 3], values: &mut [f32]) {
+        let (nx, ny) = (xs.len(), ys.len());
+        let isa = Isa::best();
+        for first_x in (0..nx).step_by(WIDTH) {
+            let wide = WIDTH.min(nx - first_x);
+            // What is left over repeats the last point.
+            let lanes: [f32; WIDTH] = std::array::from_fn(|i| xs[first_x + i.min(wide - 1)]);
+            for (plane, &z) in zs.iter().enumerate() {
+                for (first_y, ys) in (0..).step_by(WIDTH).zip(ys.chunks(WIDTH)) {
+                    let mut rows = [[0.0; WIDTH]; WIDTH];
+                    run_lanes(isa, Plane { part: self, xs: &lanes, ys, z, rows: &mut rows[..ys.len()] });
+                    for (y, row) in rows[..ys.len()].iter().enumerate() {
+                        let at = (plane * ny + first_y + y) * nx + first_x;
+                        values[at..at + wide].copy_from_slice(&row[..wide]);
+                    }
+                }
             }
         }
     }
 
     fn slope(&self, p: Point, _voxel: f32) -> (f32, Point) {
-        let (mut sum, mut ninth, mut by_sum, mut by_ninth) = (0.0, 0.0, [0.0; 3], [0.0; 3]);
-        let mut add_one = |shape: &Shape| {
-            let (v, depth_gradient) = shape.slope(p);
-            if v > 0.0 {
-                let k = self.kernel.at(v);
-                let gradient = scale(depth_gradient, self.kernel.derivative(v));
-                let eighth = eighth_power(k);
-                (sum, ninth) = (sum + k, ninth + k * eighth);
-                by_sum = add(by_sum, gradient);
-                by_ninth = add(by_ninth, scale(gradient, 9.0 * eighth));
-            }
+        let all: Vec<u32> = (0..self.shapes.len() as u32).collect();
+        self.slope_of(&all, p)
+    }
+
+    fn slopes(&self, points: &[Point], _voxel: f32, slopes: &mut [(f32, Point)]) {
+        let Some(&first) = points.first() else { return };
+        let [low, high] = points.iter().fold([first; 2], bounds);
+        let per_part: Point = std::array::from_fn(|i| PARTS as f32 / (high[i] - low[i]).max(f32::MIN_POSITIVE));
+        let part = |p: &Point| {
+            let at = |i: usize| (((p[i] - low[i]) * per_part[i]) as usize).min(PARTS - 1);
+            (at(2) * PARTS + at(1)) * PARTS + at(0)
         };
-        match self.corners.near(p) {
-            Some(near) => near.iter().for_each(|&i| add_one(&self.shapes[usize::from(i)])),
-            None => self.shapes.iter().for_each(&mut add_one),
+        // Points in the order of their parts.
+        let mut ends = [0u32; PARTS * PARTS * PARTS];
+        points.iter().for_each(|p| ends[part(p)] += 1);
+        let mut all = 0;
+        for end in &mut ends {
+            (*end, all) = (all, all + *end);
         }
-        let value = self.blended(sum, ninth);
-        match self.blend {
-            Blend::Sum => (value, by_sum),
-            Blend::Normalised if sum > 0.0 && ninth > 0.0 => {
-                // ln F = (ln ninth - ln sum) / 8
-                let f = (value + self.iso) / 8.0;
-                (value, sub(scale(by_ninth, f / ninth), scale(by_sum, f / sum)))
+        let mut chosen = vec![0u32; points.len()];
+        for (i, p) in points.iter().enumerate() {
+            let next = &mut ends[part(p)];
+            chosen[*next as usize] = i as u32;
+            *next += 1;
+        }
+        let (isa, mut begin) = (Isa::best(), 0);
+        let mut shapes = vec![0u32; self.shapes.len()];
+        for end in ends.map(|e| e as usize) {
+            let chosen = &chosen[std::mem::replace(&mut begin, end)..end];
+            let Some(&one) = chosen.first() else { continue };
+            let one = points[one as usize];
+            let [low, high] = chosen.iter().fold([one; 2], |b, &i| bounds(b, &points[i as usize]));
+            // Every number is written and only those of neighbours stay: whether a shape is one is a coin toss, not to be bet on.
+            let mut near = 0;
+            for (i, shape) in self.shapes.iter().enumerate() {
+                shapes[near] = i as u32;
+                near += usize::from(shape.touches(low, high));
             }
-            Blend::Normalised => (value, [0.0; 3]),
+            run_lanes(isa, Slopes { part: self, shapes: &shapes[..near], chosen, points, slopes: &mut *slopes });
         }
     }
 
@@ -359,7 +485,7 @@ struct Buckets {
 }
 
 /// Fewer primitives are looked through one by one.
-const FEW: usize = 64;
+const FEW: usize = 512;
 
 impl Buckets {
     fn new(shapes: &[Shape]) -> Self {
@@ -423,14 +549,13 @@ impl Buckets {
 
     /// Primitives that reach into a box, in their order.
     fn near(&self, shapes: &[Shape], low: Point, high: Point) -> Vec<Shape> {
-        let touches = |s: &Shape| (0..3).all(|i| s.low[i] <= high[i] && low[i] <= s.high[i]);
         if self.members.is_empty() {
-            return shapes.iter().filter(|s| touches(s)).copied().collect();
+            return shapes.iter().filter(|s| s.touches(low, high)).copied().collect();
         }
         let mut found: Vec<u32> = Vec::new();
         self.reached(low, high, |b| {
             let members = &self.members[self.starts[b]..self.starts[b + 1]];
-            found.extend(members.iter().filter(|&&m| touches(&shapes[m as usize])));
+            found.extend(members.iter().filter(|&&m| shapes[m as usize].touches(low, high)));
         });
         found.sort_unstable();
         found.dedup();

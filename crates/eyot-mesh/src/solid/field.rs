@@ -41,9 +41,21 @@ pub trait ScalarField: Sync {
         (self.value(p), gradient)
     }
 
+    /// Values and gradients at many points, as [`ScalarField::slope`] has them.
+    fn slopes(&self, points: &[Point], voxel: f32, slopes: &mut [(f32, Point)]) {
+        slopes.iter_mut().zip(points).for_each(|(s, &p)| *s = self.slope(p, voxel));
+    }
+
     /// Values at points of a row along x. `xs` are their x, `values` what comes out; y and z are those of the row.
     fn row(&self, xs: &[f32], y: f32, z: f32, values: &mut [f32]) {
         values.iter_mut().zip(xs).for_each(|(v, &x)| *v = self.value([x, y, z]));
+    }
+
+    /// Values at all points with an x, a y and a z of these, rows along x, then planes of rows along y. No axis is empty.
+    fn fill(&self, [xs, ys, zs]: [&[f32]; 3], values: &mut [f32]) {
+        for (row, values) in values.chunks_exact_mut(xs.len()).enumerate() {
+            self.row(xs, ys[row % ys.len()], zs[row / ys.len()], values);
+        }
     }
 
     /// What of the field lies within a box. Meshing asks each block of the lattice once and then only the answer.
@@ -65,7 +77,7 @@ pub enum Within<'a> {
     /// No simpler field is known.
     Whole,
     /// A field with the same values in the box, bit by bit.
-    Part(Box<dyn ScalarField + 'a>),
+    Part(Box<dyn ScalarField + Send + 'a>),
 }
 
 /// A field cut off by a box: inside where both are. What would leave the lattice is closed by the box's faces.
@@ -90,6 +102,16 @@ impl Boxed<'_> {
         }
         (nearest.0 * self.steepness, nearest.1, nearest.2)
     }
+
+    /// Takes the nearest face where that cuts the field off.
+    fn limit(&self, p: Point, slope: &mut (f32, Point)) {
+        let (depth, axis, inwards) = self.depth(p);
+        if slope.0 > depth {
+            let mut normal = [0.0; 3];
+            normal[axis] = inwards * self.steepness;
+            *slope = (depth, normal);
+        }
+    }
 }
 
 impl ScalarField for Boxed<'_> {
@@ -98,22 +120,26 @@ impl ScalarField for Boxed<'_> {
     }
 
     fn slope(&self, p: Point, voxel: f32) -> (f32, Point) {
-        let (value, gradient) = self.field.slope(p, voxel);
-        let (depth, axis, inwards) = self.depth(p);
-        if value <= depth {
-            return (value, gradient);
-        }
-        let mut normal = [0.0; 3];
-        normal[axis] = inwards * self.steepness;
-        (depth, normal)
+        let mut slope = self.field.slope(p, voxel);
+        self.limit(p, &mut slope);
+        slope
     }
 
-    fn row(&self, xs: &[f32], y: f32, z: f32, values: &mut [f32]) {
-        self.field.row(xs, y, z, values);
+    fn slopes(&self, points: &[Point], voxel: f32, slopes: &mut [(f32, Point)]) {
+        self.field.slopes(points, voxel, slopes);
+        for (slope, &p) in slopes.iter_mut().zip(points) {
+            self.limit(p, slope);
+        }
+    }
+
+    fn fill(&self, [xs, ys, zs]: [&[f32]; 3], values: &mut [f32]) {
+        self.field.fill([xs, ys, zs], values);
         let from_sides = |axis: usize, v: f32| (v - self.low[axis]).min(self.high[axis] - v);
-        let row = from_sides(1, y).min(from_sides(2, z));
-        for (v, &x) in values.iter_mut().zip(xs) {
-            *v = smaller(*v, from_sides(0, x).min(row) * self.steepness);
+        for (row, values) in values.chunks_exact_mut(xs.len()).enumerate() {
+            let row = from_sides(1, ys[row % ys.len()]).min(from_sides(2, zs[row / ys.len()]));
+            for (v, &x) in values.iter_mut().zip(xs) {
+                *v = smaller(*v, from_sides(0, x).min(row) * self.steepness);
+            }
         }
     }
 }

@@ -8,7 +8,7 @@
 //! 3. Nishimura and others 1985: `1 - 3 x^2` up to 1/3, then `3/2 (1 - x)^2`.
 //! 4. Muraki 1991: `(1 - x^2)^2`.
 
-use eyot_core::math::exp;
+use eyot_core::real::Real;
 
 /// Bits of `b` of equation 1: large ones make hard little balls.
 const BLOBBINESS: f32 = 4.0;
@@ -33,37 +33,35 @@ impl Kernel {
 
     /// Value where `v = 1 - x^2`, `v` within 0..=1. Exactly 0 at `v = 0`.
     #[inline(always)]
-    pub(crate) fn at(self, v: f32) -> f32 {
+    pub(crate) fn at<R: Real>(self, v: R) -> R {
+        let n = R::of;
         match self {
             // e^(-b x^2) - e^-b (1 + b v) = e^-b (e^(b v) - 1 - b v)
-            Self::Blinn => {
-                let rest = |v: f32| exp(BLOBBINESS * v) - 1.0 - BLOBBINESS * v;
-                (rest(v) / rest(1.0)).max(0.0)
-            }
+            Self::Blinn => (rest(v) / rest(n(1.0))).positive(),
             // The polynomial divided by v^2, which makes its end exact.
-            Self::Wyvill => v * v * (5.0 / 9.0 + 4.0 / 9.0 * v),
+            Self::Wyvill => v * v * (n(5.0 / 9.0) + n(4.0 / 9.0) * v),
             Self::Nishimura => {
-                let x = (1.0 - v).sqrt();
-                if x <= 1.0 / 3.0 { 1.0 - 3.0 * (1.0 - v) } else { 1.5 * (1.0 - x) * (1.0 - x) }
+                let x = (n(1.0) - v).sqrt();
+                let near = n(1.0) - n(3.0) * (n(1.0) - v);
+                let far = n(1.5) * (n(1.0) - x) * (n(1.0) - x);
+                n(1.0 / 3.0).lt(x).pick(far, near)
             }
             Self::Muraki => v * v,
         }
     }
 
-    /// Derivative by `v`.
+    /// Derivative by `v`; 0 at `v = 0`.
     #[inline(always)]
-    pub(crate) fn derivative(self, v: f32) -> f32 {
+    pub(crate) fn derivative<R: Real>(self, v: R) -> R {
+        let n = R::of;
         match self {
-            Self::Blinn => {
-                let rest = exp(BLOBBINESS) - 1.0 - BLOBBINESS;
-                BLOBBINESS * (exp(BLOBBINESS * v) - 1.0) / rest
-            }
-            Self::Wyvill => v * (10.0 / 9.0 + 4.0 / 3.0 * v),
+            Self::Blinn => n(BLOBBINESS) * ((n(BLOBBINESS) * v).exp() - n(1.0)) / rest(n(1.0)),
+            Self::Wyvill => v * (n(10.0 / 9.0) + n(4.0 / 3.0) * v),
             Self::Nishimura => {
-                let x = (1.0 - v).sqrt();
-                if x <= 1.0 / 3.0 { 3.0 } else { 1.5 * (1.0 - x) / x }
+                let x = (n(1.0) - v).sqrt();
+                n(1.0 / 3.0).lt(x).pick(n(1.5) * (n(1.0) - x) / x, n(3.0))
             }
-            Self::Muraki => 2.0 * v,
+            Self::Muraki => n(2.0) * v,
         }
     }
 
@@ -82,6 +80,13 @@ impl Kernel {
         }
         0.5 * (low + high)
     }
+}
+
+/// `e^(b v) - 1 - b v`.
+#[inline(always)]
+fn rest<R: Real>(v: R) -> R {
+    let bv = R::of(BLOBBINESS) * v;
+    bv.exp() - R::of(1.0) - bv
 }
 
 #[cfg(test)]

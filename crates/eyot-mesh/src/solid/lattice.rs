@@ -4,8 +4,8 @@ use super::field::Point;
 use crate::error::{Error, Result};
 use eyot_core::Limits;
 
-/// Cells along the side of a block.
-pub(crate) const BLOCK: i32 = 16;
+/// Cells along the side of a block: its rows of points fill the lanes of `eyot_core::lanes`.
+pub(crate) const BLOCK: i32 = 15;
 
 /// A lattice over a box. Its points are whole multiples of the voxel, so that lattices over different boxes share theirs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,14 +69,15 @@ impl Lattice {
         i as f32 * self.voxel
     }
 
-    /// Numbers of the blocks, in their order: along x first.
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = BlockId> + use<> {
-        let range = |i: usize| self.first[i].div_euclid(BLOCK)..=(self.last[i] - 1).div_euclid(BLOCK);
-        let (xs, ys, zs) = (range(0), range(1), range(2));
-        zs.flat_map(move |z| {
-            let xs = xs.clone();
-            ys.clone().flat_map(move |y| xs.clone().map(move |x| BlockId { z, y, x }))
-        })
+    /// First and last block on each axis.
+    pub(crate) fn block_range(&self) -> [[i32; 2]; 3] {
+        [0, 1, 2].map(|i| [self.first[i].div_euclid(BLOCK), (self.last[i] - 1).div_euclid(BLOCK)])
+    }
+
+    /// Which of `n` lattice lines from `first` on are the lattice's own.
+    pub(crate) fn within(&self, axis: usize, first: i32, n: usize) -> std::ops::Range<usize> {
+        let own = |i: i32| (i - first).clamp(0, n as i32) as usize;
+        own(self.first[axis])..own(self.last[axis] + 1)
     }
 
     /// The box of a block's cells and `margin` voxels around it.

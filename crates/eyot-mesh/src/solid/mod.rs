@@ -2,7 +2,7 @@
 //!
 //! A [`ScalarField`] is sampled on a [`Lattice`], block by block where it may have a surface (`block.rs`); cells are filled with
 //! triangles from a table that fits together on all faces (`cubes.rs`); vertices spread out over the surface (`relax.rs`).
-//! [`Blobs`] are fields of balls, rounded cylinders and cones.
+//! [`Blobs`] are fields of balls, rounded cylinders and cones, [`Volume`] is one of given numbers.
 
 mod blobs;
 mod block;
@@ -16,6 +16,7 @@ mod simplify;
 mod solid_mesh;
 mod topology;
 mod vector;
+mod volume;
 
 pub use blobs::{Blend, Blobs, Primitive};
 pub use field::{Point, ScalarField, Within};
@@ -25,3 +26,4 @@ pub use mesher::{MeshingOptions, Remesher, Update, mesh_field};
 pub use simplify::{SolidLod, solid_levels};
 pub use solid_mesh::Solid;
 pub use topology::{Quality, Topology};
+pub use volume::Volume;

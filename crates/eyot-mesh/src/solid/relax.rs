@@ -23,22 +23,22 @@ const LEASH: f32 = 0.5;
 /// Vertices from which on all threads help.
 const MANY: usize = 2000;
 
-/// Vertices with what is around them.
-pub(crate) struct Net<'a> {
-    /// Vertices of each block, and its field.
-    pub(crate) blocks: Vec<(Range<usize>, Source<'a>)>,
-    /// Where vertices begin.
-    pub(crate) home: Vec<Point>,
-    pub(crate) voxel: f32,
-    starts: Vec<u32>,
-    neighbours: Vec<u32>,
-}
-
 /// A vertex.
 #[derive(Clone, Copy)]
 pub(crate) struct Vertex {
     pub(crate) position: Point,
     pub(crate) normal: Point,
+}
+
+/// Vertices with what is around them.
+pub(crate) struct Net<'a> {
+    /// Vertices of each block, and its field.
+    pub(crate) blocks: Vec<(Range<usize>, Source<'a>)>,
+    /// Where vertices begin.
+    home: Vec<Point>,
+    voxel: f32,
+    starts: Vec<u32>,
+    neighbours: Vec<u32>,
 }
 
 impl<'a> Net<'a> {
@@ -61,78 +61,103 @@ impl<'a> Net<'a> {
 
     /// The vertices after so many rounds.
     pub(crate) fn relaxed(&self, rounds: u32) -> Vec<Vertex> {
-        let start: Vec<Vertex> = self.home.iter().map(|&position| Vertex { position, normal: [0.0; 3] }).collect();
-        let mut vertices = self.onto_surface(&start);
+        let mut here: Vec<Vertex> = self.home.iter().map(|&position| Vertex { position, normal: [0.0; 3] }).collect();
+        let mut there = here.clone();
+        self.onto_surface(&mut here);
         for _ in 0..rounds {
             for _ in 0..GLIDES {
-                vertices = self.glide(&vertices);
+                self.glide(&here, &mut there);
+                std::mem::swap(&mut here, &mut there);
             }
-            vertices = self.onto_surface(&vertices);
+            self.onto_surface(&mut here);
         }
-        vertices
+        here
     }
 
     /// The vertices where they begin, with their normals.
     pub(crate) fn unmoved(&self) -> Vec<Vertex> {
-        let start: Vec<Vertex> = self.home.iter().map(|&position| Vertex { position, normal: [0.0; 3] }).collect();
-        let pulled = self.onto_surface(&start);
-        pulled.iter().zip(&self.home).map(|(v, &position)| Vertex { position, normal: v.normal }).collect()
+        let mut vertices = vec![Vertex { position: [0.0; 3], normal: [0.0; 3] }; self.home.len()];
+        self.each_block(&mut vertices, |(range, source), vertices| {
+            let points = &self.home[range.clone()];
+            let mut slopes = vec![(0.0, [0.0; 3]); points.len()];
+            source.with(|field| field.slopes(points, self.voxel, &mut slopes));
+            for ((v, (_, gradient)), &position) in vertices.iter_mut().zip(slopes).zip(points) {
+                let square = dot(gradient, gradient);
+                let is_sound = square > 0.0 && square.is_finite();
+                let normal = if is_sound { scale(gradient, -1.0 / square.sqrt()) } else { [0.0; 3] };
+                *v = Vertex { position, normal };
+            }
+        });
+        vertices
     }
 
-    fn onto_surface(&self, vertices: &[Vertex]) -> Vec<Vertex> {
-        let of_block = |(range, source): &(Range<usize>, Source<'_>)| -> Vec<Vertex> {
-            source.with(|field| {
-                let pulled = |i: usize| {
-                    let p = vertices[i].position;
-                    let (value, gradient) = field.slope(p, self.voxel);
-                    let square = dot(gradient, gradient);
-                    // Where the field is flat or no number, the vertex stays.
-                    if !(square > 0.0 && square.is_finite() && value.is_finite()) {
-                        return vertices[i];
-                    }
-                    let step = scale(gradient, -value / square);
-                    let normal = scale(gradient, -1.0 / square.sqrt());
-                    Vertex { position: self.leashed(i, add(p, self.at_most(step))), normal }
-                };
-                range.clone().map(pulled).collect()
-            })
-        };
-        self.each_block(of_block)
+    fn onto_surface(&self, vertices: &mut [Vertex]) {
+        self.each_block(vertices, |(range, source), vertices| {
+            let points: Vec<Point> = vertices.iter().map(|v| v.position).collect();
+            let mut slopes = vec![(0.0, [0.0; 3]); points.len()];
+            source.with(|field| field.slopes(&points, self.voxel, &mut slopes));
+            for ((v, (value, gradient)), home) in vertices.iter_mut().zip(slopes).zip(&self.home[range.clone()]) {
+                let square = dot(gradient, gradient);
+                // Where the field is flat or no number, the vertex stays.
+                if square > 0.0 && square.is_finite() && value.is_finite() {
+                    let step = self.at_most(scale(gradient, -value / square));
+                    v.position = self.leashed(*home, add(v.position, step));
+                    v.normal = scale(gradient, -1.0 / square.sqrt());
+                }
+            }
+        });
     }
 
-    fn glide(&self, vertices: &[Vertex]) -> Vec<Vertex> {
-        let of_block = |(range, _): &(Range<usize>, Source<'_>)| -> Vec<Vertex> {
-            let moved = |i: usize| {
-                let Vertex { position, normal } = vertices[i];
+    fn glide(&self, from: &[Vertex], to: &mut [Vertex]) {
+        self.each_block(to, |(range, _), to| {
+            for (i, to) in range.clone().zip(to) {
+                let Vertex { position, normal } = from[i];
+                *to = from[i];
                 let around = &self.neighbours[self.starts[i] as usize..self.starts[i + 1] as usize];
                 if around.is_empty() {
-                    return vertices[i];
+                    continue;
                 }
-                let sum = around.iter().fold([0.0; 3], |sum, &n| add(sum, vertices[n as usize].position));
+                let sum = around.iter().fold([0.0; 3], |sum, &n| add(sum, from[n as usize].position));
                 let way = sub(scale(sum, 1.0 / around.len() as f32), position);
                 let along = sub(way, scale(normal, dot(normal, way)));
-                Vertex { position: self.leashed(i, add(position, scale(along, GLIDE))), normal }
-            };
-            range.clone().map(moved).collect()
-        };
-        self.each_block(of_block)
+                to.position = self.leashed(self.home[i], add(position, scale(along, GLIDE)));
+            }
+        });
     }
 
-    fn each_block(&self, f: impl Fn(&(Range<usize>, Source<'a>)) -> Vec<Vertex> + Sync) -> Vec<Vertex> {
-        if self.home.len() < MANY {
-            return self.blocks.iter().flat_map(&f).collect();
-        }
-        let parts: Vec<Vec<Vertex>> = self.blocks.par_iter().map(&f).collect();
-        parts.into_iter().flatten().collect()
+    fn each_block(&self, out: &mut [Vertex], f: impl Fn(&(Range<usize>, Source<'a>), &mut [Vertex]) + Sync) {
+        each_block(&self.blocks, |b| b.0.clone(), out, f);
     }
 
     /// Not farther from home than the leash.
-    fn leashed(&self, i: usize, p: Point) -> Point {
-        add(self.home[i], self.at_most(sub(p, self.home[i])))
+    fn leashed(&self, home: Point, p: Point) -> Point {
+        add(home, self.at_most(sub(p, home)))
     }
 
     fn at_most(&self, way: Point) -> Point {
-        let (length, most) = (dot(way, way).sqrt(), LEASH * self.voxel);
-        if length > most { scale(way, most / length) } else { way }
+        let (square, most) = (dot(way, way), LEASH * self.voxel);
+        if square > most * most { scale(way, most / square.sqrt()) } else { way }
+    }
+}
+
+/// Calls `f` with each block and its part of `out`, which the ranges of the blocks divide in their order.
+pub(crate) fn each_block<B: Sync, T: Send>(
+    blocks: &[B],
+    range: impl Fn(&B) -> Range<usize>,
+    out: &mut [T],
+    f: impl Fn(&B, &mut [T]) + Sync,
+) {
+    let many = out.len() > MANY;
+    let mut rest = out;
+    let mut parts = Vec::with_capacity(blocks.len());
+    for b in blocks {
+        let (part, after) = std::mem::take(&mut rest).split_at_mut(range(b).len());
+        parts.push((b, part));
+        rest = after;
+    }
+    if many {
+        parts.into_par_iter().for_each(|(b, part)| f(b, part));
+    } else {
+        parts.into_iter().for_each(|(b, part)| f(b, part));
     }
 }

@@ -78,10 +78,14 @@ impl Solid {
             i
         };
         for t in self.indices.chunks_exact(3) {
-            for other in [t[1], t[2]] {
-                let (a, b) = (find(&mut root, t[0]), find(&mut root, other));
-                root[a.max(b) as usize] = a.min(b);
+            let known = [t[0], t[1], t[2]].map(|i| root[i as usize]);
+            if known[0] == known[1] && known[0] == known[2] {
+                continue;
             }
+            let roots = known.map(|i| find(&mut root, i));
+            let first = roots[0].min(roots[1]).min(roots[2]);
+            // Those of the triangle as well, so that the next one at the same vertices sees it at once.
+            [roots[0], roots[1], roots[2], t[0], t[1], t[2]].into_iter().for_each(|i| root[i as usize] = first);
         }
         (0..root.len() as u32).map(|i| find(&mut root, i)).collect()
     }

@@ -48,7 +48,8 @@ pub(super) fn colours(solid: &Solid, radius: f32, height: f32, paint: &Paint) ->
 pub(super) fn texture(solid: &Solid) -> Vec<[f32; 2]> {
     let of_vertex = |p: &Point| {
         let [x, y, z] = p.map(f64::from);
-        let (out, length) = (x.hypot(z), x.hypot(z).hypot(y));
+        let square = x * x + z * z;
+        let (out, length) = (square.sqrt(), (square + y * y).sqrt());
         let turn = if out > 0.0 { acos((x / out).clamp(-1.0, 1.0)) } else { 0.0 };
         let turn = if z < 0.0 { -turn } else { turn };
         let rise = if length > 0.0 { 0.5 - acos((y / length).clamp(-1.0, 1.0)) / std::f64::consts::PI } else { 0.0 };

@@ -5,6 +5,8 @@ use eyot_mesh::{Blobs, Kernel, Point, ScalarField, Solid, Within};
 
 /// Pixels across a shadow.
 const PIXELS: usize = 192;
+/// Values that are told apart when the volume is counted.
+const BINS: usize = 1024;
 /// Points along a side of what is sampled at once.
 const BLOCK: usize = 16;
 
@@ -59,12 +61,16 @@ pub(super) fn hull(solid: &Solid) -> f32 {
 pub(super) fn iso_of_volume(blobs: &Blobs, kernel: Kernel, volume: f32, spacing: f32, thickness: f32) -> f32 {
     // As far as it may differ from 1/2: half to one and a half times the thickness.
     let (mut low, mut high) = (kernel.value(1.5 * kernel.radius_of(0.5)), kernel.value(0.55 * kernel.radius_of(0.5)));
-    let values = samples(blobs, spacing);
+    // How many samples there are of each value, to a thousandth: each step of the search asks for all of them.
+    let mut counts = [0u32; BINS + 1];
+    for v in samples(blobs, spacing) {
+        counts[(v.min(1.0) * BINS as f32 + 0.5) as usize] += 1;
+    }
     // Values change so much from one sample to the next; a share of those nearer to the surface counts.
     let width = 0.8 * spacing / thickness;
     let volume_within = |iso: f32| {
-        let share = |v: &f32| ((v - iso) / width + 0.5).clamp(0.0, 1.0);
-        values.iter().map(share).sum::<f32>() * spacing * spacing * spacing
+        let share = |(k, n): (usize, &u32)| *n as f32 * ((k as f32 / BINS as f32 - iso) / width + 0.5).clamp(0.0, 1.0);
+        counts.iter().enumerate().map(share).sum::<f32>() * spacing * spacing * spacing
     };
     for _ in 0..14 {
         let middle = 0.5 * (low + high);
@@ -81,6 +87,7 @@ fn samples(blobs: &Blobs, spacing: f32) -> Vec<f32> {
     let start: Point = [low[0] + 0.5 * spacing, 0.5 * spacing, low[2] + 0.5 * spacing];
     let counts = [0, 1, 2].map(count);
     let mut values = Vec::new();
+    let mut block = vec![0.0; BLOCK * BLOCK * BLOCK];
     let at = |i: usize, n: usize| start[i] + n as f32 * spacing;
     for z0 in (0..counts[2]).step_by(BLOCK) {
         for y0 in (0..counts[1]).step_by(BLOCK) {
@@ -91,13 +98,10 @@ fn samples(blobs: &Blobs, spacing: f32) -> Vec<f32> {
                 else {
                     continue;
                 };
-                let xs: [f32; BLOCK] = std::array::from_fn(|n| at(0, x0 + n));
-                let mut row = [0.0; BLOCK];
-                for (y, z) in (z0..=z1).flat_map(|z| (y0..=y1).map(move |y| (y, z))) {
-                    part.row(&xs, at(1, y), at(2, z), &mut row);
-                    // The field is the value minus 1/2.
-                    values.extend(row.iter().map(|v| v + 0.5).filter(|&v| v > 0.02));
-                }
+                let line = |i: usize, first: usize| -> [f32; BLOCK] { std::array::from_fn(|n| at(i, first + n)) };
+                part.fill([&line(0, x0), &line(1, y0), &line(2, z0)], &mut block);
+                // The field is the value minus 1/2.
+                values.extend(block.iter().map(|v| v + 0.5).filter(|&v| v > 0.02));
             }
         }
     }

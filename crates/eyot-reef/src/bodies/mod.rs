@@ -38,8 +38,8 @@ mod plan;
 pub use plan::{BodyPlan, Shape};
 
 use crate::community::{Colony, Community, Form, Plot, Rays, Species};
-use crate::lsystem::Grammar;
-use crate::skeleton::{Chance, Cut, GRAMMARS, Outline, Plan, Relief, ReliefKind, skeleton};
+use crate::lsystem::{Grammar, Segment};
+use crate::skeleton::{self, Chance, Cut, GRAMMARS, Outline, Plan, Relief, ReliefKind, skeleton};
 use colour::Paint;
 use eyot_core::rng::mix64;
 use eyot_core::{Error, Limits, Result};
@@ -167,6 +167,11 @@ impl Sculptor {
     /// # Errors
     /// If rays are no finite numbers or all 0, if there is no such species, or if its grammar makes too much.
     pub fn body(&self, colony: &ColonyShape<'_>) -> Result<Body> {
+        self.grown(colony, &mut None)
+    }
+
+    /// The body of a colony whose drawing is known from the month before, or made here.
+    fn grown(&self, colony: &ColonyShape<'_>, drawing: &mut Option<Drawing>) -> Result<Body> {
         let Some(species) = self.species.get(colony.species) else {
             return Err(bad("species", format!("there is none of number {}", colony.species)));
         };
@@ -181,7 +186,11 @@ impl Sculptor {
         let outline = Outline::new(colony.rays);
         let r = outline.radius;
         let volume = species.solid_share * 2.0 / 3.0 * PI * r * r * r;
-        let (mut solid, voxel_m) = self.surface(colony.species, &outline, volume, chance)?;
+        if let (None, Some(grammar)) = (&drawing, &self.grammars[colony.species]) {
+            *drawing = Some(skeleton::drawing(grammar, chance)?.into());
+        }
+        let drawing = drawing.as_deref().unwrap_or_default();
+        let (mut solid, voxel_m) = self.surface(colony.species, drawing, &outline, volume, chance)?;
         let fit = fit(&mut solid, species, &outline, volume);
         let top = solid.positions.iter().map(|p| p[1]).fold(0.0, f32::max);
         let paint = Paint {
@@ -197,21 +206,36 @@ impl Sculptor {
     }
 
     /// The surface before it is fitted, and its voxel.
-    fn surface(&self, number: usize, outline: &Outline, volume: f32, chance: Chance) -> Result<(Solid, f32)> {
+    fn surface(
+        &self,
+        number: usize,
+        drawing: &[Segment],
+        outline: &Outline,
+        volume: f32,
+        chance: Chance,
+    ) -> Result<(Solid, f32)> {
         let plan = &self.species[number].body;
+        let height = plan.height;
         let per_radius = self.detail.per_radius;
         let solid_voxel = self.detail.solid_m.min(outline.radius / per_radius);
         match plan.shape {
-            Shape::Encrusting => self.relief(ReliefKind::Encrusting, plan.height, outline, solid_voxel, chance),
-            Shape::FreeLiving => self.relief(ReliefKind::FreeLiving, plan.height, outline, solid_voxel, chance),
+            Shape::Encrusting => self.relief(ReliefKind::Encrusting, height, outline, solid_voxel, chance),
+            Shape::FreeLiving => self.relief(ReliefKind::FreeLiving, height, outline, solid_voxel, chance),
             Shape::Massive => {
-                let primitives = self.primitives(number, outline, volume, 0.0, chance)?;
+                let plan = Plan::Massive { roughness: plan.roughness };
+                let primitives = skeleton(&plan, outline, height, volume, chance);
                 self.boulder(&primitives, outline, solid_voxel)
             }
             Shape::Branching | Shape::Columnar | Shape::Foliaceous | Shape::Laminar => {
                 let voxel = self.detail.open_m.min(0.5 * outline.radius / per_radius);
                 let thinnest = voxel / VOXELS_PER_THICKNESS;
-                let primitives = self.primitives(number, outline, volume, thinnest, chance)?;
+                let plan = match plan.shape {
+                    Shape::Columnar => Plan::Columnar,
+                    Shape::Foliaceous => Plan::Foliaceous,
+                    Shape::Laminar => Plan::Laminar,
+                    _ => Plan::Branching { drawing, full_radius: self.species[number].max_radius, thinnest },
+                };
+                let primitives = skeleton(&plan, outline, height, volume, chance);
                 self.open(&primitives, volume, voxel)
             }
         }
@@ -260,26 +284,6 @@ impl Sculptor {
         let field = Box::new(blobs.with_iso(iso));
         let cut = Cut { field, outline: None, foot: FOOT * voxel, steepness: 0.8 / mean };
         mesh(&cut, [[low[0], -voxel, low[2]], high], voxel, self.detail.rounds)
-    }
-
-    fn primitives(
-        &self,
-        number: usize,
-        outline: &Outline,
-        volume: f32,
-        thinnest: f32,
-        chance: Chance,
-    ) -> Result<Vec<Primitive>> {
-        let species = &self.species[number];
-        let body = &species.body;
-        let plan = match (body.shape, &self.grammars[number]) {
-            (Shape::Branching, Some(grammar)) => Plan::Branching { grammar, full_radius: species.max_radius, thinnest },
-            (Shape::Columnar, _) => Plan::Columnar,
-            (Shape::Foliaceous, _) => Plan::Foliaceous,
-            (Shape::Laminar, _) => Plan::Laminar,
-            _ => Plan::Massive { roughness: body.roughness },
-        };
-        skeleton(&plan, outline, body.height, volume, chance)
     }
 }
 
@@ -343,10 +347,28 @@ fn meshing(e: eyot_mesh::Error) -> Error {
     }
 }
 
+/// Triangles over the square of the voxels along a radius, at most, of bodies with gaps and of others.
+const OPEN_TRIANGLES: f32 = 110.0;
+const SOLID_TRIANGLES: f32 = 60.0;
+/// Bytes of a triangle and of half a vertex: place, normal, colour, texture; those of a drawing.
+const BYTES_PER_TRIANGLE: f64 = 12.0 + 0.5 * 36.0;
+const DRAWING: u128 = 128 << 10;
+
+/// What a grammar draws for a colony.
+type Drawing = Arc<[Segment]>;
+
+/// What is known of a colony from its last month.
+#[derive(Clone)]
+struct Known {
+    stamp: u64,
+    body: Arc<Body>,
+    drawing: Option<Drawing>,
+}
+
 /// The bodies of a plot, of which only those are meshed again whose colony has changed.
 pub struct Bodies {
     sculptor: Sculptor,
-    bodies: HashMap<u64, (u64, Arc<Body>)>,
+    bodies: HashMap<u64, Known>,
 }
 
 impl Bodies {
@@ -356,16 +378,35 @@ impl Bodies {
         Ok(Self { sculptor: Sculptor::new(community, seed, detail)?, bodies: HashMap::new() })
     }
 
+    /// Bytes that the bodies of a plot hold at most, with what making one takes on each thread: what to ask a limit for before
+    /// they are made.
+    pub fn bytes(plot: &Plot, detail: Detail) -> u128 {
+        let of = |colony: &Colony| {
+            let open = plot.community().species[usize::from(colony.species)].body.shape.is_open();
+            let (voxel, least, triangles, drawing) = if open {
+                (detail.open_m, 2.0 * detail.per_radius, OPEN_TRIANGLES, DRAWING)
+            } else {
+                (detail.solid_m, detail.per_radius, SOLID_TRIANGLES, 0)
+            };
+            let voxels = (colony.radius / voxel).max(least);
+            (f64::from(triangles * voxels * voxels) * BYTES_PER_TRIANGLE) as u128 + drawing
+        };
+        let (sum, most) = plot.colonies().iter().map(of).fold((0, 0), |(sum, most), n| (sum + n, n.max(most)));
+        // Samples, vertices, neighbours and blocks, while they move.
+        sum + 8 * most * rayon::current_num_threads() as u128
+    }
+
     /// Follows the plot: makes bodies of new colonies and of those that grew, bleached or recovered, and forgets the dead. Returns
     /// how many it made.
     ///
     /// # Errors
     /// As [`Sculptor::body`].
     pub fn update(&mut self, plot: &Plot) -> Result<usize> {
-        let make = |(colony, rays): (&Colony, &Rays)| -> Result<(u64, (u64, Arc<Body>), bool)> {
+        let make = |(colony, rays): (&Colony, &Rays)| -> Result<(u64, Known, bool)> {
             let stamp = stamp(colony, rays);
-            if let Some((_, body)) = self.bodies.get(&colony.id).filter(|b| b.0 == stamp) {
-                return Ok((colony.id, (stamp, body.clone()), false));
+            let known = self.bodies.get(&colony.id);
+            if let Some(known) = known.filter(|k| k.stamp == stamp) {
+                return Ok((colony.id, known.clone(), false));
             }
             let shape = ColonyShape {
                 id: colony.id,
@@ -374,18 +415,20 @@ impl Bodies {
                 bleaching: colony.bleaching,
                 slope: [0.0; 2],
             };
-            Ok((colony.id, (stamp, Arc::new(self.sculptor.body(&shape)?)), true))
+            let mut drawing = known.and_then(|k| k.drawing.clone());
+            let body = Arc::new(self.sculptor.grown(&shape, &mut drawing)?);
+            Ok((colony.id, Known { stamp, body, drawing }, true))
         };
         let all: Vec<_> =
             plot.colonies().par_iter().zip(plot.rays()).with_max_len(1).map(make).collect::<Result<_>>()?;
         let made = all.iter().filter(|b| b.2).count();
-        self.bodies = all.into_iter().map(|(id, body, _)| (id, body)).collect();
+        self.bodies = all.into_iter().map(|(id, known, _)| (id, known)).collect();
         Ok(made)
     }
 
     /// The body of a colony.
     pub fn of(&self, colony: u64) -> Option<&Body> {
-        self.bodies.get(&colony).map(|b| b.1.as_ref())
+        self.bodies.get(&colony).map(|k| k.body.as_ref())
     }
 }
 

@@ -31,7 +31,8 @@ const TIP: f32 = 0.8;
 
 /// What a colony's branches grow by.
 pub(super) struct Branches<'a> {
-    pub(super) grammar: &'a Grammar,
+    /// What the grammar draws.
+    pub(super) drawing: &'a [Segment],
     /// Radius of the full-grown colony, m.
     pub(super) full_radius: f32,
     /// Height of the growth volume over its radius.
@@ -49,11 +50,18 @@ struct Branch {
     is_tip: bool,
 }
 
-pub(super) fn branching(outline: &Outline, b: &Branches<'_>, chance: Chance) -> Result<Vec<Primitive>> {
+/// Everything that a colony's grammar ever draws, as long as it lives.
+///
+/// # Errors
+/// If the grammar makes more than fits into 256 MiB, or leaves the range of numbers.
+pub(crate) fn drawing(grammar: &Grammar, chance: Chance) -> Result<Vec<Segment>> {
     let limits = Limits { max_bytes: 256 << 20, ..Limits::default() };
-    let word = b.grammar.derive(b.grammar.steps, chance.seed(), &limits)?;
-    let drawing = b.grammar.draw(&word, chance.seed(), &limits)?;
-    let (clipped, r) = grown(&drawing.segments, outline, b);
+    let word = grammar.derive(grammar.steps, chance.seed(), &limits)?;
+    Ok(grammar.draw(&word, chance.seed(), &limits)?.segments)
+}
+
+pub(super) fn branching(outline: &Outline, b: &Branches<'_>) -> Vec<Primitive> {
+    let (clipped, r) = grown(b.drawing, outline, b);
     let cone = |branch: &Branch| {
         let mut radii = branch.widths.map(|w| w * r);
         if branch.is_tip {
@@ -65,15 +73,21 @@ pub(super) fn branching(outline: &Outline, b: &Branches<'_>, chance: Chance) -> 
     // What all of them grow from.
     let foot = (0.16 * outline.radius).min(2.5 * r).max(1.2 * r);
     primitives.push(Primitive::ball([0.0, 0.3 * foot, 0.0], foot));
-    Ok(primitives)
+    primitives
 }
 
 /// The branches that there are, and their thickness, m.
 fn grown(segments: &[Segment], outline: &Outline, b: &Branches<'_>) -> (Vec<Branch>, f32) {
+    // The turtle's z is up.
+    let scale = (outline.radius * b.full_radius).sqrt();
+    let place = |v: Vector| [v[0] as f32, v[2] as f32, v[1] as f32].map(|c| c * scale);
+    let ends: Vec<[[f32; 3]; 2]> = segments.iter().map(|s| [place(s.from), place(s.to)]).collect();
+    let free: Vec<Option<f32>> = ends.iter().map(|&e| inside(e, outline, b, 0.0)).collect();
     let with = |generations: f32| {
-        let all = clip(segments, outline, b, generations, 0.0);
+        let all = clip(segments, &ends, generations, |i| free[i]);
         // Once more with the room that the branches' own thickness takes.
-        let all = clip(segments, outline, b, generations, thickness(&all, b.volume, outline.radius));
+        let margin = thickness(&all, b.volume, outline.radius);
+        let all = clip(segments, &ends, generations, |i| inside(ends[i], outline, b, margin));
         let r = thickness(&all, b.volume, outline.radius);
         (all, r)
     };
@@ -100,41 +114,56 @@ fn thickness(branches: &[Branch], volume: f32, radius: f32) -> f32 {
     if sum > 0.0 { (volume / (0.8 * std::f32::consts::PI * sum)).sqrt().min(0.4 * radius) } else { 0.3 * radius }
 }
 
-/// The parts of segments of so many generations beyond the first within the growth volume, which ends `margin` before the colony
-/// does.
-fn clip(segments: &[Segment], outline: &Outline, b: &Branches<'_>, generations: f32, margin: f32) -> Vec<Branch> {
+/// The part of a segment before it leaves the growth volume, which ends `margin` before the colony does; `None` if it begins
+/// outside.
+fn inside(ends: [[f32; 3]; 2], outline: &Outline, b: &Branches<'_>, margin: f32) -> Option<f32> {
     let room = ((outline.radius - margin) / outline.radius).max(0.3);
     let height = (b.height * outline.radius - margin).max(0.3 * b.height * outline.radius);
     let depth = |p: [f32; 3]| {
         let (q, y) = (outline.gauge(p[0], p[2]).0 / room, p[1] / height);
         q * q + y * y
     };
-    // The turtle's z is up.
-    let scale = (outline.radius * b.full_radius).sqrt();
-    let place = |v: Vector| [v[0] as f32, v[2] as f32, v[1] as f32].map(|c| c * scale);
+    // Branches neither leave the dome nor run into the floor.
+    let is_inside = |t: f32| {
+        let p = between(ends, t);
+        depth(p) < 1.0 && p[1] >= 0.0
+    };
+    let begins = depth(ends[0]) < 1.0 && ends[0][1] >= -1e-6;
+    begins.then(|| if is_inside(1.0) { 1.0 } else { last_inside(is_inside) })
+}
+
+fn between([from, to]: [[f32; 3]; 2], t: f32) -> [f32; 3] {
+    std::array::from_fn(|i| from[i] + t * (to[i] - from[i]))
+}
+
+/// The parts of segments of so many generations beyond the first within the growth volume, in which each has a part `inside`.
+fn clip(
+    segments: &[Segment],
+    ends: &[[[f32; 3]; 2]],
+    generations: f32,
+    inside: impl Fn(usize) -> Option<f32>,
+) -> Vec<Branch> {
     let first = segments.iter().map(|s| s.depth).min().unwrap_or(0);
     let mut whole = vec![false; segments.len()];
     let mut branches = Vec::new();
     let mut has_children = vec![false; segments.len()];
-    for (i, s) in segments.iter().enumerate() {
+    for (i, (s, &ends)) in segments.iter().zip(ends).enumerate() {
         if s.parent.is_some_and(|p| !whole[p as usize]) {
             continue;
         }
         let part = (generations + 1.0 - (s.depth - first) as f32).clamp(0.0, 1.0);
-        let (from, to) = (place(s.from), place(s.to));
-        if part < 0.02 || depth(from) >= 1.0 || from[1] < -1e-6 {
+        if part < 0.02 {
             continue;
         }
+        let Some(inside) = inside(i) else { continue };
         if let Some(p) = s.parent {
             has_children[p as usize] = true;
         }
-        let at = |t: f32| -> [f32; 3] { std::array::from_fn(|i| from[i] + t * (to[i] - from[i])) };
-        // Branches neither leave the dome nor run into the floor.
-        let is_inside = |t: f32| depth(at(t)) < 1.0 && at(t)[1] >= 0.0;
-        let t = if is_inside(1.0) { 1.0 } else { last_inside(is_inside) }.min(part);
+        let t = inside.min(part);
         whole[i] = t >= 1.0;
         let [w0, w1] = s.widths.map(|w| w as f32);
-        branches.push((i, Branch { ends: [from, at(t)], widths: [w0, w0 + t * (w1 - w0)], is_tip: true }));
+        branches
+            .push((i, Branch { ends: [ends[0], between(ends, t)], widths: [w0, w0 + t * (w1 - w0)], is_tip: true }));
     }
     branches.into_iter().map(|(i, b)| Branch { is_tip: !has_children[i], ..b }).collect()
 }

@@ -6,7 +6,7 @@ use eyot_mesh::{Point, ScalarField, Within};
 
 /// The part of a field that lies over its foot and, if there is an outline, within it.
 pub(crate) struct Cut<'a> {
-    pub(crate) field: Box<dyn ScalarField + 'a>,
+    pub(crate) field: Box<dyn ScalarField + Send + 'a>,
     pub(crate) outline: Option<&'a Outline>,
     /// How deep below the ground it ends, m: the edge there is ragged.
     pub(crate) foot: f32,
@@ -15,13 +15,23 @@ pub(crate) struct Cut<'a> {
 }
 
 impl Cut<'_> {
+    /// What the ground leaves.
+    fn ground(&self, y: f32) -> f32 {
+        (y + self.foot) * self.steepness
+    }
+
+    /// What the outline leaves, and the gradient of that.
+    fn side(outline: &Outline, steepness: f32, x: f32, z: f32) -> (f32, Point) {
+        let (gauge, [gx, gz]) = outline.gauge(x, z);
+        let scale = steepness * outline.radius;
+        ((1.0 - gauge) * scale, [-gx * scale, 0.0, -gz * scale])
+    }
+
     /// The lesser one of what ground and outline leave, and its gradient.
     fn limit(&self, p: Point) -> (f32, Point) {
-        let ground = ((p[1] + self.foot) * self.steepness, [0.0, self.steepness, 0.0]);
+        let ground = (self.ground(p[1]), [0.0, self.steepness, 0.0]);
         let Some(outline) = self.outline else { return ground };
-        let (gauge, [gx, gz]) = outline.gauge(p[0], p[2]);
-        let scale = self.steepness * outline.radius;
-        let side = ((1.0 - gauge) * scale, [-gx * scale, 0.0, -gz * scale]);
+        let side = Self::side(outline, self.steepness, p[0], p[2]);
         if side.0 < ground.0 { side } else { ground }
     }
 }
@@ -37,12 +47,30 @@ impl ScalarField for Cut<'_> {
         if limit.0 < inner.0 { limit } else { inner }
     }
 
-    fn row(&self, xs: &[f32], y: f32, z: f32, values: &mut [f32]) {
-        self.field.row(xs, y, z, values);
-        for (v, &x) in values.iter_mut().zip(xs) {
-            let limit = self.limit([x, y, z]).0;
-            if limit < *v {
-                *v = limit;
+    fn slopes(&self, points: &[Point], voxel: f32, slopes: &mut [(f32, Point)]) {
+        self.field.slopes(points, voxel, slopes);
+        for (slope, &p) in slopes.iter_mut().zip(points) {
+            let limit = self.limit(p);
+            if limit.0 < slope.0 {
+                *slope = limit;
+            }
+        }
+    }
+
+    fn fill(&self, [xs, ys, zs]: [&[f32]; 3], values: &mut [f32]) {
+        self.field.fill([xs, ys, zs], values);
+        let mut sides = vec![f32::INFINITY; xs.len()];
+        for (plane, &z) in values.chunks_exact_mut(xs.len() * ys.len()).zip(zs) {
+            // The outline is the same at all heights.
+            if let Some(outline) = self.outline {
+                sides.iter_mut().zip(xs).for_each(|(s, &x)| *s = Self::side(outline, self.steepness, x, z).0);
+            }
+            for (row, &y) in plane.chunks_exact_mut(xs.len()).zip(ys) {
+                let ground = self.ground(y);
+                for (v, &side) in row.iter_mut().zip(&sides) {
+                    let limit = if side < ground { side } else { ground };
+                    *v = if limit < *v { limit } else { *v };
+                }
             }
         }
     }

@@ -95,4 +95,14 @@ impl ScalarField for Relief<'_> {
     fn value(&self, [x, y, z]: Point) -> f32 {
         (self.surface(x, z) - y) / self.height
     }
+
+    fn fill(&self, [xs, ys, zs]: [&[f32]; 3], values: &mut [f32]) {
+        let mut surface = vec![0.0; xs.len()];
+        for (plane, &z) in values.chunks_exact_mut(xs.len() * ys.len()).zip(zs) {
+            surface.iter_mut().zip(xs).for_each(|(s, &x)| *s = self.surface(x, z));
+            for (row, &y) in plane.chunks_exact_mut(xs.len()).zip(ys) {
+                row.iter_mut().zip(&surface).for_each(|(v, s)| *v = (s - y) / self.height);
+            }
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::Job;
 use crate::backend::{io, mesh, render};
 use crate::error::RunError;
 use crate::keys::ExportFormat;
+use crate::need;
 use crate::recipe::{Actor, Recipe, Work};
 use eyot_core::process::parameters_from;
 use eyot_core::{Limits, Result, World};
@@ -12,7 +13,7 @@ use eyot_reef::community::{Alga, Colony, Curve, Plot, Species, cover_svg, plan_s
 use eyot_reef::corals::{CENSUS, CORALS, Corals};
 use io::{Scene, SceneMaterial, SceneMesh, SceneNode};
 use mesh::{Blend, Blobs, Kernel, Lattice, MeshingOptions, Primitive, Solid, mesh_field};
-use render::{Camera, Haze, MeshPart, MeshViewOptions, Picture, mesh_view};
+use render::{Camera, Haze, MeshPart, MeshViewOptions, Picture, mesh_view, mesh_view_bytes};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -20,6 +21,10 @@ use std::path::Path;
 /// Pixels of the picture from the side, and along each side of that from above.
 const SIDE: [usize; 2] = [1400, 900];
 const ABOVE: usize = 1100;
+/// Cells along a side of the sea floor's mesh.
+const GROUND: usize = 160;
+/// What to do about a reef that is too large.
+const REMEDY: &str = "export a smaller plot, leave out `corals` and `dive`, or raise --max-memory";
 /// Light that clear water takes, 1/m, red first, and the colour of far water.
 const WATER: Haze = Haze { per_m: [0.16, 0.05, 0.045], veil: [0.02, 0.16, 0.24] };
 /// Beyond this way, m, nothing is left but that colour.
@@ -88,9 +93,10 @@ pub(super) struct Reef<'a> {
 
 impl<'a> Reef<'a> {
     /// # Errors
-    /// If the world's numbers are not those of these corals, or a body cannot be made.
-    pub(super) fn new(corals: &Corals, world: &'a World) -> Result<Self> {
+    /// If the world's numbers are not those of these corals, if a body cannot be made, or if all of them exceed the limits.
+    pub(super) fn new(corals: &Corals, world: &'a World, limits: &Limits) -> Result<Self> {
         let plot = corals.plot(world)?;
+        need::check("the bodies of corals", world, Bodies::bytes(&plot, Detail::default()), limits, REMEDY)?;
         let mut bodies = Bodies::new(plot.community(), world.seed, Detail::default())?;
         bodies.update(&plot)?;
         Ok(Self { world, plot, bodies, alga: alga()? })
@@ -182,9 +188,39 @@ impl<'a> Reef<'a> {
         SceneNode { name, mesh, place: [x, self.floor(x, y), y], turn: 0.0, size, extras }
     }
 
-    /// The reef as a diver sees it, and from above.
-    pub(super) fn pictures(&self) -> [Picture; 2] {
+    /// Vertices and triangles of the corals' bodies.
+    fn counts(&self) -> [u64; 2] {
+        let count = |[v, t]: [u64; 2], s: &Solid| [v + s.positions.len() as u64, t + s.triangles() as u64];
+        self.corals().map(|c| &c.1.solid).fold([0; 2], count)
+    }
+
+    /// Bytes that a file of all bodies takes while it is written: names and numbers of its nodes. Arrays are written as they are.
+    fn file_bytes(&self) -> u128 {
+        2048 * (self.plot.colonies().len() + self.plot.algae().len()) as u128
+    }
+
+    /// The reef as a diver sees it, and from above; the water is left out there, because colours are judged from above.
+    fn views(&self) -> [MeshViewOptions; 2] {
         let (w, h) = (self.plot.site().width_m as f32, self.plot.site().length_m as f32);
+        let middle = [0.5 * w, 0.5 * h, self.floor(0.5 * w, 0.5 * h)];
+        let far = w.max(h);
+        let side =
+            Camera::looking([0.4 * w, h + 0.3 * far, middle[2] + 0.28 * far], [0.5 * w, 0.45 * h, middle[2]], 48.0);
+        let above = Camera::looking([middle[0], middle[1] + 0.01, middle[2] + 1.3 * far], middle, 46.0);
+        [MeshViewOptions::new(side, SIDE, Some(WATER)), MeshViewOptions::new(above, [ABOVE, ABOVE], None)]
+    }
+
+    /// Bytes that the larger picture takes while it is drawn: each alga is drawn by itself.
+    fn picture_bytes(&self) -> u128 {
+        let (algae, ground) = (self.algae().count() as u64, ((GROUND + 1) * (GROUND + 1)) as u64);
+        let [vertices, triangles] = self.counts();
+        let vertices = vertices + ground + algae * self.alga.positions.len() as u64;
+        let triangles = triangles + 2 * ground + algae * self.alga.triangles() as u64;
+        self.views().iter().map(|v| mesh_view_bytes(vertices, triangles, v)).fold(0, u128::max)
+    }
+
+    /// What [`Reef::views`] sees.
+    fn pictures(&self) -> [Picture; 2] {
         let (ground, normals, triangles) = self.ground();
         let colours = vec![SAND; ground.len()];
         let fronds = vec![ALGAE; self.alga.positions.len()];
@@ -218,21 +254,14 @@ impl<'a> Reef<'a> {
             size: a.height,
             shades: true,
         }));
-        let middle = [0.5 * w, 0.5 * h, self.floor(0.5 * w, 0.5 * h)];
-        let far = w.max(h);
-        let side =
-            Camera::looking([0.4 * w, h + 0.3 * far, middle[2] + 0.28 * far], [0.5 * w, 0.45 * h, middle[2]], 48.0);
-        let above = Camera::looking([middle[0], middle[1] + 0.01, middle[2] + 1.3 * far], middle, 46.0);
-        let draw = |camera, size, haze| mesh_view(&parts, &MeshViewOptions::new(camera, size, haze));
-        // Colours are judged from above, so there the water is left out.
-        [draw(side, SIDE, Some(WATER)), draw(above, [ABOVE, ABOVE], None)]
+        self.views().map(|view| mesh_view(&parts, &view))
     }
 
     /// The sea floor as a mesh, and beyond the plot as far as water lets see, so that no edge is in the picture.
     fn ground(&self) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<u32>) {
         let (w, h) = (self.plot.site().width_m as f32, self.plot.site().length_m as f32);
         let far = (2.0 * w.max(h)).max(SIGHT_M);
-        const N: usize = 160;
+        const N: usize = GROUND;
         // Two thirds of the points are within the plot, and those beyond are denser near it.
         let place = |i: usize, side: f32| {
             let t = 3.0 * i as f32 / N as f32 - 1.0;
@@ -297,7 +326,7 @@ fn alga() -> Result<Solid> {
         reason: e.to_string(),
     };
     let blobs = Blobs::new(&primitives, Kernel::Muraki, Blend::Normalised, &limits).map_err(fault)?;
-    let lattice = Lattice::over([-0.6, -0.1, -0.6], [0.6, 1.1, 0.6], 0.03, &limits).map_err(fault)?;
+    let lattice = Lattice::over([-0.6, -0.1, -0.6], [0.6, 1.1, 0.6], 0.015, &limits).map_err(fault)?;
     Ok(mesh_field(&blobs, &lattice, &MeshingOptions { rounds: 1 }, &limits).map_err(fault)?.largest_piece())
 }
 
@@ -308,8 +337,11 @@ pub(super) fn write_bodies(
     format: ExportFormat,
     files: &[String],
 ) -> std::result::Result<(), RunError> {
-    let reef = Reef::new(corals, job.world).map_err(RunError::file)?;
+    let reef = Reef::new(corals, job.world, job.limits).map_err(RunError::file)?;
+    let held = Bodies::bytes(&reef.plot, Detail::default());
+    let check = |what: &str, bytes: u128| need::check(what, job.world, held + bytes, job.limits, REMEDY);
     if format == ExportFormat::Dive {
+        check("the pictures of corals", reef.picture_bytes()).map_err(RunError::file)?;
         for (name, picture) in files.iter().zip(reef.pictures()) {
             let path = job.file(name)?;
             io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
@@ -320,6 +352,7 @@ pub(super) fn write_bodies(
         (job.note)(format!("`{}` is not written: nothing lives on the plot any more", files[0]));
         return Ok(());
     }
+    check("the file of corals", reef.file_bytes()).map_err(RunError::file)?;
     let (name, path) = (job.name, job.file(&files[0])?);
     reef.write(&path, name, format).map_err(RunError::file)
 }
