@@ -210,7 +210,7 @@ pub struct Moment {
 pub struct Colony {
     /// Never given again in a run; algae share the numbers.
     pub id: u64,
-    /// Step of simulation in which it settled; may lie before the first one.
+    /// Month of the community in which it settled; negative for those of the beginning.
     pub settled: i32,
     /// Number of its species.
     pub species: u16,
@@ -222,7 +222,7 @@ pub struct Colony {
     pub y: f32,
     /// Mean length of its rays, m; its area is that of this disc.
     pub radius: f32,
-    /// Height of its body above the ground, m.
+    /// Height of its body above the ground as its species has it, m.
     pub height: f32,
     /// 1 fully bleached, 0 healthy.
     pub bleaching: f32,
@@ -237,7 +237,7 @@ pub struct Colony {
 pub struct Alga {
     /// Never given again in a run.
     pub id: u64,
-    /// Step of simulation in which it settled.
+    /// Month of the community in which it settled.
     pub settled: i32,
     /// Centre, m from the west side.
     pub x: f32,

@@ -111,7 +111,7 @@ pub enum Notice {
 pub struct Server {
     hub: Arc<Hub>,
     address: SocketAddr,
-    accepting: Option<JoinHandle<()>>,
+    accepting: Mutex<Option<JoinHandle<()>>>,
 }
 
 /// What all threads of a server share.
@@ -138,7 +138,6 @@ struct State {
     lines: Vec<Arc<Line>>,
     /// Places that are taken: clients, and handshakes that have been let in.
     places: usize,
-    joined: u64,
 }
 
 impl Server {
@@ -169,7 +168,7 @@ impl Server {
             .name("eyot-accept".to_owned())
             .spawn(move || accept(&listener, &theirs))
             .map_err(fail)?;
-        Ok(Self { hub, address, accepting: Some(accepting) })
+        Ok(Self { hub, address, accepting: Mutex::new(Some(accepting)) })
     }
 
     /// Where it listens.
@@ -238,14 +237,9 @@ impl Server {
         self.hub.lock().lines.len()
     }
 
-    /// Clients that have ever connected.
-    pub fn joined(&self) -> u64 {
-        self.hub.lock().joined
-    }
-
     /// Takes no more clients, sends what waits, closes all connections with this code and reason, and cuts those that are not
     /// closed in time.
-    pub fn close(mut self, code: u16, reason: &str, patience: Duration) {
+    pub fn close(&self, code: u16, reason: &str, patience: Duration) {
         self.stop_accepting();
         let until = Instant::now() + patience;
         let mut state = self.hub.lock();
@@ -256,9 +250,9 @@ impl Server {
         }
     }
 
-    fn stop_accepting(&mut self) {
+    fn stop_accepting(&self) {
         self.hub.closing.store(true, Ordering::Release);
-        let Some(thread) = self.accepting.take() else { return };
+        let Some(thread) = self.accepting.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
         // Whoever accepts waits for somebody to come.
         let here = match self.address.ip() {
             IpAddr::V4(ip) if ip.is_unspecified() => IpAddr::V4(Ipv4Addr::LOCALHOST),
@@ -363,7 +357,6 @@ impl Hub {
             line.note(end);
         }
         state.lines.push(line.clone());
-        state.joined += 1;
         drop(state);
         self.tell(Notice::Joined { client: number, address });
         Some(line)
