@@ -124,7 +124,7 @@ def whole(eyot, folder):
 
 
 def stopped(eyot, folder):
-    arguments = ["--size", "32", "--set", "colonies.steps=60", "--rate", "20"]
+    arguments = ["--size", "32", "--set", "colonies.steps=60", "--rate", "5"]
     server, url = serve(eyot, folder, "reef", "--out", "halves", "--wait", "1", *arguments)
     stream, mirror = eyot_stream.Stream(url), eyot_stream.Mirror()
     while mirror.moment is None or mirror.moment["step"] < 5:

@@ -62,7 +62,8 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
     let moment = |number, living| Moment { number, living, census: vec![1.0], ..Moment::default() };
     let colony = |id, radius| Colony { id, radius, ..Colony::default() };
     let colonies = |why, rays, rows| Body::Colonies { why, rays, rows };
-    let tile = |at, size: [u32; 2]| Tile { at, size, values: vec![0.5; (size[0] * size[1]) as usize], ..Tile::default() };
+    let tile =
+        |at, size: [u32; 2]| Tile { at, size, values: vec![0.5; (size[0] * size[1]) as usize], ..Tile::default() };
     let moments: [Vec<Body>; 2] = [
         vec![
             Body::Snapshot(moment(7, [2, 1])),

@@ -123,10 +123,14 @@ impl Line {
         self.lock().stale = false;
     }
 
-    /// Wakes whoever sends: there is a state now.
-    pub(crate) fn wake(&self) {
-        drop(self.lock());
-        self.ready.notify_all();
+    /// The first state of all, for a client that was here before it.
+    pub(crate) fn begin(&self, snapshot: &Arc<Vec<u8>>) {
+        let mut q = self.lock();
+        if !q.ends {
+            q.stale = false;
+            q.items.push_back(Item::Note(snapshot.clone()));
+            self.ready.notify_all();
+        }
     }
 
     pub(crate) fn note(&self, frames: &Arc<Vec<u8>>) {

@@ -201,13 +201,15 @@ impl Server {
                 state.lines.iter().for_each(|l| l.moment(&frames));
             }
         }
-        let is_first = state.scene.is_none();
-        state.scene = Some(scene);
         state.snapshot = None;
-        if is_first {
+        if state.scene.is_none() {
+            // Whoever waited for the first moment misses none.
+            let frames = Arc::new(frame::messages(&scene.snapshot(hello)));
+            state.lines.iter().for_each(|l| l.begin(&frames));
+            state.snapshot = Some(frames);
             self.hub.has_scene.store(true, Ordering::Release);
-            state.lines.iter().for_each(|l| l.wake());
         }
+        state.scene = Some(scene);
     }
 
     /// Says whether the run works.
