@@ -8,6 +8,7 @@
 pub mod corpus;
 mod expressions;
 pub mod mutate;
+mod network;
 mod rasters;
 mod recipes;
 mod stores;
@@ -47,6 +48,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "timeline", run: timelines::read, seeds: timelines::seeds, words: timelines::WORDS },
     Target { name: "recipe", run: recipes::read, seeds: recipes::seeds, words: recipes::WORDS },
     Target { name: "set", run: recipes::read_flags, seeds: recipes::flags, words: recipes::WORDS },
+    Target { name: "records", run: network::read, seeds: network::seeds, words: network::WORDS },
+    Target { name: "orders", run: network::read_order, seeds: network::orders, words: network::WORDS },
     Target { name: "expression", run: expressions::read, seeds: expressions::seeds, words: expressions::WORDS },
 ];
 

@@ -109,6 +109,17 @@ fn only_io_opens_files() {
 }
 
 #[test]
+fn only_the_stream_crate_opens_connections() {
+    for folder in ["crates", "apps", "fuzz"] {
+        // The facade and the command know addresses; they open nothing.
+        assert_absent(folder, &["TcpStream", "TcpListener", "UdpSocket"], &["eyot-stream"]);
+    }
+    let manifest = fs::read_to_string(root().join("crates/eyot-stream/Cargo.toml")).unwrap();
+    assert!(!manifest.lines().any(|l| l.starts_with("eyot")), "eyot-stream depends on another crate of the workspace");
+    assert_absent("crates/eyot-stream/src", &["std::fs", "File::"], &[]);
+}
+
+#[test]
 fn only_the_gpu_crate_names_wgpu() {
     for krate in ["eyot-core", "eyot-land", "eyot-io", "eyot-mesh", "eyot-render", "eyot"] {
         let manifest = fs::read_to_string(root().join("crates").join(krate).join("Cargo.toml")).unwrap();
@@ -131,6 +142,7 @@ fn front_ends_use_the_facade() {
         "eyot-reef",
         "eyot-render",
         "eyot-rules",
+        "eyot-stream",
     ] {
         assert!(!manifest.lines().any(|l| l.starts_with(below)), "the command line depends on {below}");
     }

@@ -44,6 +44,8 @@ pub(crate) enum Verb {
     Run(Run),
     /// Continue a run that was stopped
     Resume(Resume),
+    /// Run a recipe and send each step's changes to other programs
+    Serve(crate::serve::Serve),
     /// List the frames of a recorded run
     Timeline(Timeline),
     /// Set a recorded run back, to be resumed from there
@@ -647,7 +649,7 @@ pub(crate) fn size(text: &str) -> Result<(u32, Option<u32>), String> {
     }
 }
 
-fn bytes(text: &str) -> Result<u64, String> {
+pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let help = "write a number with K, M, G or T, such as 8G";
     let text = text.trim().trim_end_matches(['B', 'b']).trim_end_matches('i');
     let (number, shift) = match text.char_indices().next_back() {

@@ -14,6 +14,7 @@ mod print;
 mod progress;
 mod report;
 mod runs;
+mod serve;
 mod timeline;
 mod words;
 
@@ -105,6 +106,7 @@ fn work(verb: Verb) -> Result<(), Failure> {
     match verb {
         Verb::Run(a) => runs::run(&a),
         Verb::Resume(a) => runs::resume(&a),
+        Verb::Serve(a) => serve::serve(&a),
         Verb::Timeline(a) => timeline::list(&a),
         Verb::Rewind(a) => timeline::rewind(&a),
         Verb::Branch(a) => timeline::branch(&a),

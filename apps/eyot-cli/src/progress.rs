@@ -115,6 +115,9 @@ impl Bars {
             }
             Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set, e.step)),
             Event::Warning { message } => self.say(&format!("warning: {message}")),
+            Event::Joined { client, address } => self.say(&format!("  client {client} at {address} has connected")),
+            Event::Left { client, reason, .. } => self.say(&format!("  client {client} is gone: {reason}")),
+            Event::Refused { address, reason } => self.say(&format!("  {address} was not let in: {reason}")),
             Event::Writing { path } => {
                 self.title = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
                 self.say(&format!("  writing {}", path.display()));

@@ -42,7 +42,7 @@ pub(crate) fn resume(args: &Resume) -> Result<(), Failure> {
     attend(handle, &interrupts, &args.work, &args.folder)
 }
 
-fn options(work: &Work) -> Result<RunOptions, Failure> {
+pub(crate) fn options(work: &Work) -> Result<RunOptions, Failure> {
     Ok(RunOptions {
         threads: work.threads.map(usize::from),
         checkpoint_every: Duration::from_secs_f64(work.checkpoint_seconds),
@@ -53,7 +53,7 @@ fn options(work: &Work) -> Result<RunOptions, Failure> {
 }
 
 /// `recipes/island.toml` and `island` both write to `island`.
-fn folder_name(recipe: &str) -> PathBuf {
+pub(crate) fn folder_name(recipe: &str) -> PathBuf {
     Path::new(recipe).file_stem().map_or_else(|| PathBuf::from("eyot-run"), PathBuf::from)
 }
 
@@ -69,13 +69,13 @@ fn journal(path: &Path) -> Result<Vec<JournalEntry>, Failure> {
 }
 
 /// Ctrl-C and the system's request to end: the first stops the run with a checkpoint, the second ends at once.
-struct Interrupts {
+pub(crate) struct Interrupts {
     count: Arc<AtomicU32>,
     remote: Arc<Mutex<Option<Remote>>>,
 }
 
 impl Interrupts {
-    fn install() -> Self {
+    pub(crate) fn install() -> Self {
         let this = Self { count: Arc::default(), remote: Arc::default() };
         let (count, remote) = (this.count.clone(), this.remote.clone());
         let first: Mutex<Option<Instant>> = Mutex::default();
@@ -90,12 +90,8 @@ impl Interrupts {
             if let Ok(mut first) = first.lock() {
                 *first = Some(Instant::now());
             }
-            print::note("stopping with a checkpoint; Ctrl-C again ends at once");
-            if let Ok(remote) = remote.lock()
-                && let Some(remote) = remote.as_ref()
-            {
-                remote.send(Command::Stop);
-            }
+            let sent = remote.lock().is_ok_and(|r| r.as_ref().is_none_or(|r| r.send(Command::Stop)));
+            print::note(if sent { "stopping with a checkpoint; Ctrl-C again ends at once" } else { "ending" });
         };
         if let Err(e) = ctrlc::set_handler(handler) {
             print::note(&format!("warning: Ctrl-C will end the run without a checkpoint: {e}"));
@@ -104,19 +100,24 @@ impl Interrupts {
     }
 
     /// Connects the run; an interrupt that came before stops it now.
-    fn connect(&self, run: &Handle) {
+    pub(crate) fn connect(&self, run: Remote) {
         if let Ok(mut remote) = self.remote.lock() {
-            *remote = Some(run.remote());
+            *remote = Some(run.clone());
         }
-        if self.count.load(Ordering::SeqCst) > 0 {
+        if self.came() {
             run.send(Command::Stop);
         }
+    }
+
+    /// Whether one came.
+    pub(crate) fn came(&self) -> bool {
+        self.count.load(Ordering::SeqCst) > 0
     }
 }
 
 /// Shows what the run tells until it ends.
 fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> Result<(), Failure> {
-    interrupts.connect(&handle);
+    interrupts.connect(handle.remote());
     let mut bars = (!work.quiet && !work.json).then(Bars::new);
     let mut unheard = None;
     for event in handle.events() {

@@ -13,6 +13,7 @@ use crate::recipe::{GenerateStep, ProcessUse, Recipe, SimulateStep, Step, Work, 
 use crate::run::{Outcome, RunOptions};
 use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, WORLD_FILE};
+use crate::watch::Watching;
 use eyot_core::process::{Site, Span};
 use eyot_core::{Cancel, Control, Error, World};
 use eyot_gpu::GpuError;
@@ -24,6 +25,7 @@ use std::time::{Duration, Instant};
 mod commands;
 mod recording;
 mod streamed;
+mod watching;
 
 use commands::{Asked, Commands};
 use recording::Recorder;
@@ -70,6 +72,7 @@ pub(crate) struct Driver {
     settled: u64,
     devices_lost: u32,
     recorder: Option<Recorder>,
+    watching: Option<Watching>,
 }
 
 impl Driver {
@@ -85,6 +88,7 @@ impl Driver {
         let now = Instant::now();
         let limits = options.limits;
         let commands = Commands::new(inbox, outbox.clone(), options.paused);
+        let watching = options.watch.clone().map(Watching::new);
         let (seconds_before, resumed) = (state.seconds, state.seconds > 0.0 || state.finished);
         let asked = options.engine.clone().unwrap_or_else(|| state.engine.clone());
         let state = State { finished: false, engine: asked.clone(), ..state };
@@ -106,6 +110,7 @@ impl Driver {
             settled: 0,
             devices_lost: 0,
             recorder: None,
+            watching,
         }
     }
 
@@ -141,13 +146,20 @@ impl Driver {
             return self.drive_streamed();
         }
         self.begin_recording();
+        self.begin_watching()?;
+        if self.state.place() != (0, 0) {
+            self.show(self.state.done);
+        }
         let steps = std::mem::take(&mut self.recipe.steps);
         let mut flow = Flow::Continue;
         while let Some(step) = steps.get(self.state.done_steps) {
             flow = if step.enabled { self.step(step, &steps)? } else { Flow::Continue };
             match flow {
                 Flow::Stop => break,
-                Flow::Back => flow = Flow::Continue,
+                Flow::Back => {
+                    flow = Flow::Continue;
+                    self.show(self.state.done);
+                }
                 Flow::Continue => {
                     self.state.done_steps += 1;
                     self.state.done = 0;
@@ -231,6 +243,7 @@ impl Driver {
         let layer = self.world.layer_mut(&work.layer).map_err(fail)?;
         work.merge.apply(&mut layer.field, &new, work.amount, mask.as_ref());
         self.world.check_finite(&label(step)).map_err(fail)?;
+        self.show(1);
         self.commands.did(1);
         Ok(Flow::Continue)
     }
@@ -272,6 +285,7 @@ impl Driver {
                 scheduled = schedule(&uses).map_err(fail)?;
             }
             let mut steps = chunk.min(work.steps - self.state.done).min(self.steps_to_frame());
+            steps = steps.min(self.steps_to_look());
             steps = steps.min(self.commands.allowed());
             if let Some(next) = self
                 .state
@@ -323,6 +337,9 @@ impl Driver {
             }));
             if self.steps_to_frame() == self.frame_distance() || self.state.done >= work.steps {
                 self.record();
+            }
+            if self.steps_to_look() == self.look_distance() || self.state.done >= work.steps {
+                self.show(self.state.done);
             }
             self.checkpoint_if_due();
         }
@@ -507,6 +524,9 @@ impl Driver {
 
     fn end(mut self, flow: Flow) -> Result<End, RunError> {
         self.settle();
+        if self.state.place() != (0, 0) {
+            self.show(self.state.done);
+        }
         let fingerprint = self.world.fingerprint();
         let mut finished = flow == Flow::Continue && !self.cancel.is_raised();
         let outputs = match self.options.out.clone().filter(|_| finished) {

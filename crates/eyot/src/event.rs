@@ -175,6 +175,36 @@ pub enum Event {
         #[serde(skip)]
         world: Arc<World>,
     },
+    /// Clients may connect.
+    Serving {
+        /// Where.
+        url: String,
+        /// The port.
+        port: u16,
+    },
+    /// A client has connected.
+    Joined {
+        /// Its number, from 1.
+        client: u64,
+        /// Where it is.
+        address: String,
+    },
+    /// A client is gone.
+    Left {
+        /// Its number.
+        client: u64,
+        /// Where it was.
+        address: String,
+        /// Why.
+        reason: String,
+    },
+    /// Somebody was not let in.
+    Refused {
+        /// Where it is.
+        address: String,
+        /// Why.
+        reason: String,
+    },
     /// A file of the result is being made.
     Writing {
         /// The file.
@@ -201,4 +231,11 @@ pub enum Event {
         /// What to do about it.
         help: Option<String>,
     },
+}
+
+impl Event {
+    /// True for the last thing that a run tells.
+    pub fn is_last(&self) -> bool {
+        matches!(self, Self::Done { .. } | Self::Stopped { .. } | Self::Failed { .. })
+    }
 }

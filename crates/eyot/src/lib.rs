@@ -34,6 +34,7 @@ pub use eyot_mesh as mesh;
 pub use eyot_plates as plates;
 pub use eyot_render as render;
 pub use eyot_rules as rules;
+pub use eyot_stream as network;
 
 mod artist;
 mod backend;
@@ -67,12 +68,14 @@ mod recipe;
 mod registry;
 mod run;
 mod schema;
+pub mod serve;
 mod set;
 mod state;
 pub mod store;
 mod stream;
 pub mod timeline;
 mod validate;
+mod watch;
 
 pub use artist::{Drawn, Scenery, draw_view};
 pub use builtin::{BuiltIn, RECIPES};
@@ -94,6 +97,7 @@ pub use run::{Handle, Outcome, Remote, Run, RunOptions};
 pub use schema::recipe_schema;
 pub use stream::{OVERVIEW, Stream};
 pub use timeline::Timeline;
+pub use watch::{Look, Watch, Watcher};
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

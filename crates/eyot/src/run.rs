@@ -13,6 +13,7 @@ use crate::state::State;
 use crate::store::{self, REPORT_FILE, TIMELINE_STORE};
 use crate::stream::{self, Stream};
 use crate::timeline;
+use crate::watch::Watcher;
 use eyot_core::{Cancel, Limits, World};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -44,6 +45,8 @@ pub struct RunOptions {
     pub replay: Vec<JournalEntry>,
     /// How the run is recorded, if it is; a resumed run goes on with the recording in its folder without being told.
     pub record: Option<Record>,
+    /// Who looks at the world between steps; a run that is watched is never streamed.
+    pub watch: Option<Watcher>,
 }
 
 impl Default for RunOptions {
@@ -60,6 +63,7 @@ impl Default for RunOptions {
             restart: false,
             replay: Vec::new(),
             record: None,
+            watch: None,
         }
     }
 }
@@ -222,6 +226,12 @@ impl Run {
                 crate::VERSION
             );
             warnings.push(message);
+        }
+        if state.streamed && options.watch.is_some() {
+            return Err(RunError::Input {
+                reason: format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
+                help: Some("continue it with `eyot resume`"),
+            });
         }
         let stream = if state.streamed { Stream::Always } else { options.stream };
         let options = RunOptions { out: Some(folder.to_owned()), stream, ..options };

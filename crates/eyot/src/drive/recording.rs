@@ -110,6 +110,7 @@ impl Driver {
     /// To be called before the world or the processes change: frames of another future go.
     pub(super) fn go_on_from_here(&mut self) {
         let was_set_back = std::mem::take(&mut self.state.rewound);
+        self.unsee();
         let Some(recorder) = &mut self.recorder else { return };
         recorder.is_current = false;
         if was_set_back && let Err(e) = recorder.timeline.truncate(self.world.step + 1) {
@@ -134,6 +135,7 @@ impl Driver {
         let state = state_of(&recorder.timeline, i)?;
         let saved = recorder.timeline.load(i).map_err(RunError::file)?;
         recorder.is_current = true;
+        self.unsee();
         self.world = saved.world;
         self.state = State { engine: self.asked.clone(), ..state.again(&self.state.changes(), forget) };
         self.settled = self.state.done;

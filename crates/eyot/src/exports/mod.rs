@@ -1,6 +1,6 @@
 //! Exports: which files they are, and how they come from a world.
 
-mod corals;
+pub(crate) mod corals;
 mod fit;
 mod materials;
 mod preset;
