@@ -546,7 +546,7 @@ Examples:
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
     /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, bodies, world or plates; on a
-    /// graphics card also island, which is hydraulic, thermal and reef together
+    /// graphics card also island, 3000 steps of the recipe of that name
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,
     /// Cells along each side, metres for community and bodies [default: 512, 40 for community, 10 for bodies]
@@ -566,7 +566,7 @@ pub(crate) struct Bench {
     /// Passes that the GPU engine puts into one dispatch [default: as many as pay]; 1 switches fusing off
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=16))]
     pub(crate) passes: Option<u8>,
-    /// Seconds to spend on measuring
+    /// Seconds to spend on measuring; warming up comes on top
     #[arg(long, value_name = "S", default_value = "5")]
     pub(crate) seconds: f64,
     /// Print JSON

@@ -131,8 +131,15 @@ fn short(x: f64) -> String {
 /// Measures how fast this machine works.
 pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
     let engine = args.engine.options()?.unwrap_or_default();
+    let auto = engine.choice == EngineChoice::Auto;
     if engine.choice != EngineChoice::Cpu {
-        return measure_gpu(args, engine);
+        match bench_gpu::run(&gpu_options(args, engine)) {
+            Ok(r) => return print_gpu(args, &r),
+            Err(e) if auto && args.what.0.is_some() && e.is_refusal() => {
+                print::note(&format!("note: {e}; the processor is measured"));
+            }
+            Err(e) => return Err(report::run(&e)),
+        }
     }
     let Measured(Some(what)) = args.what else {
         let help = "measure hydraulic, thermal or reef, or add --engine gpu";
@@ -197,21 +204,37 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
     ))
 }
 
-fn measure_gpu(args: &Bench, engine: EngineOptions) -> Result<(), Failure> {
-    let options = bench_gpu::GpuBenchOptions {
+fn gpu_options(args: &Bench, engine: EngineOptions) -> bench_gpu::GpuBenchOptions {
+    bench_gpu::GpuBenchOptions {
         what: args.what.0,
         size: args.size.map_or(512, |n| n as usize),
         classic: args.classic,
         seconds: args.seconds,
         most_passes: args.passes.map_or(0, usize::from),
         engine,
-    };
-    let r = bench_gpu::run(&options).map_err(|e| report::run(&e))?;
+    }
+}
+
+fn print_gpu(args: &Bench, r: &bench_gpu::GpuBenchReport) -> Result<(), Failure> {
     if args.json {
-        let json = serde_json::to_value(&r).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
+        let json = serde_json::to_value(r).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
         return print::line(&format!("{json:#}"));
     }
     print::line(&format!("{}, {} x {} cells, {}", r.what, r.size, r.size, r.adapter))?;
+    if args.what.0.is_none() {
+        let phases: Vec<String> = r.phases.iter().map(|p| format!("{} {}", p.steps, p.name)).collect();
+        print::line(&format!("  steps of the recipe `island` that were timed: {}", phases.join(", ")))?;
+        match &r.whole {
+            Some(w) => print::line(&format!(
+                "  {:>10.3} s for all {} steps, of which the card's own time is {:.3} s",
+                w.seconds, w.steps, w.card_seconds
+            ))?,
+            None => print::line(&format!(
+                "  too few seconds for all {} steps; give more with --seconds",
+                bench_gpu::ISLAND_STEPS
+            ))?,
+        }
+    }
     print::line(&format!(
         "  {:>10.3} ms a step, of which the card's own time is {:.3} ms",
         1e3 * r.seconds_per_step,

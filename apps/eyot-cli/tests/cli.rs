@@ -99,6 +99,9 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["convert", "noise.tif", "a.doc"], "does not say its format"),
         (&["render", "noise.r32", "--out", "a.jpg"], "ends in .png"),
         (&["bench", "drainage", "--size", "32768"], "--size"),
+        (&["bench", "drainage", "--engine", "gpu"], "--engine cpu"),
+        (&["bench", "thermal", "--engine", "gpu", "--size", "32768"], "--size"),
+        (&["bench", "thermal", "--engine", "gpu", "--adapter", "no such card"], "no such card"),
         (&["frobnicate"], "--help"),
         (&[], "Usage"),
     ];
@@ -106,6 +109,21 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         said(f, args, 2, &[answer]);
     }
     assert!(!f.join("small").exists(), "a refused run leaves nothing");
+}
+
+/// Without graphics hardware the processor is measured instead, and so is what only the processor does.
+#[test]
+fn a_benchmark_of_either_engine_falls_back_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    for what in ["thermal", "drainage"] {
+        let out = eyot(f, &["bench", what, "--engine", "auto", "--size", "32", "--seconds", "0.05"]).output().unwrap();
+        let [stdout, stderr] = [out.stdout, out.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        assert!(stdout.starts_with(what), "{stdout}{stderr}");
+        let by_processor = stdout.contains("threads");
+        assert_eq!(stderr.contains("the processor is measured"), by_processor, "{stdout}{stderr}");
+        assert!(by_processor || what != "drainage", "{stdout}");
+    }
 }
 
 /// Whatever ends a run before its first step, `check` says as well, in the same words.

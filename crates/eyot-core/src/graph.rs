@@ -363,6 +363,16 @@ impl Graph {
         used
     }
 
+    /// How often each node is an operand or a sum; outputs count twice, since they may go to several places.
+    pub fn uses(&self) -> Vec<usize> {
+        let mut uses = vec![0; self.nodes.len()];
+        let of_nodes = self.nodes.iter().flat_map(|op| operands(*op).into_iter().flatten());
+        let all = of_nodes.chain(self.sums.iter().chain(self.leaving.iter().flatten()).copied());
+        all.for_each(|id| uses[id as usize] += 1);
+        self.outputs.iter().for_each(|id| uses[*id as usize] += 2);
+        uses
+    }
+
     /// Arithmetic operations of a cell: everything but constants, parameters, reads, coordinates and reinterpreted bits. A
     /// comparison with its choice counts as one. What only cells at the rim do does not count.
     pub fn operations(&self) -> usize {

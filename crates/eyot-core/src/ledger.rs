@@ -56,7 +56,7 @@ impl Ledger {
     }
 
     /// Makes `amount` the sum of an account, which is opened if need be.
-    pub(crate) fn set(&mut self, name: &str, amount: f64, unit: &str, meaning: &str, sign: i8) {
+    pub fn set(&mut self, name: &str, amount: f64, unit: &str, meaning: &str, sign: i8) {
         let account = Account { amount, unit: unit.to_owned(), meaning: meaning.to_owned(), sign };
         self.accounts.insert(name.to_owned(), account);
     }

@@ -1,9 +1,10 @@
 //! The GPU engine: runs plans on the card, with the layers left there.
 //!
 //! A simulation makes the world **resident**: its layers are brought to the card once and stay there. Steps are planned on the
-//! processor, cut into [groups](crate::group), and hundreds of dispatches go to the card in one submission; two submissions are
-//! under way at a time, each short enough that desktops stay responsive and a request to stop is met. What has no rule (an
-//! [`Action`](eyot_core::process::Action)) runs on the processor, with only the layers moved that changed.
+//! processor in **blocks** that begin at fixed steps, and cut into [groups](crate::group); hundreds of dispatches go to the card in
+//! one submission. Two submissions are under way at a time, each short enough that desktops stay responsive and a request to stop
+//! is met. How long they are depends on the card's speed, how groups are cut does not: rounding is the same in every run. What has
+//! no rule (an [`Action`](eyot_core::process::Action)) runs on the processor, with only the layers moved that changed.
 //!
 //! The world's own layers are out of date until [`GpuEngine::bring_back`].
 
@@ -32,8 +33,6 @@ const MOST_DISPATCHES: usize = 4096;
 pub(crate) const SHARED: usize = 16384 / 4 - 4 * crate::group::THREADS;
 /// Below so many cells the time of a dispatch is that of its launch, and several steps go into one.
 const SMALL: usize = 1 << 18;
-/// A submission aims at this long.
-const SUBMISSION: Duration = Duration::from_millis(20);
 /// Submissions under way at a time: one on the card while the next is written.
 const IN_FLIGHT: usize = 2;
 
@@ -48,11 +47,19 @@ pub struct Options {
     pub most_bytes: u64,
     /// Measures the card's own time with timestamps, if it has them.
     pub timed: bool,
+    /// A submission aims at this long.
+    pub submission: Duration,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { limits: Limits::default(), most_passes: 0, most_bytes: u64::MAX, timed: false }
+        Self {
+            limits: Limits::default(),
+            most_passes: 0,
+            most_bytes: u64::MAX,
+            timed: false,
+            submission: Duration::from_millis(20),
+        }
     }
 }
 
@@ -86,6 +93,8 @@ pub struct GpuEngine {
     reducer: Reducer,
     resident: Option<Resident>,
     timer: Option<Timer>,
+    batch: Batch,
+    pace: Pace,
     work: Work,
 }
 
@@ -100,9 +109,7 @@ struct Resident {
     slots: HashMap<(usize, usize), usize>,
     /// Layers that the world's own copies of are out of date.
     stale: Vec<bool>,
-    accounts: Vec<Tally>,
-    /// How much of the sums stands in the ledger already.
-    posted: Vec<f64>,
+    accounts: Vec<Account>,
     seed: u64,
     kernels: HashMap<Group, Arc<Kernel>>,
     graphs: HashMap<RuleKind, Arc<Graph>>,
@@ -115,6 +122,24 @@ struct Kernel {
     pipeline: wgpu::ComputePipeline,
     outer: [usize; 2],
     bytes_per_cell: usize,
+}
+
+/// An account of the ledger whose sum grows on the card.
+struct Account {
+    tally: Tally,
+    /// What it held before.
+    before: f64,
+    /// What was last written to the ledger.
+    written: f64,
+}
+
+/// Dispatches that have not gone to the card yet.
+#[derive(Default)]
+struct Batch {
+    jobs: Vec<u32>,
+    dispatches: Vec<Dispatch>,
+    /// Steps that are complete with them.
+    steps: u64,
 }
 
 /// One dispatch of a submission.
@@ -200,6 +225,8 @@ impl GpuEngine {
             reducer,
             resident: None,
             timer,
+            batch: Batch::default(),
+            pace: Pace::default(),
             work: Work::default(),
         })
     }
@@ -281,6 +308,14 @@ impl GpuEngine {
     /// Gives the card's memory back. What was not brought back is lost.
     pub fn release(&mut self) {
         self.resident = None;
+        self.batch = Batch::default();
+    }
+
+    /// Steps that are planned at a time. Who ends spans at multiples of it gets the same bytes wherever they end: rounding depends on
+    /// what goes into a dispatch, and a span that ends within a block cuts it in two.
+    pub fn block(&self, grid: &Grid) -> u64 {
+        // As many steps as a dispatch may have passes fill their dispatches, however many passes a step has.
+        self.bounds(grid).passes as u64
     }
 
     /// Makes the world what it was when it was last brought back.
@@ -288,6 +323,8 @@ impl GpuEngine {
         if let Some(r) = self.resident.take() {
             (world.step, world.sea_level_m) = r.synced;
         }
+        self.batch = Batch::default();
+        self.pace.under_way.clear();
     }
 
     fn span(&mut self, world: &mut World, processes: &[Scheduled], span: Span, control: &Control<'_>) -> Result<()> {
@@ -302,49 +339,55 @@ impl GpuEngine {
         }
         process::prepare(world, processes, &self.options.limits)?;
         if self.resident.is_none() {
-            self.settle(world, processes, span)?;
+            self.settle(world, processes, span, &[])?;
         }
+        let outcome = self.steps(world, processes, span, control);
+        if matches!(outcome, Ok(()) | Err(GpuError::Core(Error::Cancelled(_)))) {
+            self.finish()?;
+            self.read_timer()?;
+        }
+        outcome?;
+        self.check_finite(world)
+    }
+
+    /// Plans the steps of a span block by block and sends them to the card.
+    fn steps(&mut self, world: &mut World, processes: &[Scheduled], span: Span, control: &Control<'_>) -> Result<()> {
+        let block = self.block(&world.grid);
         let mut done = 0;
-        let mut pace = Pace::default();
+        self.pace.done = 0;
         control.check()?;
         while done < span.steps {
             let at = span.from + done;
             if acts(processes, at) {
-                pace.finish(&self.gpu, control, span.steps)?;
+                self.finish()?;
                 self.acting_step(world, processes, at, control)?;
                 done += 1;
-                pace.done = done;
+                self.pace.done = done;
                 control.tick(done, span.steps)?;
                 continue;
             }
-            let most = pace.steps.min(span.steps - done);
-            let steps = (1..most).find(|i| acts(processes, at + i)).unwrap_or(most);
-            let moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-            let mut moment_after = moment;
+            let steps = block_end(processes, at, block).min(span.from + span.steps) - at;
+            let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
             let mut plan = Plan::default();
             for i in 0..steps {
-                plan_step(processes, at + i, &mut moment_after, &mut plan);
+                plan_step(processes, at + i, &mut moment, &mut plan);
             }
-            match self.submit(&plan) {
-                Ok(Some(submission)) => pace.begun(submission, steps),
-                Ok(None) => pace.done += steps,
+            match self.submit(&plan, steps) {
+                Ok(()) => {}
                 Err(Misfit::Failed(e)) => return Err(e),
                 Err(Misfit::Rebuild) => {
-                    pace.finish(&self.gpu, control, span.steps)?;
-                    self.bring_back(world)?;
-                    self.release();
-                    self.settle(world, processes, Span { from: at, steps: span.steps - done })?;
+                    self.rebuild(world, processes, Span { from: at, steps: span.steps - done })?;
                     continue;
                 }
             }
-            (world.step, world.sea_level_m) = (moment_after.step, moment_after.sea_level_m);
+            (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
             done += steps;
             self.work.steps += steps;
-            pace.wait(&self.gpu, IN_FLIGHT - 1, control, span.steps)?;
+            control.tick(self.pace.done, span.steps)?;
         }
-        pace.finish(&self.gpu, control, span.steps)?;
-        self.read_timer()?;
-        self.check_finite(world)
+        self.finish()?;
+        control.tick(self.pace.done, span.steps)?;
+        Ok(())
     }
 
     /// Finds values that are not finite without moving layers.
@@ -362,11 +405,26 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Brings the world to the card.
-    fn settle(&mut self, world: &mut World, processes: &[Scheduled], span: Span) -> Result<()> {
-        let resident = Resident::new(self, world, processes, span)?;
+    /// Brings the world to the card, with room for copies of layers that were needed before.
+    fn settle(
+        &mut self,
+        world: &mut World,
+        processes: &[Scheduled],
+        span: Span,
+        copies: &[(String, usize)],
+    ) -> Result<()> {
+        let resident = Resident::new(self, world, processes, span, copies)?;
         self.resident = Some(resident);
         Ok(())
+    }
+
+    /// Brings the world back and to the card anew, with room for what lies ahead.
+    fn rebuild(&mut self, world: &mut World, processes: &[Scheduled], span: Span) -> Result<()> {
+        self.finish()?;
+        self.bring_back(world)?;
+        let copies = self.resident.as_ref().map(Resident::copies).unwrap_or_default();
+        self.release();
+        self.settle(world, processes, span, &copies)
     }
 
     /// One step in which some process acts on the whole world. On an error the world is as it was before the step.
@@ -420,46 +478,45 @@ impl GpuEngine {
 
     /// Runs a part of a step and waits for it.
     fn run_now(&mut self, world: &mut World, processes: &[Scheduled], at: u64, plan: &Plan) -> Result<()> {
-        match self.submit(plan) {
-            Ok(_) => {}
+        match self.submit(plan, 0) {
+            Ok(()) => {}
             Err(Misfit::Failed(e)) => return Err(e),
             Err(Misfit::Rebuild) => {
-                self.bring_back(world)?;
-                self.release();
-                self.settle(world, processes, Span { from: at, steps: 64 })?;
-                if self.submit(plan).is_err() {
+                self.rebuild(world, processes, Span { from: at, steps: 64 })?;
+                if self.submit(plan, 0).is_err() {
                     return Err(GpuError::Fault("a plan does not fit the world that was made for it".into()));
                 }
             }
         }
-        self.gpu.wait(None)
+        self.finish()
     }
 
-    /// Sends a plan to the card, in more than one submission if it is long. Nothing if it is empty.
-    fn submit(&mut self, plan: &Plan) -> Result<Option<wgpu::SubmissionIndex>, Misfit> {
+    /// Adds a plan of whole steps, or a part of one step, to the batch, which goes to the card as often as the pace asks for.
+    fn submit(&mut self, plan: &Plan, steps: u64) -> Result<(), Misfit> {
         let Some(mut r) = self.resident.take() else {
             return Err(GpuError::Fault("no world is on the card".into()).into());
         };
         let outcome = self.submit_to(&mut r, plan);
         self.resident = Some(r);
+        self.batch.steps += steps;
         outcome
     }
 
-    fn submit_to(&mut self, r: &mut Resident, plan: &Plan) -> Result<Option<wgpu::SubmissionIndex>, Misfit> {
+    fn submit_to(&mut self, r: &mut Resident, plan: &Plan) -> Result<(), Misfit> {
         let passes = plan.passes();
         let layers = Layers { specs: &r.specs, world_layers: r.world_layers };
         let groups = groups(passes, &layers, self.bounds(&r.arena.grid)).ok_or(Misfit::Rebuild)?;
         r.check_room(&groups, passes)?;
-        let (mut jobs, mut dispatches, mut first) = (Vec::<u32>::new(), Vec::<Dispatch>::new(), 0);
-        let mut last = None;
+        let mut first = 0;
         for group in &groups {
             let of_group = &passes[first..first + group.stages.len()];
             first += group.stages.len();
-            if dispatches.len() + r.arena.slabs.len() > MOST_DISPATCHES {
-                last = Some(self.flush(r, &mut jobs, &mut dispatches)?);
+            let waiting = self.batch.dispatches.len();
+            if waiting >= self.pace.most || waiting + r.arena.slabs.len() > MOST_DISPATCHES {
+                self.flush(r)?;
             }
             let kernel = self.kernel(r, group, of_group)?;
-            r.dispatch(group, of_group, &kernel, &mut jobs, &mut dispatches);
+            r.dispatch(group, of_group, &kernel, &mut self.batch);
             self.work.bytes += (kernel.bytes_per_cell * r.arena.grid.cells()) as u64;
             for &(layer, elsewhere) in &group.outputs {
                 if elsewhere {
@@ -470,10 +527,17 @@ impl GpuEngine {
                 }
             }
         }
-        if !dispatches.is_empty() {
-            last = Some(self.flush(r, &mut jobs, &mut dispatches)?);
+        Ok(())
+    }
+
+    /// Sends what is left of the batch and waits until the card has nothing to do.
+    fn finish(&mut self) -> Result<()> {
+        if let Some(r) = self.resident.take() {
+            let outcome = self.flush(&r);
+            self.resident = Some(r);
+            outcome?;
         }
-        Ok(last)
+        self.pace.wait(&self.gpu, 0, self.options.submission)
     }
 
     fn bounds(&self, grid: &Grid) -> Bounds {
@@ -485,13 +549,17 @@ impl GpuEngine {
         Bounds { shared: SHARED, passes }
     }
 
-    /// Submits what has been collected.
-    fn flush(
-        &mut self,
-        r: &Resident,
-        jobs: &mut Vec<u32>,
-        dispatches: &mut Vec<Dispatch>,
-    ) -> Result<wgpu::SubmissionIndex, GpuError> {
+    /// Submits the batch, and waits until one submission less than may be is under way.
+    fn flush(&mut self, r: &Resident) -> Result<()> {
+        let passes = if r.arena.split() { self.batch.dispatches.len() / r.arena.slabs.len() } else { 1 };
+        if self.timer.as_ref().is_some_and(|t| t.used as usize + passes > MOST_TIMED as usize) {
+            self.read_timer()?;
+        }
+        let Batch { jobs, dispatches, steps } = &mut self.batch;
+        if dispatches.is_empty() {
+            self.pace.done += std::mem::take(steps);
+            return Ok(());
+        }
         self.gpu.queue.write_buffer(&self.job, 0, bytemuck::cast_slice(jobs));
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut next = 0;
@@ -519,11 +587,12 @@ impl GpuEngine {
         }
         self.work.submissions += 1;
         self.work.dispatches += dispatches.len() as u64;
+        let index = self.gpu.queue.submit([encoder.finish()]);
+        self.pace.begun(index, dispatches.len(), std::mem::take(steps));
         jobs.clear();
         dispatches.clear();
-        let index = self.gpu.queue.submit([encoder.finish()]);
         self.gpu.check()?;
-        Ok(index)
+        self.pace.wait(&self.gpu, IN_FLIGHT - 1, self.options.submission)
     }
 
     fn read_timer(&mut self) -> Result<()> {
@@ -586,25 +655,40 @@ impl GpuEngine {
 }
 
 impl Resident {
-    fn new(engine: &GpuEngine, world: &World, processes: &[Scheduled], span: Span) -> Result<Self> {
+    fn new(
+        engine: &GpuEngine,
+        world: &World,
+        processes: &[Scheduled],
+        span: Span,
+        copies: &[(String, usize)],
+    ) -> Result<Self> {
         let mut specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
         let world_layers = specs.len();
         // Which layers are looked at from other cells, and which are written, over enough steps to see every schedule.
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-        let mut plan = Plan::default();
-        for i in 0..span.steps.clamp(1, 64) {
-            plan_step(processes, span.from + i, &mut moment, &mut plan);
+        let (end, block) = (span.from + span.steps.clamp(1, 64), engine.block(&world.grid));
+        let (mut plans, mut at) = (Vec::new(), span.from);
+        while at < end {
+            let mut plan = Plan::default();
+            for step in at..block_end(processes, at, block).min(end) {
+                plan_step(processes, step, &mut moment, &mut plan);
+                at += 1;
+            }
             for spec in plan.scratch_layers() {
                 if !specs.iter().any(|s| s.name == spec.name) {
                     specs.push(spec.clone());
                 }
             }
+            plans.push(plan);
         }
-        let passes = plan.passes();
         let layers = Layers { specs: &specs, world_layers };
         let bounds = engine.bounds(&world.grid);
         let missing = || GpuError::Fault("a rule names a layer that its process does not".into());
-        let all = groups(passes, &layers, bounds).ok_or_else(missing)?;
+        let mut all = Vec::new();
+        for plan in &plans {
+            all.extend(groups(plan.passes(), &layers, bounds).ok_or_else(missing)?);
+        }
+        let passes: Vec<&Pass> = plans.iter().flat_map(Plan::passes).collect();
         let mut slots = HashMap::new();
         let mut add = |key| {
             let n = slots.len();
@@ -614,7 +698,7 @@ impl Resident {
         for (layer, spec) in specs.iter().enumerate() {
             let written = passes.iter().any(|p| p.writes().contains(&&*spec.name));
             let read = passes.iter().any(|p| p.reads().iter().any(|r| r.layer == spec.name));
-            // Small grids are cut into groups elsewhere in every submission, so that any copy may be needed.
+            // A span may end anywhere and cut a block; small grids have room for any copy that is then needed.
             let stored = layer < world_layers
                 || world.grid.cells() <= SMALL
                 || all.iter().any(|g| g.outputs.iter().any(|(l, _)| *l == layer));
@@ -625,10 +709,16 @@ impl Resident {
                 }
             }
         }
-        let mut accounts: Vec<Tally> = Vec::new();
+        for (name, copy) in copies {
+            if let Some(layer) = specs.iter().position(|s| s.name == *name) {
+                add((layer, *copy));
+            }
+        }
+        let mut accounts: Vec<Account> = Vec::new();
         for t in passes.iter().flat_map(|p| p.tallies()) {
-            if !accounts.iter().any(|a| a.account == t.account) {
-                accounts.push(*t);
+            if !accounts.iter().any(|a| a.tally.account == t.account) {
+                let before = world.ledger.amount(t.account);
+                accounts.push(Account { tally: *t, before, written: before });
             }
         }
         let bytes = u128::from(Arena::slot_bytes(&world.grid)) * slots.len() as u128;
@@ -655,7 +745,6 @@ impl Resident {
             specs,
             world_layers,
             slots,
-            posted: vec![0.0; accounts.len()],
             accounts,
             seed: world.seed,
             kernels: HashMap::new(),
@@ -688,8 +777,8 @@ impl Resident {
             world.layer_mut(&self.specs[l].name)?.field = field;
             self.stale[l] = false;
         }
-        post(&mut world.ledger, &self.accounts, &self.posted, &totals, world.grid.cell_area_m2());
-        self.posted = totals;
+        let area = world.grid.cell_area_m2();
+        self.accounts.iter_mut().zip(totals).for_each(|(account, total)| account.post(&mut world.ledger, total, area));
         self.synced = (world.step, world.sea_level_m);
         Ok(())
     }
@@ -710,21 +799,25 @@ impl Resident {
             }
         }
         let mut tallies = passes.iter().flat_map(|p| p.tallies());
-        if tallies.any(|t| !self.accounts.iter().any(|a| a.account == t.account)) {
+        if tallies.any(|t| self.account(t).is_none()) {
             return Err(Misfit::Rebuild);
         }
         Ok(())
     }
 
+    /// Number of the account of a tally.
+    fn account(&self, tally: &Tally) -> Option<usize> {
+        self.accounts.iter().position(|a| a.tally.account == tally.account)
+    }
+
+    /// The copies of layers that there is room for.
+    fn copies(&self) -> Vec<(String, usize)> {
+        self.slots.keys().map(|&(l, copy)| (self.specs[l].name.to_string(), copy)).collect()
+    }
+
     /// Adds the dispatches of a group, one a slab.
-    fn dispatch(
-        &self,
-        group: &Group,
-        passes: &[Pass],
-        kernel: &Arc<Kernel>,
-        jobs: &mut Vec<u32>,
-        dispatches: &mut Vec<Dispatch>,
-    ) {
+    fn dispatch(&self, group: &Group, passes: &[Pass], kernel: &Arc<Kernel>, batch: &mut Batch) {
+        let Batch { jobs, dispatches, .. } = batch;
         let (a, g) = (&self.arena, &self.arena.grid);
         for (n, slab) in a.slabs.iter().enumerate() {
             let outer = [kernel.outer[0], if n == 0 { kernel.outer[1] } else { 0 }];
@@ -746,11 +839,7 @@ impl Resident {
                     jobs.extend([key.low, key.high]);
                 }
                 jobs.extend(pass.params().iter().map(|p| p.to_bits()));
-                jobs.extend(
-                    pass.tallies()
-                        .iter()
-                        .map(|t| self.accounts.iter().position(|a| a.account == t.account).unwrap_or_default() as u32),
-                );
+                jobs.extend(pass.tallies().iter().map(|t| self.account(t).unwrap_or_default() as u32));
             }
             jobs.resize(start + JOB_WORDS, 0);
             let tiles =
@@ -766,15 +855,27 @@ impl Resident {
     }
 }
 
-/// Adds to the ledger what the sums have grown by.
-fn post(ledger: &mut Ledger, accounts: &[Tally], posted: &[f64], totals: &[f64], area: f64) {
-    for ((t, posted), total) in accounts.iter().zip(posted).zip(totals) {
+impl Account {
+    /// Makes the ledger's amount what there was before and the sum on the card. Written like this, and not as what the sum has grown
+    /// by since the last time, it does not depend on how often somebody has looked.
+    fn post(&mut self, ledger: &mut Ledger, total: f64, area: f64) {
+        let t = &self.tally;
         let (scale, unit) = match t.unit {
             TallyUnit::Thickness => (area, "m3"),
             TallyUnit::Count => (1.0, "1"),
         };
-        ledger.add(t.account, scale * (total - posted), unit, t.meaning, t.sign);
+        // Actions keep accounts, too.
+        self.before += ledger.amount(t.account) - self.written;
+        self.written = self.before + scale * total;
+        ledger.set(t.account, self.written, unit, t.meaning, t.sign);
     }
+}
+
+/// The step after the last one of the block that begins at `at`: it ends at a multiple of `block` and before each step in which
+/// some process acts.
+fn block_end(processes: &[Scheduled], at: u64, block: u64) -> u64 {
+    let end = at - at % block + block;
+    (at + 1..end).find(|&step| acts(processes, step)).unwrap_or(end)
 }
 
 /// The layer as rules must find it: shut on the faces of closed rims.
@@ -795,50 +896,50 @@ fn shut<'a>(spec: &LayerSpec, grid: &Grid, field: &'a Field) -> Cow<'a, Field> {
     }
 }
 
-/// How many steps go into a submission, and which submissions are under way.
+/// How many dispatches go into a submission, and which submissions are under way.
 struct Pace {
-    steps: u64,
+    most: usize,
+    /// Steps of the span that are done.
     done: u64,
-    under_way: VecDeque<(wgpu::SubmissionIndex, u64)>,
+    /// With their dispatches, and the steps that are complete with them.
+    under_way: VecDeque<(wgpu::SubmissionIndex, usize, u64)>,
     last: Instant,
 }
 
 impl Default for Pace {
     fn default() -> Self {
-        Self { steps: 1, done: 0, under_way: VecDeque::new(), last: Instant::now() }
+        Self { most: 1, done: 0, under_way: VecDeque::new(), last: Instant::now() }
     }
 }
 
 impl Pace {
-    fn begun(&mut self, submission: wgpu::SubmissionIndex, steps: u64) {
+    fn begun(&mut self, submission: wgpu::SubmissionIndex, dispatches: usize, steps: u64) {
         if self.under_way.is_empty() {
             self.last = Instant::now();
         }
-        self.under_way.push_back((submission, steps));
+        self.under_way.push_back((submission, dispatches, steps));
     }
 
-    /// Waits until no more than `keep` submissions are under way.
-    fn wait(&mut self, gpu: &Gpu, keep: usize, control: &Control<'_>, total: u64) -> Result<()> {
+    /// Waits until no more than `keep` submissions are under way, which aim at `long`.
+    fn wait(&mut self, gpu: &Gpu, keep: usize, long: Duration) -> Result<()> {
         while self.under_way.len() > keep {
-            let Some((submission, steps)) = self.under_way.pop_front() else { break };
+            let Some((submission, dispatches, steps)) = self.under_way.pop_front() else { break };
             gpu.wait(Some(submission))?;
             let took = self.last.elapsed();
             self.last = Instant::now();
-            let wanted = steps as f64 * SUBMISSION.as_secs_f64() / took.as_secs_f64().max(1e-6);
-            self.steps = (wanted as u64).clamp(1, 2 * steps.max(1));
+            let wanted = (dispatches as f64 * long.as_secs_f64() / took.as_secs_f64().max(1e-6)) as usize;
+            // The end of a span says nothing about how many there could be.
+            if dispatches >= self.most || wanted < self.most {
+                self.most = wanted.clamp(1, (2 * self.most).min(MOST_DISPATCHES));
+            }
             self.done += steps;
-            control.tick(self.done, total)?;
         }
         Ok(())
     }
-
-    fn finish(&mut self, gpu: &Gpu, control: &Control<'_>, total: u64) -> Result<()> {
-        self.wait(gpu, 0, control, total)
-    }
 }
 
-/// Most submissions that are timed between two readings.
-const MOST_TIMED: u32 = 2000;
+/// Most passes that are timed between two readings: twice as many time stamps are what one set of queries may hold.
+const MOST_TIMED: u32 = 2048;
 
 impl Timer {
     fn new(gpu: &Gpu) -> Result<Self> {

@@ -355,6 +355,10 @@ impl StagePrinter<'_> {
             }
             known.insert(id);
             let value = self.expression(op, names);
+            if names.is_part(self.graph, id, &value) {
+                names.put(op, id, value);
+                continue;
+            }
             let (name, comment) = names.define(self.graph, id);
             o.line(&format!("let {name} = {value};{comment}"));
         }
@@ -489,11 +493,30 @@ impl StagePrinter<'_> {
 struct Names {
     of: Vec<Option<String>>,
     taken: HashSet<String>,
+    uses: Vec<usize>,
 }
+
+/// Longest formula that stands within another one, characters.
+const LONGEST_PART: usize = 56;
 
 impl Names {
     fn new(graph: &Graph) -> Self {
-        Self { of: vec![None; graph.nodes.len()], taken: HashSet::new() }
+        Self { of: vec![None; graph.nodes.len()], taken: HashSet::new(), uses: graph.uses() }
+    }
+
+    /// True for a short formula that nobody has named and that is needed in one place only: it reads better there.
+    fn is_part(&self, graph: &Graph, id: Id, formula: &str) -> bool {
+        let plain = !matches!(graph.nodes[id as usize], Op::Read(..) | Op::Uniform(_));
+        let nameless = graph.names.iter().all(|(n, _)| *n != id);
+        plain && nameless && self.uses[id as usize] == 1 && formula.len() <= LONGEST_PART
+    }
+
+    /// Makes a formula what its node is called.
+    fn put(&mut self, op: Op, id: Id, formula: String) {
+        use Op::{Abs, Floor, FromBits, SelectLt, Sqrt, ToBits, ToReal, Whole};
+        let closed =
+            matches!(op, Sqrt(_) | Abs(_) | Floor(_) | SelectLt(..) | FromBits(_) | ToBits(_) | ToReal(_) | Whole(_));
+        self.of[id as usize] = Some(if closed { formula } else { format!("({formula})") });
     }
 
     /// True for what is written where it is used.

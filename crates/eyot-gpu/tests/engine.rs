@@ -9,6 +9,7 @@ use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::Hydraulic;
 use eyot_land::simulate::{PROCESSES, Thermal, Wetness};
+use std::time::Duration;
 use variants::one;
 
 mod common;
@@ -126,6 +127,44 @@ fn actions_run_between_dispatches() {
     let d = largest_difference(&a, &b);
     assert!(d < 1e-2, "{d} m");
     assert_eq!(a.step, b.step);
+}
+
+/// How fast the card is must not decide what is added to what: neither layers nor the ledger differ by a bit, however many dispatches go
+/// into a submission, wherever spans end between blocks, and however often somebody looks.
+#[test]
+fn neither_pace_nor_looks_change_a_bit() {
+    let processes = erosion();
+    let start = mountain(40, Rim::OPEN);
+    let run = |submission: Duration, blocks_a_span: u64, looks: bool| {
+        let mut engine = engine(Options { submission, ..Options::default() })?;
+        let mut world = start.clone();
+        let stride = blocks_a_span * engine.block(&world.grid);
+        let mut from = 0;
+        while from < 150 {
+            let steps = stride.min(150 - from);
+            engine.simulate(&mut world, &processes, Span { from, steps }, &Control::none()).unwrap();
+            from += steps;
+            if looks {
+                engine.bring_back(&mut world).unwrap();
+            }
+        }
+        engine.bring_back(&mut world).unwrap();
+        Some((world, engine.work()))
+    };
+    let Some((slow, many)) = run(Duration::ZERO, 100, false) else { return };
+    let Some((fast, few)) = run(Duration::from_secs(10), 100, false) else { return };
+    let Some((cut, _)) = run(Duration::from_millis(1), 3, false) else { return };
+    let Some((seen, _)) = run(Duration::from_millis(1), 1, true) else { return };
+    assert!(few.submissions * 4 < many.submissions, "{} and {} submissions", few.submissions, many.submissions);
+    assert_eq!(few.dispatches, many.dispatches);
+    assert!(slow.ledger.amount("water.evaporated") > 0.0);
+    for other in [&fast, &cut, &seen] {
+        assert!(slow.layers() == other.layers());
+        for (name, account) in slow.ledger.iter() {
+            let (a, b) = (account.amount, other.ledger.amount(name));
+            assert_eq!(a.to_bits(), b.to_bits(), "{name}: {a:?} and {b:?}");
+        }
+    }
 }
 
 #[test]

@@ -186,10 +186,13 @@ impl Driver {
         let total = if let Work::Simulate(s) = &step.work { s.steps } else { 1 };
         self.tell(Event::StepBegun { number: step.number, name: step.name.clone(), total });
         let begun = Instant::now();
+        let card_seconds = self.state.card_seconds - self.engine.card_seconds();
         let flow = match &step.work {
             Work::Generate(g) => self.generate(step, g, all),
             Work::Simulate(s) => self.simulate(step, s, all),
         }?;
+        // Less what a device took with it that was lost on the way.
+        self.state.card_seconds = (card_seconds + self.engine.card_seconds()).max(0.0);
         if flow == Flow::Continue {
             let seconds = begun.elapsed().as_secs_f64();
             self.state.timings.push((step.name.clone(), seconds));
@@ -284,7 +287,10 @@ impl Driver {
             if self.state.journal.len() > changes {
                 scheduled = schedule(&uses).map_err(fail)?;
             }
-            let mut steps = chunk.min(work.steps - self.state.done).min(self.steps_to_frame());
+            // The time that steps take must not decide where a graphics card's blocks of steps are cut.
+            let block = if self.options.chunk.is_some() { 1 } else { self.engine.block(&self.world.grid) };
+            let wanted = (self.state.done + chunk).next_multiple_of(block) - self.state.done;
+            let mut steps = wanted.min(work.steps - self.state.done).min(self.steps_to_frame());
             steps = steps.min(self.steps_to_look());
             steps = steps.min(self.commands.allowed());
             if let Some(next) = self

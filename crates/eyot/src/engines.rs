@@ -5,7 +5,7 @@ use crate::error::RunError;
 use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
-use eyot_core::{Control, Error, Limits, World};
+use eyot_core::{Control, Error, Grid, Limits, World};
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -82,20 +82,14 @@ impl Engine {
         if options.choice == EngineChoice::Cpu {
             return Ok((Self::cpu(limits), None));
         }
-        match Self::gpu(options, limits) {
-            Ok(engine) => Ok((engine, None)),
+        // The card's own time stands in the run's report.
+        match card(options, Options { limits, timed: true, ..Options::default() }) {
+            Ok(engine) => Ok((Self::Gpu(Box::new(engine)), None)),
             Err(e) if options.choice == EngineChoice::Auto => {
                 Ok((Self::cpu(limits), Some(format!("{e}; the processor works instead"))))
             }
             Err(e) => Err(RunError::Gpu(e)),
         }
-    }
-
-    fn gpu(options: &EngineOptions, limits: Limits) -> Result<Self, GpuError> {
-        let gpu = Gpu::open(&options.adapter())?;
-        let cache = cache_file(&gpu).and_then(|path| std::fs::read(path).ok());
-        let engine = GpuEngine::new(gpu, Options { limits, ..Options::default() }, cache.as_deref())?;
-        Ok(Self::Gpu(Box::new(engine)))
     }
 
     /// What is at work, for people.
@@ -111,6 +105,14 @@ impl Engine {
         match self {
             Self::Cpu(_) => "cpu".to_owned(),
             Self::Gpu(_) => self.name(),
+        }
+    }
+
+    /// Spans that end at multiples of so many steps give the same bytes wherever they end.
+    pub(crate) fn block(&self, grid: &Grid) -> u64 {
+        match self {
+            Self::Cpu(_) => 1,
+            Self::Gpu(e) => e.block(grid),
         }
     }
 
@@ -150,19 +152,40 @@ impl Engine {
         }
     }
 
-    /// Keeps compiled pipelines for the next run. Only a convenience: what cannot be kept is compiled again.
+    /// Keeps compiled pipelines for the next run.
     pub(crate) fn keep_pipelines(&self) {
-        let Self::Gpu(e) = self else { return };
-        let (Some(path), Some(data)) = (cache_file(e.gpu()), e.cache_data()) else { return };
-        if std::fs::metadata(&path).is_ok_and(|m| m.len() == data.len() as u64) {
-            return;
+        if let Self::Gpu(e) = self {
+            keep_pipelines(e);
         }
-        let Some(folder) = path.parent() else { return };
-        if std::fs::create_dir_all(folder).is_ok() {
-            let fail = |source| io::Error::Io { path: path.clone(), action: "write", source };
-            // Nobody misses it but the next run's first second.
-            let _ = io::write_atomically(&path, |w| w.write_all(&data).map_err(fail));
+    }
+
+    /// The graphics card's own time so far, s.
+    pub(crate) fn card_seconds(&self) -> f64 {
+        match self {
+            Self::Cpu(_) => 0.0,
+            Self::Gpu(e) => e.work().card_s,
         }
+    }
+}
+
+/// A graphics card, with the pipelines that earlier processes compiled.
+pub(crate) fn card(options: &EngineOptions, how: Options) -> Result<GpuEngine, GpuError> {
+    let gpu = Gpu::open(&options.adapter())?;
+    let cache = cache_file(&gpu).and_then(|path| std::fs::read(path).ok());
+    GpuEngine::new(gpu, how, cache.as_deref())
+}
+
+/// Keeps compiled pipelines for the next process. Only a convenience: what cannot be kept is compiled again.
+pub(crate) fn keep_pipelines(e: &GpuEngine) {
+    let (Some(path), Some(data)) = (cache_file(e.gpu()), e.cache_data()) else { return };
+    if std::fs::metadata(&path).is_ok_and(|m| m.len() == data.len() as u64) {
+        return;
+    }
+    let Some(folder) = path.parent() else { return };
+    if std::fs::create_dir_all(folder).is_ok() {
+        let fail = |source| io::Error::Io { path: path.clone(), action: "write", source };
+        // Nobody misses it but the next run's first second.
+        let _ = io::write_atomically(&path, |w| w.write_all(&data).map_err(fail));
     }
 }
 

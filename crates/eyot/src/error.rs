@@ -136,7 +136,8 @@ impl RunError {
             | Self::Replay { .. }
             | Self::NotStreamed(_) => true,
             Self::Gpu(e) => {
-                matches!(e, GpuError::NoAdapter { .. } | GpuError::Picture { .. } | GpuError::OutOfMemory { .. })
+                use GpuError::{Limits, NoAdapter, OutOfMemory, Picture};
+                matches!(e, NoAdapter { .. } | Picture { .. } | OutOfMemory { .. } | Limits { .. })
             }
             Self::Step { .. }
             | Self::File(_)

@@ -189,6 +189,8 @@ impl Outputs<'_> {
             // The only place of all results that differs between two runs.
             "timing": {
                 "seconds": state.seconds,
+                // What the graphics card itself spent on the rules; 0 without one.
+                "card_seconds": state.card_seconds,
                 "steps": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
             },
         })

@@ -24,6 +24,9 @@ pub(crate) struct State {
     pub(crate) seconds: f64,
     /// Name and time of each step of the recipe that is done, s.
     pub(crate) timings: Vec<(String, f64)>,
+    /// A graphics card's own time in all of them, s.
+    #[serde(default)]
+    pub(crate) card_seconds: f64,
     /// True in the file of a finished run.
     #[serde(default)]
     pub(crate) finished: bool,
@@ -57,6 +60,7 @@ impl State {
             overrides: recipe.overrides.clone(),
             seconds: 0.0,
             timings: Vec::new(),
+            card_seconds: 0.0,
             finished: false,
             streamed: false,
             done_exports: 0,
@@ -84,7 +88,13 @@ impl State {
 
     /// The same without anything that differs between two runs of one recipe: what a finished world carries.
     pub(crate) fn without_times(&self) -> Self {
-        Self { seconds: 0.0, timings: Vec::new(), engine: EngineOptions::default(), ..self.clone() }
+        Self {
+            seconds: 0.0,
+            timings: Vec::new(),
+            card_seconds: 0.0,
+            engine: EngineOptions::default(),
+            ..self.clone()
+        }
     }
 
     pub(crate) fn source(&self, text: String) -> RecipeSource {

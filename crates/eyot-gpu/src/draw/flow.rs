@@ -1,14 +1,23 @@
 //! The velocity of fresh water for the eye: direction, and speed as a share of what is quick in this world.
+//!
+//! Worlds with the layers `flux_x` and `flux_y` say themselves how their water moves. Rivers that came from drained areas are only
+//! depths of water: they flow towards the sea or the rim, each cell into the neighbour from which a flood that rises from there would
+//! reach it (Barnes, Lehman & Mulla 2014, priority-flood), as fast as Manning's formula says.
 
 use eyot_core::{Field, World};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
+
+/// Less than a millimetre is a film, not a stream.
+const LEAST: f32 = 1e-3;
 
 /// Two signed bytes a cell, eastward and southward, and two of filling; `None` if nothing flows.
-///
-/// `flux_x` and `flux_y` live on the eastern and southern faces of cells; a cell's velocity is the mean of its two faces over its
-/// depth of water.
 pub(crate) fn flow(world: &World) -> Option<Vec<[i8; 4]>> {
-    let [flux_x, flux_y, water] = ["flux_x", "flux_y", "water"].map(|n| world.get(n));
-    let velocity = velocity(flux_x?, flux_y?, water?);
+    let water = world.get("water")?;
+    let velocity = match (world.get("flux_x"), world.get("flux_y")) {
+        (Some(flux_x), Some(flux_y)) => of_fluxes(flux_x, flux_y, water),
+        _ => of_depths(world, world.get("height")?, water),
+    };
     let mut speeds: Vec<f32> = velocity.iter().map(|v| v[0].hypot(v[1])).filter(|s| *s > 0.0).collect();
     if speeds.is_empty() {
         return None;
@@ -27,9 +36,9 @@ pub(crate) fn flow(world: &World) -> Option<Vec<[i8; 4]>> {
     )
 }
 
-fn velocity(flux_x: &Field, flux_y: &Field, water: &Field) -> Vec<[f32; 2]> {
-    // Less than a millimetre is a film, not a stream.
-    const LEAST: f32 = 1e-3;
+/// `flux_x` and `flux_y` live on the eastern and southern faces of cells; a cell's velocity is the mean of its two faces over its
+/// depth of water.
+fn of_fluxes(flux_x: &Field, flux_y: &Field, water: &Field) -> Vec<[f32; 2]> {
     let (w, h) = (water.width(), water.height());
     let mut out = Vec::with_capacity(w * h);
     for y in 0..h {
@@ -43,6 +52,124 @@ fn velocity(flux_x: &Field, flux_y: &Field, water: &Field) -> Vec<[f32; 2]> {
         }
     }
     out
+}
+
+/// Cells that a direction is averaged over downstream: neighbours know eight directions only.
+const AHEAD: usize = 5;
+/// Cells that its fall is averaged over: floors in steps would make it flow by fits and starts.
+const AHEAD_OF_FALL: usize = 20;
+/// Least fall of a river: depths made for the eye may leave none.
+const LEAST_FALL: f32 = 1e-3;
+/// Water whose surface falls less than this from end to end for each of its cells is a lake.
+const LEVEL: f32 = 1e-5;
+
+/// Rivers of which only the depth is known. A depth is drawn as if it were a river's all over, so that wide water, which would
+/// carry the same through a larger section, is slowed down by its width.
+fn of_depths(world: &World, height: &Field, water: &Field) -> Vec<[f32; 2]> {
+    let grid = &world.grid;
+    let (w, h) = (grid.width, grid.height);
+    let sea_level = world.sea_level_m as f32;
+    let surface: Vec<f32> = height.iter().zip(water.iter()).map(|(z, d)| z + d).collect();
+    let wet: Vec<bool> = (height.iter().zip(water.iter()))
+        .map(|(z, d)| d > LEAST && d.is_finite() && z.is_finite() && z >= sea_level)
+        .collect();
+    let at = |i: usize, k: usize| neighbour(i, k, w, h);
+    let outlet = |i: usize| (0..8).any(|k| at(i, k).is_none_or(|j| height.get(j % w, j / w) < sea_level));
+    let mut sources: Vec<usize> = (0..w * h).filter(|&i| wet[i]).collect();
+    sources.sort_unstable_by(|&a, &b| (!outlet(a), surface[a]).partial_cmp(&(!outlet(b), surface[b])).unwrap_or(a.cmp(&b)));
+
+    let (mut next, mut known, mut bodies) = (vec![usize::MAX; w * h], vec![false; w * h], Vec::new());
+    for source in sources {
+        if known[source] {
+            continue;
+        }
+        known[source] = true;
+        let (mut body, mut heap) = (Vec::new(), BinaryHeap::from([Reverse((order(surface[source]), source))]));
+        while let Some(Reverse((_, i))) = heap.pop() {
+            body.push(i);
+            for j in (0..8).filter_map(|k| at(i, k)).filter(|&j| wet[j]) {
+                // Another mouth of the same water is no way through it.
+                if !std::mem::replace(&mut known[j], true) {
+                    next[j] = if outlet(j) { usize::MAX } else { i };
+                    heap.push(Reverse((order(surface[j]), j)));
+                }
+            }
+        }
+        bodies.push(body);
+    }
+
+    let from_bank = from_bank(&wet, w, h);
+    let cell = [grid.cell_x_m as f32, grid.cell_y_m as f32];
+    let mut out = vec![[0.0; 2]; w * h];
+    for body in bodies {
+        let fold = |f: fn(f32, f32) -> f32, start: f32| body.iter().map(|&i| surface[i]).fold(start, f);
+        let fall = fold(f32::max, f32::NEG_INFINITY) - fold(f32::min, f32::INFINITY);
+        if fall <= LEVEL * body.len() as f32 * cell[0] {
+            continue;
+        }
+        for i in body {
+            let place = |i: usize| [(i % w) as f32 * cell[0], (i / w) as f32 * cell[1]];
+            let way = |a: usize, b: usize| [0, 1].map(|k| place(b)[k] - place(a)[k]);
+            let (mut end, mut near, mut length) = (i, i, 0.0);
+            for n in 0..AHEAD_OF_FALL {
+                let to = next[end];
+                if to == usize::MAX {
+                    break;
+                }
+                let v = way(end, to);
+                length += v[0].hypot(v[1]);
+                end = to;
+                if n < AHEAD {
+                    near = end;
+                }
+            }
+            let way = way(i, near);
+            let straight = way[0].hypot(way[1]);
+            if straight > 0.0 {
+                let fall = ((surface[i] - surface[end]) / length).max(LEAST_FALL);
+                let depth = water.get(i % w, i / w);
+                let speed = depth.powf(2.0 / 3.0) * fall.sqrt() / (from_bank[i] as f32).max(1.0);
+                out[i] = way.map(|v| v / straight * speed);
+            }
+        }
+    }
+    // A mouth flows as what comes to it.
+    for i in (0..w * h).filter(|&i| wet[i] && next[i] == usize::MAX) {
+        let above: Vec<[f32; 2]> = (0..8).filter_map(|k| at(i, k)).filter(|&j| next[j] == i).map(|j| out[j]).collect();
+        if !above.is_empty() {
+            out[i] = [0, 1].map(|k| above.iter().map(|v| v[k]).sum::<f32>() / above.len() as f32);
+        }
+    }
+    out
+}
+
+/// A finite height as a number that sorts.
+fn order(z: f32) -> i32 {
+    let bits = z.to_bits() as i32;
+    bits ^ (((bits >> 31) as u32) >> 1) as i32
+}
+
+/// The neighbour in one of eight directions, straight ones first; none beyond the rim.
+fn neighbour(i: usize, k: usize, w: usize, h: usize) -> Option<usize> {
+    const OFF: [[isize; 2]; 8] = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
+    let x = (i % w).checked_add_signed(OFF[k][0]).filter(|x| *x < w)?;
+    let y = (i / w).checked_add_signed(OFF[k][1]).filter(|y| *y < h)?;
+    Some(y * w + x)
+}
+
+/// How many cells it is from each wet cell to dry land; 1 at the bank.
+fn from_bank(wet: &[bool], w: usize, h: usize) -> Vec<u32> {
+    let mut far = vec![0; wet.len()];
+    let mut queue: VecDeque<usize> = (0..wet.len()).filter(|&i| !wet[i]).collect();
+    while let Some(i) = queue.pop_front() {
+        for j in (0..4).filter_map(|k| neighbour(i, k, w, h)) {
+            if wet[j] && far[j] == 0 {
+                far[j] = far[i] + 1;
+                queue.push_back(j);
+            }
+        }
+    }
+    far
 }
 
 #[cfg(test)]
@@ -61,5 +188,53 @@ mod tests {
         world.put(&spec("flux_y"), Field::new(5, 4, 0.0)).unwrap();
         let f = flow(&world).unwrap();
         assert_eq!((f[2 * 5 + 2], f[5 + 2]), ([127, 0, 0, 0], [0; 4]));
+    }
+
+    /// A valley that falls to the south, with a river that bends and a lake that does not flow.
+    fn river() -> World {
+        let (w, h) = (40, 60);
+        let mut world = World::new(Grid::new(w, h, 30.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+        world.sea_level_m = 0.0;
+        let bed = |x: usize, y: usize| x == if y < 30 { 10 } else { 14 } || (y == 30 && (10..=14).contains(&x));
+        let lake = |x: usize, y: usize| (26..34).contains(&x) && (20..30).contains(&y);
+        // Flat floors: all that tells the direction is the whole of the way.
+        let floor = |y: usize| 100.0 - 5.0 * (y / 6) as f32;
+        let height = |x, y| if lake(x, y) { 50.0 } else { floor(y) + if bed(x, y) { 0.0 } else { 8.0 } };
+        world.put(&known::HEIGHT, Field::from_fn(w, h, height)).unwrap();
+        let water = |x, y| if bed(x, y) { 1.0 + 0.05 * y as f32 } else if lake(x, y) { 4.0 } else { 0.0 };
+        world.put(&known::WATER, Field::from_fn(w, h, water)).unwrap();
+        world
+    }
+
+    #[test]
+    fn rivers_without_fluxes_flow_downstream_and_lakes_stand() {
+        let world = river();
+        let f = flow(&world).unwrap();
+        let at = |x: usize, y: usize| f[y * 40 + x];
+        for y in (0..28).chain(31..60) {
+            let v = at(if y < 30 { 10 } else { 14 }, y);
+            assert!(v[1] > 20, "row {y}: {v:?}");
+        }
+        assert!(at(11, 30)[0] > 20, "east in the bend: {:?}", at(11, 30));
+        assert_eq!((at(29, 25), at(20, 10)), ([0; 4], [0; 4]), "a lake and dry land");
+        // A river that ends in the sea flows there, though the land rises beyond.
+        let mut to_the_sea = river();
+        to_the_sea.sea_level_m = 90.0;
+        let f = flow(&to_the_sea).unwrap();
+        assert!(f[5 * 40 + 10][1] > 20 && f[40 * 40 + 14] == [0; 4], "{:?}", f[5 * 40 + 10]);
+    }
+
+    #[test]
+    fn wide_water_is_slow() {
+        let (w, h) = (30, 30);
+        let mut world = World::new(Grid::new(w, h, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+        world.sea_level_m = -1e3;
+        world.put(&known::HEIGHT, Field::from_fn(w, h, |_, y| 90.0 - y as f32)).unwrap();
+        let wide = |y: usize| if (10..20).contains(&y) { 9 } else { 1 };
+        let water = |x: usize, y: usize| if x.abs_diff(15) < wide(y) { 1.0 } else { 0.0 };
+        world.put(&known::WATER, Field::from_fn(w, h, water)).unwrap();
+        let f = flow(&world).unwrap();
+        let speed = |x: usize, y: usize| f32::from(f[y * w + x][0]).hypot(f32::from(f[y * w + x][1]));
+        assert!(speed(15, 15) < 0.5 * speed(15, 3) && speed(15, 15) > 0.0);
     }
 }

@@ -121,14 +121,16 @@ impl Scene {
             Some(_) => false,
             None => heights || changed(&["wetness", "limestone", "growth", "aridity"]),
         };
-        let flow = self.stage.fresh().and_then(|_| flow(&world));
-        if !self.maps.hold(&self.stage, flow.is_some()) {
+        let moves = changed(&["height", "water", "flux_x", "flux_y"]);
+        let flow = if moves { self.stage.fresh().and_then(|_| flow(&world)) } else { None };
+        let flows = if moves { flow.is_some() } else { self.flows };
+        if !self.maps.hold(&self.stage, flows) {
             // Water came, for which there was no place.
-            self.maps = Maps::new(gpu, &self.stage, flow.is_some())?;
+            self.maps = Maps::new(gpu, &self.stage, flows)?;
             self.bind = renderer.bind(gpu, &self.frame, &self.maps);
             (heights, colours) = (true, true);
         }
-        self.flows = flow.is_some();
+        self.flows = flows;
         self.send(gpu, renderer, &world, [heights, colours]);
         if let Some(flow) = flow {
             self.maps.write_flow(gpu, &flow);

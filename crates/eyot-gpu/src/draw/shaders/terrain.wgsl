@@ -59,7 +59,7 @@ fn terrain_fragment(in: GroundVertex) -> @location(0) vec4f {
     if frame.detail.w == 1.0 {
         return developed(painted(node), in.position.xy, true);
     }
-    let c = land(in.place, node, d, frame.picture.z * distance, uv);
+    let c = land(in.place, node, d, pixel_on_ground(in.place.xy, frame.picture.z * distance), uv);
     return developed(through_air(c, d, distance), in.position.xy, false);
 }
 
@@ -71,8 +71,33 @@ fn painted(node: Node) -> vec3f {
     return node.albedo * mix(1.0, light / level, 0.7);
 }
 
-// Light that the ground sends along `-d`; a pixel is `footprint` m wide.
-fn land(p: vec3f, node: Node, d: vec3f, footprint: f32, uv: vec2f) -> vec3f {
+// What a pixel covers: seen at a grazing angle it is much longer on the ground than wide.
+struct Pixel {
+    // The way from its near to its far end, m.
+    long: vec2f,
+    // Samples along that way.
+    taps: f32,
+    // Size of what a sample must not show, m.
+    footprint: f32,
+}
+
+// A pixel around `p` that is `across` m wide.
+fn pixel_on_ground(p: vec2f, across: f32) -> Pixel {
+    let a = dpdx(p);
+    let b = dpdy(p);
+    let long = select(a, b, dot(b, b) > dot(a, a));
+    let way = length(long);
+    let taps = clamp(ceil(way / max(across, 1e-6) - 0.5), 1.0, 8.0);
+    return Pixel(long, taps, max(across, way / taps));
+}
+
+// A sample's place.
+fn tap_of(p: vec2f, pixel: Pixel, tap: f32) -> vec2f {
+    return p + pixel.long * ((tap + 0.5) / pixel.taps - 0.5);
+}
+
+// Light that the ground sends along `-d`.
+fn land(p: vec3f, node: Node, d: vec3f, pixel: Pixel, uv: vec2f) -> vec3f {
     var rise = node.rise;
     var colour = node.albedo;
     // Crowns of trees and broken stone, below the size of cells: bumps as large as a pixel shows.
@@ -80,14 +105,19 @@ fn land(p: vec3f, node: Node, d: vec3f, footprint: f32, uv: vec2f) -> vec3f {
     let green = soft(0.02, 0.16, (colour.g - colour.r) / sum);
     let pale = soft(0.55, 1.2, sum);
     let rough = (0.42 + 0.50 * green) * (1.0 - 0.92 * pale);
-    let q = vec2f(0.83 * p.x + 0.56 * p.y, 0.83 * p.y - 0.56 * p.x);
     var size = 5.3 * frame.scale.x / 512.0;
     for (var k = 0u; k < 6u; k++) {
-        let keep = soft(0.85, 0.30, footprint / size) * rough;
+        let keep = soft(0.85, 0.30, pixel.footprint / size) * rough;
         if keep <= 0.0 {
             break;
         }
-        let n = noise_with_slope(q / size, 300u + k);
+        var n = vec3f(0.0);
+        for (var tap = 0.0; tap < pixel.taps; tap += 1.0) {
+            let at = tap_of(p.xy, pixel, tap);
+            let q = vec2f(0.83 * at.x + 0.56 * at.y, 0.83 * at.y - 0.56 * at.x);
+            n += noise_with_slope(q / size, 300u + k);
+        }
+        n /= pixel.taps;
         // Longer bumps would be hills that are not there.
         let s = 0.24 * keep * soft(150.0, 50.0, size);
         rise += s * vec2f(0.83 * n.y - 0.56 * n.z, 0.56 * n.y + 0.83 * n.z);
@@ -101,14 +131,22 @@ fn land(p: vec3f, node: Node, d: vec3f, footprint: f32, uv: vec2f) -> vec3f {
     c *= 1.0 + 0.25 * rim * rim * green;
     let cover = river_cover(node.fresh);
     if cover > 0.0 {
-        c = mix(c, river(p, node, d, footprint, uv), cover);
+        c = mix(c, river(p, node, d, pixel, uv), cover);
     }
     return c;
 }
 
-// Light of fresh water.
-fn river(p: vec3f, node: Node, d: vec3f, footprint: f32, uv: vec2f) -> vec3f {
-    let wave = river_waves(p.xy, footprint, uv);
+// Light of fresh water: the mean of the samples, since a wave that glitters is far brighter than its slope on average.
+fn river(p: vec3f, node: Node, d: vec3f, pixel: Pixel, uv: vec2f) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var tap = 0.0; tap < pixel.taps; tap += 1.0) {
+        sum += river_at(tap_of(p.xy, pixel, tap), node, d, pixel.footprint, uv);
+    }
+    return sum / pixel.taps;
+}
+
+fn river_at(p: vec2f, node: Node, d: vec3f, footprint: f32, uv: vec2f) -> vec3f {
+    let wave = river_waves(p, footprint, uv);
     let normal = normalize(vec3f(-node.rise - wave, 1.0));
     let cosine = -dot(d, normal);
     let light = irradiance(normal, node.sun, node.open);

@@ -49,7 +49,7 @@ impl Rule for Flux {
         let depth = c.here(water);
         let afford = depth.lt(p.dt * out).pick(depth / (p.dt * out), R::of(1.0)).named("(2) afford");
         // The sediment that a unit of raw outflow carries: concentration times what the cell can afford.
-        let concentration = c.here(sediment) / depth.max(R::of(1e-6));
+        let concentration = (c.here(sediment) / depth.max(R::of(1e-6))).named("(2) concentration");
         ([east.flushed(), south.flushed(), afford, afford * concentration], [])
     }
 }
@@ -133,22 +133,22 @@ impl Rule for Erode {
         // (3) Water moves.
         let depth = c.here(water);
         let moved = (depth + p.dt * ((west - east) + (north - south))).named("(3) moved");
-        let wet = moved.positive();
+        let wet = moved.positive().named("(3) wet");
 
         // (4) Velocity from the mean flux through the cell and the mean depth; (5) slope. Speed and sine are only
         // needed as the root of the product of their squares, which costs one division and one root.
-        let mean = R::of(0.5) * (depth + wet);
+        let mean = (R::of(0.5) * (depth + wet)).named("(4) mean_depth");
         let (qx, qy) = (R::of(0.5) * p.dx * (west + east), R::of(0.5) * p.dy * (north + south));
-        let q2 = qx * qx + qy * qy;
+        let q2 = (qx.named("(4) flow_x") * qx + qy.named("(4) flow_y") * qy).named("(4) flow_squared");
         let gx = p.slope_x * (c.at(height, 1, 0) - c.at(height, -1, 0));
         let gy = p.slope_y * (c.at(height, 0, 1) - c.at(height, 0, -1));
-        let g2 = gx * gx + gy * gy;
-        let mean2 = mean.max(p.dry) * mean.max(p.dry);
+        let g2 = (gx.named("(5) slope_x") * gx + gy.named("(5) slope_y") * gy).named("(5) slope_squared");
+        let mean2 = (mean.max(p.dry) * mean.max(p.dry)).named("(4) depth_squared");
         let inverse = one / (mean2 * (one + g2));
         let speed2 = (q2 * (one + g2) * inverse).named("(4) speed_squared");
         let sine2 = (g2 * mean2 * inverse).clamp(p.sine2_min, p.sine2_max).named("(5) sine_squared");
         let flowing = p.dry.lt(mean);
-        let capped2 = flowing.pick(speed2.min(p.speed2_max), zero);
+        let capped2 = flowing.pick(speed2.min(p.speed2_max), zero).named("(4) capped_squared");
 
         // (6) Capacity grows with depth, so that channels win over films.
         let capacity = p.capacity * (capped2 * sine2).sqrt() * (mean * p.ramp).min(one);
@@ -157,28 +157,28 @@ impl Rule for Erode {
         // (7) Sediment moves with the water, then ground and water exchange it.
         let carried = c.here(sediment) + p.dt * ((west_load - east_load) + (north_load - south_load));
         let carried = carried.named("(7) carried");
-        let load = carried.positive();
+        let load = carried.positive().named("(7) load");
         let h = c.here(height);
         let lowest = c.at(height, 1, 0).min(c.at(height, -1, 0)).min(c.at(height, 0, 1).min(c.at(height, 0, -1)));
-        let missing = capacity - load;
-        let wish = p.dig * missing.positive();
-        let dug = wish.min(p.dig_limit * (h - lowest).positive());
+        let missing = (capacity - load).named("(7) missing");
+        let wish = (p.dig * missing.positive()).named("(7) wish");
+        let dug = wish.min(p.dig_limit * (h - lowest.named("lowest")).positive()).named("(7) may_dig");
         let settled = p.settle * (-missing).positive();
         let at_sea = h.lt(p.sea);
         let refused = at_sea.pick(zero, wish - dug);
         // In the sea the river ends: its water joins the sea and all its load settles.
-        let dug = at_sea.pick(zero, dug);
-        let settled = at_sea.pick(load, settled);
+        let dug = at_sea.pick(zero, dug).named("(7) dug");
+        let settled = at_sea.pick(load, settled).named("(7) settled");
         let new_height = ((h - dug) + settled.min(spare(h, load))).named("(7) new_height");
         // The load takes what the ground really gave after rounding, so that nothing is made of it.
         let new_load = (load + (h - new_height)).flushed().named("(7) new_load");
 
         // (8) Evaporation and rain.
-        let kept = wet * at_sea.pick(zero, p.keep);
+        let kept = (wet * at_sea.pick(zero, p.keep)).named("(8) kept");
         let fallen = at_sea.pick(zero, p.rain * p.dt);
         let new_water = (kept + fallen).flushed().named("(8) new_water");
 
-        let lost = wet - kept;
+        let lost = (wet - kept).named("(8) lost");
         let sums = [
             new_water - kept,
             at_sea.pick(zero, lost),
