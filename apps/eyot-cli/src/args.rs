@@ -536,11 +536,11 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, world or plates; on a graphics card also island,
+    /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, slope, world or plates; on a graphics card also island,
     /// which is hydraulic, thermal and reef together
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,
-    /// Cells along each side, metres for community [default: 512, 40 for community]
+    /// Cells along each side, metres for community and slope [default: 512, 40 for community, 400 for slope]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub(crate) size: Option<u32>,
     /// Threads [default: all cores]

@@ -2,6 +2,7 @@
 
 use crate::event::JournalEntry;
 use crate::recipe::{Overrides, Recipe, RecipeSource};
+use crate::texts::Texts;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -19,6 +20,9 @@ pub(crate) struct State {
     pub(crate) source_name: String,
     pub(crate) folder: PathBuf,
     pub(crate) overrides: Overrides,
+    /// Text files that the recipe names.
+    #[serde(default, skip_serializing_if = "Texts::is_empty")]
+    pub(crate) texts: Texts,
     /// Time at work before the checkpoint, s.
     pub(crate) seconds: f64,
     /// Name and time of each step of the recipe that is done, s.
@@ -48,6 +52,7 @@ impl State {
             source_name: recipe.source.name.clone(),
             folder: recipe.source.folder.clone(),
             overrides: recipe.overrides.clone(),
+            texts: recipe.texts.clone(),
             seconds: 0.0,
             timings: Vec::new(),
             finished: false,

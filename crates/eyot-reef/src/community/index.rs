@@ -1,6 +1,8 @@
 //! Who stands near a place: grids of cells, one for each doubling of size, so that a recruit of a millimetre finds the colony of
 //! three metres that covers it without looking at all the others.
 
+use rayon::prelude::*;
+
 /// What a neighbour is to others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -131,6 +133,11 @@ impl Index {
         }
         self.starts.rotate_right(1);
         self.starts[0] = 0;
+    }
+
+    /// The numbers of all individuals, neighbours near each other.
+    pub(super) fn order(&self) -> impl IndexedParallelIterator<Item = usize> {
+        self.entries.par_iter().map(|e| e.who as usize)
     }
 
     /// Calls `f` for all whose reach and the disc around (x, y) may meet, in an order that depends on nothing but what is in the

@@ -8,7 +8,7 @@ use super::disturbance::{self, Calendar};
 use super::forcing::{Forcing, Heat};
 use super::geometry::{Rays, mean};
 use super::index::{Extent, Index};
-use super::parallel::{map, map_mut};
+use super::parallel::{map_in_order, map_mut};
 use super::parameters::{Community, bad};
 use super::random::{Draws, Stream};
 use super::site::Site;
@@ -222,8 +222,10 @@ impl Plot {
 
     /// Removes colonies and counts them under a cause of death.
     pub(super) fn bury(&mut self, alive: &[bool], cause: impl Fn(&mut Deaths) -> &mut u64) {
-        let mut kept = 0;
-        for (i, &lives) in alive.iter().enumerate() {
+        // Most months nobody dies of most causes, and whoever stands before the first dead stays in place.
+        let Some(first) = alive.iter().position(|lives| !lives) else { return };
+        let mut kept = first;
+        for (i, &lives) in alive.iter().enumerate().skip(first) {
             if lives {
                 self.colonies.swap(kept, i);
                 self.rays.swap(kept, i);
@@ -257,10 +259,13 @@ impl Plot {
 
     /// What everybody's neighbours do to them; nobody changes yet.
     fn compete(&mut self) {
-        let mut grown = std::mem::take(&mut self.grown);
-        grown.resize(self.colonies.len(), [0.0; super::RAYS]);
         let neighbours = self.neighbours();
-        let verdicts = map_mut(&mut grown, |i, grown| neighbours.compete(i, &self.colonies[i], grown));
+        let results = map_in_order(&self.colonies, self.coral_index.order(), |i, me| {
+            let mut grown = Rays::default();
+            let verdict = neighbours.compete(i, me, &mut grown);
+            (grown, verdict)
+        });
+        let (grown, verdicts) = results.into_iter().unzip();
         (self.grown, self.verdicts) = (grown, verdicts);
     }
 
@@ -308,7 +313,7 @@ impl Plot {
             rays: &self.rays,
             draws: Shore::stream(self.seed, self.month),
         };
-        let fates = map(&self.algae, |_, a| {
+        let fates = map_in_order(&self.algae, self.alga_index.order(), |_, a| {
             let dies = a.age > self.community.algae.max_age || shore.is_displaced(a);
             (!dies, !dies && shore.is_shaded(a, |_| true))
         });
