@@ -358,7 +358,7 @@ fn cover(plot: &Plot, layer: &mut Field) {
         for y in reach(c.y, h) {
             for x in reach(c.x, w) {
                 let [dx, dy] = [(x, c.x), (y, c.y)].map(|(i, v)| (i as f32 + 0.5) * cell - v);
-                if dx.hypot(dy) < c.radius {
+                if dx * dx + dy * dy < c.radius * c.radius {
                     layer.set(x, y, 1.0);
                 }
             }

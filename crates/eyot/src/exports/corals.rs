@@ -10,7 +10,7 @@ use crate::recipe::{Actor, Recipe, Work};
 use eyot_core::process::parameters_from;
 use eyot_core::{Field, Limits, Result, World};
 use eyot_reef::bodies::{Bodies, Body, Detail};
-use eyot_reef::community::{Alga, CensusColumn, Colony, Plot, Species};
+use eyot_reef::community::{Alga, CensusColumn, Colony, Heat, Plot, Species};
 use eyot_reef::corals::{CENSUS, CORALS, Corals};
 use io::{Scene, SceneMaterial, SceneMesh, SceneNode};
 use mesh::{Blend, Blobs, Kernel, Lattice, MeshingOptions, Primitive, Solid, mesh_field};
@@ -53,7 +53,7 @@ pub(super) fn cover(corals: &Corals, world: &World, title: &str) -> Drawing {
         let all = columns.iter().enumerate().filter(move |(_, c)| c.name.ends_with(ending));
         all.map(|(i, _)| i).collect::<Vec<_>>()
     };
-    let species = &corals.community.species;
+    let (species, rules) = (&corals.community.species, &corals.community.heat);
     let of = |(s, i): (&'_ Species, usize)| (s.name.clone(), s.colour, series(i));
     let corals: Vec<_> = species.iter().zip(ending(".cover")).map(of).collect();
     let mut curves: Vec<Curve<'_>> =
@@ -62,9 +62,12 @@ pub(super) fn cover(corals: &Corals, world: &World, title: &str) -> Drawing {
     let (bleached, all) = (ending(".bleached"), ending(".colonies"));
     let sum = |row: &[f64], of: &[usize]| of.iter().map(|&i| row[i]).sum::<f64>();
     let bleached = rows.iter().map(|r| sum(r, &bleached) / sum(r, &all).max(1.0)).collect();
-    // Months that bleach somebody.
-    let least = species.iter().map(|s| f64::from(s.bleaching_min)).fold(f64::INFINITY, f64::min);
-    let hot = named("heat_index_c").iter().enumerate().filter(|(_, t)| **t >= least).map(|(m, _)| m).collect();
+    let heat = named("heat_index_c").into_iter().zip(named("degree_heating_weeks"));
+    let bleaches = |(index, weeks): (f64, f64)| {
+        let heat = Heat { index: index as f32, heating_weeks: weeks as f32, ..Heat::default() };
+        species.iter().any(|s| heat.risks(rules, s).0 > 0.0)
+    };
+    let hot = heat.enumerate().filter(|(_, h)| bleaches(*h)).map(|(m, _)| m).collect();
     plots::cover(&Story { title, curves, bleached, hot })
 }
 

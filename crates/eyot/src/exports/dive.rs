@@ -405,7 +405,7 @@ fn ground(reef: &Reef<'_>, x: f32, y: f32) -> [f32; 3] {
     let Some(rock) = reef.substrate(x, y) else { return SAND };
     let turf = reef.plot.turf_at(x, y);
     // Grains, patches and crusts that no layer knows of.
-    let cell = |size: f32| ((y / size) as u64) << 32 | (x / size) as u64;
+    let cell = |size: f32| (((y / size) as u64) << 32) | (x / size) as u64;
     let speckle = |size: f32| (mix64(cell(size)) >> 40) as f32 / (1u64 << 24) as f32 - 0.5;
     let bright = 1.0 + 0.16 * speckle(0.3) + 0.12 * speckle(1.1);
     std::array::from_fn(|i| {

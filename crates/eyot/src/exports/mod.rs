@@ -9,7 +9,7 @@ mod preset;
 mod source;
 
 use crate::backend::io::{self, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
-use crate::backend::{self, mesh, render};
+use crate::backend::{mesh, render};
 use crate::error::RunError;
 use crate::keys::{Bytes, Export, ExportFormat, FirstRow, Preset};
 use crate::outputs::stopped;
