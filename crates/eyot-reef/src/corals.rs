@@ -238,7 +238,10 @@ impl Corals {
             }
             Sea::Measured => {
                 let series = Temperatures::parse(&self.temperatures, self.community.compat);
-                let series = series.map_err(|e| wrong("temperatures", e.to_string()))?;
+                let series = series.map_err(|e| match e {
+                    Error::BadParameter { field, reason, .. } => wrong("temperatures", format!("{field}: {reason}")),
+                    other => other,
+                })?;
                 Forcing::series(&series, &self.community)
             }
         }
