@@ -3,13 +3,15 @@
 Usage: python check_outputs.py FOLDER [--no-node]
 
 Every .tif is opened with rasterio and checked by rio-cogeo, every .png with Pillow, every .r32, .r16 and .npy with numpy
-by its JSON file, every .exr with OpenEXR, every .zarr with xarray and zarr-python (recordings, timeline.zarr, too), every .obj and .ply with trimesh, every .glb with
+by its JSON file, every .exr with OpenEXR, every .zarr with xarray and zarr-python (recordings, timeline.zarr, too), every
+.parquet with pyarrow and pandas, every .obj and .ply with trimesh, every .glb with
 trimesh and Khronos' validator (node, with `npm install` done in this folder). Files that differ in the extension alone
 hold the same layer: those of floats must then agree bit by bit with R32, PNG and R16 within half a step. Prints each
 failure and at the end "N passed, M failed"; exits with 1 if anything failed or there was nothing to check.
 """
 
 import argparse
+import csv
 import json
 import pathlib
 import subprocess
@@ -19,6 +21,8 @@ import zlib
 
 import numpy as np
 import OpenEXR
+import pandas
+import pyarrow.parquet
 import rasterio
 import trimesh
 import xarray
@@ -257,6 +261,26 @@ def inspect_bodies(path, mesh, parts=None):
     check(path, "normals point out of the faces", bool(np.mean(straight > 0.3) > 0.99), straight.min())
 
 
+def inspect_parquet(path):
+    """A census: what pyarrow and pandas read is the CSV beside it, with types, and with units in the metadata."""
+    table = pyarrow.parquet.read_table(path)
+    about = json.loads(table.schema.metadata[b"eyot"])
+    check(path, "says where it comes from", "engine_version" in about and "seed" in about, list(about))
+    units = {name: column["unit"] for name, column in about["columns"].items()}
+    check(path, "a unit for each column", list(units) == table.column_names and all(units.values()), units)
+    whole = {name for name in table.column_names if table.schema.field(name).type == pyarrow.int64()}
+    others = {table.schema.field(name).type for name in table.column_names if name not in whole}
+    check(path, "whole numbers and doubles", "month" in whole and others == {pyarrow.float64()}, (whole, others))
+    check(path, "no nulls", all(table.column(name).null_count == 0 for name in table.column_names))
+    frame = pandas.read_parquet(path)
+    with path.with_suffix(".csv").open(newline="") as text:
+        names, *lines = csv.reader(text)
+    rows = np.array([[float(cell) for cell in line] for line in lines])
+    check(path, "rows", len(frame) > 0 and len(frame) == len(rows), (len(frame), len(rows)))
+    check(path, "the same columns as the CSV", list(frame.columns) == names, list(frame.columns))
+    check(path, "the same numbers as the CSV", bool((frame.to_numpy("f8") == rows).all()))
+
+
 def inspect_ply(path):
     mesh = trimesh.load(path, process=False)
     check(path, "has triangles", len(mesh.faces) > 0)
@@ -378,6 +402,7 @@ def main():
         named = {name.with_name(layer): v for layer, v in layers.items()} if name.name == "world" else {name: layers.popitem()[1]}
         kinds["Zarr"].update(named)
     compare_floats(r32s, kinds)
+    each(of(".parquet"), inspect_parquet)
     each(of(".obj"), inspect_obj)
     each(of(".ply"), inspect_ply)
     each(of(".glb"), inspect_glb)

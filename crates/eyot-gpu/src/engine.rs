@@ -670,10 +670,11 @@ impl Resident {
         let (mut plans, mut at) = (Vec::new(), span.from);
         while at < end {
             let mut plan = Plan::default();
-            for step in at..block_end(processes, at, block).min(end) {
+            let next = block_end(processes, at, block).min(end);
+            for step in at..next {
                 plan_step(processes, step, &mut moment, &mut plan);
-                at += 1;
             }
+            at = next;
             for spec in plan.scratch_layers() {
                 if !specs.iter().any(|s| s.name == spec.name) {
                     specs.push(spec.clone());

@@ -58,6 +58,7 @@ mod sample;
 mod scale;
 mod scene;
 mod sidecar;
+mod table;
 pub mod timeline;
 mod zarr;
 
@@ -77,4 +78,5 @@ pub use raster::{Numbers, Raster, ReadOptions, is_zarr, layer_names, read_raster
 pub use rows::Rows;
 pub use sample::{ByteOrder, RowOrder, Sample};
 pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};
+pub use table::{Column, Table, write_parquet};
 pub use zarr::{SECONDS, store_attributes, write_store};

@@ -1,15 +1,14 @@
-//! Prints the cover of each species over the years and draws the plot from above.
+//! Prints the cover of each species over the years.
 //!
-//! `cargo run --release -p eyot-reef --example plot -- reef.svg [SIDE_M] [YEARS] [SEED]`
+//! `cargo run --release -p eyot-reef --example plot -- [SIDE_M] [YEARS] [SEED]`
 
-use eyot_reef::community::{Community, Forcing, Plot, Site, plan_svg};
+use eyot_reef::community::{Community, Forcing, Plot, Site};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number = |i: usize, default: f64| arguments.get(i).map_or(Ok(default), |a| a.parse());
-    let path = arguments.first().ok_or("give the path of the SVG")?;
-    let (side, years, seed) = (number(1, 10.0)?, number(2, 50.0)? as u64, number(3, 1.0)? as u64);
+    let (side, years, seed) = (number(0, 10.0)?, number(1, 50.0)? as u64, number(2, 1.0)? as u64);
 
     let community = Community::default();
     let names: Vec<String> = community.species.iter().map(|s| s.name.clone()).collect();
@@ -34,7 +33,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         let algae = 100.0 * census.algae_cover;
         println!("{year:>4}  {}  {algae:>6.1} % {hottest:>6.2} {:>9.2}", covers.join("  "), 1e3 * limestone);
     }
-    std::fs::write(path, plan_svg(&plot))?;
-    println!("{} colonies and {} algae drawn to {path}", plot.colonies().len(), plot.algae().len());
+    println!("{} colonies and {} algae", plot.colonies().len(), plot.algae().len());
     Ok(())
 }

@@ -5,7 +5,10 @@
 //! 1. Light `I = e^(-attenuation g)`, as a share of the light at the surface; larvae find hold with the chance `substrate` where depth
 //!    and light suit their species.
 //! 2. A month of the community: `eyot_reef::community` says what happens in it.
-//! 3. `h' = h + c`, and the same gain for `limestone`: `c` is what the month's skeletons become, `mass / (2930 kg/m3 (1 - porosity))`
+//! 3. `sea = "world"`: mean of month `m` over the sea is `T_mean + T_cos cos f + T_sin sin f`, not below freezing, `f = 2 pi (d - 79) / 365`
+//!    with `d` the month's middle day: what the process `climate` remembers of a year whose northern spring is `f = 0`. Weather and warm
+//!    years around monthly means are two first-order autoregressive series (`variability`).
+//! 4. `h' = h + c`, and the same gain for `limestone`: `c` is what the month's skeletons become, `mass / (2930 kg/m3 (1 - porosity))`
 //!    spread as a flat heap over `rubble_range` around the colony's centre: a reef is more rubble and sand than skeletons in place.
 //!
 //! # Source
@@ -16,8 +19,10 @@
 //! The head of `community` lists them. Here: the plot is the whole grid, and grows under its colonies.
 //!
 //! # Layers
-//! Reads and writes `height`, `limestone` (m); writes `coral_cover` (1). Reads `substrate` (1) if it is there.
-//! Colonies, algae and turf are the feature `corals`, the census of each month the feature `corals.census`.
+//! Reads and writes `height`, `limestone` (m); writes `coral_cover` (1). Reads `substrate` (1) if it is there, and with
+//! `sea = "world"` `temperature_mean`, `temperature_cos`, `temperature_sin` (degrees Celsius).
+//! Colonies, algae and turf are the feature `corals`, the census of each month the feature `corals.census`, the sea's monthly means
+//! the feature `corals.sea`.
 //!
 //! # Limits
 //! Square cells; sides up to 4096 m. A reef of more individuals than memory holds is refused before it is made.
@@ -25,10 +30,13 @@
 //! # Conserves
 //! Limestone is in the ledger (`ground.corals`, `the_ground_gains_what_the_colonies_build`).
 
-use crate::community::{CHUMBE, Census, Community, Forcing, Ground, Plot, Site, Temperatures, Variability};
+use crate::community::{
+    CHUMBE, Census, CensusColumn, Community, Forcing, Ground, Plot, Site, Temperatures, Variability,
+};
+use crate::community::{MONTH_DAYS, YEAR_DAYS};
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
 use eyot_core::process::{Action, Entry, Moment, Process, check_ranges, defaults_of, parameters_from, schema_of};
-use eyot_core::{Control, Error, Field, Grid, LayerSpec, Limits, Result, World, about};
+use eyot_core::{Control, Error, Field, Grid, LayerSpec, Limits, Result, World, about, math64};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
@@ -40,6 +48,14 @@ pub const CORAL_COVER: LayerSpec =
 pub const FEATURE: &str = "corals";
 /// The feature with the rows of the census, one after the other.
 pub const CENSUS: &str = "corals.census";
+/// The feature with the monthly means of the world's sea, C.
+pub const SEA: &str = "corals.sea";
+/// Layers of the process `climate`.
+const CLIMATE: [&str; 3] = ["temperature_mean", "temperature_cos", "temperature_sin"];
+/// Day of the year on which its northern spring begins.
+const SPRING: f64 = 79.0;
+/// The sea is nowhere colder, C.
+const FREEZING: f64 = -1.8;
 /// Layer that says where larvae find hold, if a step has made it.
 const SUBSTRATE: &str = "substrate";
 /// Years of weather that a simulated sea has before it begins anew.
@@ -63,12 +79,15 @@ pub struct Corals {
     /// Years from one severe year to the next (sea = "chumbe").
     #[schemars(range(min = 1, max = 1000), extend("unit" = "yr"))]
     pub severe_interval: u32,
-    /// Mean temperatures of the months, January first (sea = "climate").
+    /// Mean temperatures of the months, January first (sea = "climate"; "world" takes them from its layers).
     #[schemars(inner(range(min = -5.0, max = 50.0)), extend("unit" = "C"))]
     pub monthly_means: [f32; 12],
-    /// How the sea varies around its monthly means (sea = "climate").
+    /// How the sea varies around its monthly means (sea = "climate" or "world").
     pub variability: Variability,
-    /// Daily or monthly temperatures, a date and a value a line (sea = "measured").
+    /// File with daily or monthly temperatures, a line for each: `2005-08-31, 27.4` or `2005-08, 27.1`, degrees Celsius; relative to the
+    /// recipe's folder (sea = "measured"). Gaps are bridged, and the series begins anew when it is through. In a program without
+    /// recipes: the text itself.
+    #[schemars(extend("file" = "text"))]
     pub temperatures: String,
     /// How far waves spread what a colony builds; under the colony itself if that is wider.
     #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "m"))]
@@ -86,8 +105,11 @@ pub enum Sea {
     Chumbe,
     /// Monthly means, with weather, warm years and a trend around them.
     Climate,
-    /// A measured series.
+    /// A measured series from a file.
     Measured,
+    /// The simulated climate of this world: monthly means from the layers `temperature_mean`, `temperature_cos` and
+    /// `temperature_sin`, averaged over the plot's sea when the first month begins, with `variability` around them.
+    World,
 }
 
 impl Default for Corals {
@@ -128,6 +150,10 @@ impl Process for Colonies {
         vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (CORAL_COVER, 0.0)]
     }
 
+    fn needs(&self) -> Vec<&'static str> {
+        if self.corals.sea == Sea::World { CLIMATE.to_vec() } else { Vec::new() }
+    }
+
     fn check(&self, grid: &Grid) -> Result<()> {
         self.corals.check(grid)
     }
@@ -143,7 +169,11 @@ impl Action for Colonies {
         let forcing = match self.forcing.get() {
             Some(known) => known.clone(),
             None => {
-                let made = self.corals.forcing(world.seed)?;
+                if self.corals.sea == Sea::World {
+                    let means = self.corals.sea_of(world, moment.sea_level_m)?;
+                    world.features.insert(SEA.to_owned(), means.map(f64::from).to_vec());
+                }
+                let made = self.corals.forcing(world)?;
                 self.forcing.get_or_init(|| made).clone()
             }
         };
@@ -177,28 +207,72 @@ impl Corals {
         self.community.check()?;
         if (grid.cell_x_m - grid.cell_y_m).abs() > 1e-6 * grid.cell_x_m {
             let reason = format!("cells of {} x {} m; corals need square ones", grid.cell_x_m, grid.cell_y_m);
-            return Err(Error::BadParameter { owner: "corals".into(), field: "grid.cell".into(), reason });
+            return Err(wrong("grid.cell", reason));
+        }
+        if self.sea != Sea::Measured && !self.temperatures.is_empty() {
+            return Err(wrong("temperatures", "nothing looks at them; add sea = \"measured\"".into()));
+        }
+        if self.sea == Sea::Measured && self.temperatures.is_empty() {
+            return Err(wrong("temperatures", "sea = \"measured\" needs the name of a file with temperatures".into()));
         }
         // Reads the series and checks it.
-        self.forcing(0).map(drop)
+        self.heat(0, &CHUMBE).map(drop)
     }
 
     /// Heat of all months to come.
     ///
     /// # Errors
-    /// If the series of temperatures cannot be read.
-    pub fn forcing(&self, seed: u64) -> Result<Forcing> {
+    /// If the series of temperatures cannot be read, or the world has no climate and should have.
+    pub fn forcing(&self, world: &World) -> Result<Forcing> {
+        let means = if self.sea == Sea::World { self.sea_of(world, world.sea_level_m)? } else { self.monthly_means };
+        self.heat(world.seed, &means)
+    }
+
+    fn heat(&self, seed: u64, means: &[f32; 12]) -> Result<Forcing> {
         match self.sea {
             Sea::Chumbe => Forcing::chumbe_every(&self.community, self.severe_interval, seed),
-            Sea::Climate => {
-                let mut series = Temperatures::of_climate(&self.monthly_means, YEARS);
+            Sea::Climate | Sea::World => {
+                let mut series = Temperatures::of_climate(means, YEARS);
                 self.variability.vary(&mut series, seed);
                 Forcing::series(&series, &self.community)
             }
             Sea::Measured => {
-                Forcing::series(&Temperatures::parse(&self.temperatures, self.community.compat)?, &self.community)
+                let series = Temperatures::parse(&self.temperatures, self.community.compat);
+                let series = series.map_err(|e| match e {
+                    Error::BadParameter { field, reason, .. } => wrong("temperatures", format!("{field}: {reason}")),
+                    other => other,
+                })?;
+                Forcing::series(&series, &self.community)
             }
         }
+    }
+
+    /// Equation (3): what the sea was when the first month began, or is now.
+    fn sea_of(&self, world: &World, sea_level_m: f64) -> Result<[f32; 12]> {
+        if let Some(known) = world.features.get(SEA) {
+            let sound = known.len() == 12 && known.iter().all(|t| (-5.0..=400.0).contains(t));
+            let reason = || wrong("saved state", format!("`{SEA}` does not hold twelve temperatures"));
+            return if sound { Ok(std::array::from_fn(|m| known[m] as f32)) } else { Err(reason()) };
+        }
+        let [mean, cos, sin] = CLIMATE.map(|name| world.layer(name).map(|l| &l.field));
+        let (layers, height) = ([mean?, cos?, sin?], &world.layer("height")?.field);
+        let (mut sums, mut count) = ([[0.0f64; 3]; 2], [0u64; 2]);
+        for (y, row) in (0..height.height()).map(|y| (y, height.row(y))) {
+            for (x, &h) in row.iter().enumerate() {
+                let is_sea = usize::from(f64::from(h) < sea_level_m);
+                count[is_sea] += 1;
+                (0..3).for_each(|i| sums[is_sea][i] += f64::from(layers[i].get(x, y)));
+            }
+        }
+        // Where there is no sea, nobody asks how warm it is.
+        let of = usize::from(count[1] > 0);
+        let [mean, cos, sin] = sums[of].map(|s| s / count[of] as f64);
+        let mut first_day = 0.0;
+        Ok(MONTH_DAYS.map(|days| {
+            let f = 360.0 * (first_day + 0.5 * days as f64 - SPRING) / YEAR_DAYS as f64;
+            first_day += days as f64;
+            (mean + cos * math64::cos_degrees(f) + sin * math64::sin_degrees(f)).max(FREEZING) as f32
+        }))
     }
 
     /// The reef as it stands in this world, or a new one if none has grown yet.
@@ -206,7 +280,7 @@ impl Corals {
     /// # Errors
     /// If the world's numbers are not those of such a reef, or it does not fit into memory.
     pub fn plot(&self, world: &World) -> Result<Plot> {
-        self.plot_in(world, world.sea_level_m, self.forcing(world.seed)?)
+        self.plot_in(world, world.sea_level_m, self.forcing(world)?)
     }
 
     fn plot_in(&self, world: &World, sea_level_m: f64, forcing: Forcing) -> Result<Plot> {
@@ -229,15 +303,19 @@ impl Corals {
         Ok(Site::of_ground(ground))
     }
 
-    /// Names of the numbers of a month in the feature [`CENSUS`].
-    pub fn census_columns(&self) -> Vec<String> {
+    /// The numbers of a month in the feature [`CENSUS`].
+    pub fn census_columns(&self) -> Vec<CensusColumn> {
         let names: Vec<&str> = self.community.species.iter().map(|s| s.name.as_str()).collect();
         let none = Census { species: vec![Default::default(); names.len()], ..Census::default() };
-        none.columns(&names).into_iter().map(|(name, _)| name).collect()
+        none.columns(&names).into_iter().map(|(column, _)| column).collect()
     }
 }
 
-/// Equation (3).
+fn wrong(field: &str, reason: String) -> Error {
+    Error::BadParameter { owner: "corals".into(), field: field.into(), reason }
+}
+
+/// Equation (4).
 fn build(plot: &Plot, world: &mut World, range_m: f32) -> Result<()> {
     let grid = world.grid;
     let mut gain = Field::new(grid.width, grid.height, 0.0);
@@ -283,7 +361,7 @@ fn cover(plot: &Plot, layer: &mut Field) {
         for y in reach(c.y, h) {
             for x in reach(c.x, w) {
                 let [dx, dy] = [(x, c.x), (y, c.y)].map(|(i, v)| (i as f32 + 0.5) * cell - v);
-                if dx.hypot(dy) < c.radius {
+                if dx * dx + dy * dy < c.radius * c.radius {
                     layer.set(x, y, 1.0);
                 }
             }

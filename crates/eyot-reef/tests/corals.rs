@@ -3,8 +3,8 @@
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::Scheduled;
-use eyot_core::{Control, Field, Grid, Limits, Rim, World};
-use eyot_reef::corals::{CENSUS, CORALS, Corals, FEATURE};
+use eyot_core::{Control, Field, Grid, LayerSpec, Limits, Rim, World};
+use eyot_reef::corals::{CENSUS, CORALS, Corals, FEATURE, SEA, Sea};
 use serde_json::{Value, json};
 
 /// A slope from 1 to 15 m below the sea, 12 by 10 m.
@@ -70,7 +70,7 @@ fn the_census_has_a_row_for_each_month() {
     assert!(cover.iter().all(|c| (0.0..=1.0).contains(&c)) && cover.sum() > 10.0);
     // The cells' cover is that of the census, but for overlaps.
     let mean = cover.sum() / 1920.0;
-    let census = rows[13][columns.iter().position(|c| c == "coral_cover").unwrap()];
+    let census = rows[13][columns.iter().position(|c| c.name == "coral_cover").unwrap()];
     assert!(mean <= 1.1 * census && mean > 0.6 * census, "{mean} {census}");
 }
 
@@ -109,9 +109,70 @@ fn parameters_that_cannot_work_are_named() {
         assert!(e.contains(words), "{e}");
     };
     refused(Corals { attenuation: -1.0, ..Corals::default() }, "attenuation");
-    refused(Corals { sea: eyot_reef::corals::Sea::Measured, ..Corals::default() }, "temperature");
+    refused(Corals { sea: Sea::Measured, ..Corals::default() }, "needs the name of a file");
+    let text = |text: &str| text.to_owned();
+    let measured = |series: &str| Corals { sea: Sea::Measured, temperatures: text(series), ..Corals::default() };
+    refused(measured("2001-01,27\n2001-02,warm"), "temperatures: line 2");
+    refused(Corals { sea: Sea::Chumbe, ..measured("2001-01,27") }, "add sea = \"measured\"");
     refused(Corals { severe_interval: 0, ..Corals::default() }, "severe_interval");
     let oblong = Grid { cell_y_m: 0.5, ..grid };
     assert!(Corals::default().check(&oblong).unwrap_err().to_string().contains("square"));
     assert!((CORALS.make)(json!({"attenuaton": 1.0})).is_err());
+}
+
+/// What the process `climate` leaves: a mean of 27 degrees over the sea, 1.5 more in the northern summer, 30 more on land.
+fn with_climate(mut world: World) -> World {
+    let land = |x: usize| if x < 8 { 30.0 } else { 0.0 };
+    world.layer_mut("height").unwrap().field =
+        Field::from_fn(48, 40, |x, _| if x < 8 { 3.0 } else { -1.0 - 0.3 * x as f32 });
+    let values: [(&'static str, &dyn Fn(usize) -> f32); 3] = [
+        ("temperature_mean", &|x| 27.0 + land(x)),
+        ("temperature_cos", &|_| 0.0),
+        ("temperature_sin", &|x| 1.5 + land(x)),
+    ];
+    for (name, value) in values {
+        let spec = LayerSpec::new(name, "°C", "a test's", (-600.0, 600.0));
+        world.put(&spec, Field::from_fn(48, 40, |x, _| value(x))).unwrap();
+    }
+    world
+}
+
+#[test]
+fn the_sea_has_the_climate_of_its_world_as_it_was_when_it_began() {
+    let mut world = with_climate(slope());
+    let still = json!({"sea": "world", "variability": {"weather": 0.0, "years": 0.0}});
+    months(&mut world, still.clone(), 6);
+    let means = world.features[SEA].clone();
+    // The warmest month is June, whose middle is 87 days after the beginning of spring; land counts for nothing.
+    assert!(means.len() == 12 && means.iter().all(|t| (25.4..28.6).contains(t)), "{means:?}");
+    let june = 27.0 + 1.5 * (360.0f64 * (166.0 - 79.0) / 365.0).to_radians().sin();
+    assert!((means[5] - june).abs() < 1e-5 && means.iter().all(|t| *t <= means[5]), "{means:?}");
+    let columns = Corals::default().census_columns();
+    let at = columns.iter().position(|c| c.name == "temperature_c").unwrap();
+    let row = |world: &World, month: usize| world.features[CENSUS][month * columns.len() + at];
+    assert!((row(&world, 5) - means[5]).abs() < 0.02, "{} {}", row(&world, 5), means[5]);
+    // A climate that changes later does not change the sea of a reef that has begun, also after a break.
+    let warmer = Field::new(48, 40, 35.0);
+    world.layer_mut("temperature_mean").unwrap().field = warmer;
+    months(&mut world, still.clone(), 12);
+    assert_eq!(world.features[SEA], means);
+    assert!((row(&world, 17) - row(&world, 5)).abs() < 0.5);
+    world.features.insert(SEA.into(), vec![27.0; 3]);
+    let corals: Corals = serde_json::from_value(still).unwrap();
+    assert!(corals.plot(&world).err().unwrap().to_string().contains("twelve temperatures"));
+    // Without a climate there is nothing to take.
+    let process = (CORALS.make)(json!({"sea": "world"})).unwrap();
+    assert_eq!(process.needs(), ["temperature_mean", "temperature_cos", "temperature_sin"]);
+}
+
+#[test]
+fn a_measured_sea_is_what_the_table_says() {
+    let mut world = slope();
+    let series: String = (1..=12).map(|m| format!("2001-{m:02}, {}\n", 20 + m)).collect();
+    months(&mut world, json!({"sea": "measured", "temperatures": series}), 14);
+    let columns = Corals::default().census_columns();
+    let at = columns.iter().position(|c| c.name == "temperature_c").unwrap();
+    let means: Vec<f64> = world.features[CENSUS].chunks_exact(columns.len()).map(|r| r[at]).collect();
+    let want: Vec<f64> = (0..14).map(|m| 21.0 + f64::from(m % 12)).collect();
+    assert!(means.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-4), "{means:?}");
 }

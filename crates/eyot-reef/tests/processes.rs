@@ -479,3 +479,58 @@ fn skeletons_weigh_what_they_grow() {
     assert!(spread.get(20, 20) > spread.get(20, 0) && spread.get(20, 0) > 0.0 && spread.get(0, 0) == 0.0);
     assert!((census.limestone_m * 100.0 - mass / (2930.0 * 0.5)).abs() < 1e-12);
 }
+
+/// Few adults have few larvae, many leave no room for them: those who live are most in between.
+#[test]
+fn recruitment_has_a_hump_over_cover() {
+    let recruits = |apart: f32| {
+        let mut c = quiet();
+        let species = &mut c.species[LOBATA];
+        (species.propagules, species.max_radius, species.max_initial_radius) = (1210.0, 1.0, 1.0);
+        species.retention *= 100.0;
+        let mut plot = bare(c, cool(), 40.0, 9);
+        let adults = rows(&mut plot, LOBATA, 1.0, 50, apart);
+        (0..6).for_each(|_| drop(plot.month().unwrap()));
+        let young = plot.colonies().iter().filter(|c| c.age < 12).count();
+        (std::f64::consts::PI * adults as f64 / 1600.0, young)
+    };
+    let [(sparse, few), (half, most), (full, less)] = [10.0, 2.5, 2.0].map(recruits);
+    assert!(sparse < 0.04 && (0.45..0.55).contains(&half) && full > 0.75, "{sparse} {half} {full}");
+    assert!(most > 4 * few && most as f64 > 1.2 * less as f64 && less > few, "{few} {most} {less}");
+    // Larvae come in proportion to adults, and those on top of one die.
+    let expected = |cover: f64| cover * (1.0 - cover);
+    let ratio = less as f64 / most as f64 / (expected(full) / expected(half));
+    assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
+}
+
+#[test]
+fn the_original_throws_fragments_too_far_to_one_side_and_counts_a_day_too_many() {
+    let farthest = |compat: bool| {
+        let mut c = Community { compat, fragmentation: 1.0, overgrowth: 100.0, ..quiet() };
+        c.species[MURICATA].surface_factor = 1.0;
+        let mut plot = bare(c, cool(), 30.0, 4);
+        for i in 0..400u64 {
+            plot.add_colony(MURICATA, 15.0, 15.0, 0.5, 50 + i as u32).unwrap();
+        }
+        // All stand in the middle, so that only fragments are away from it.
+        plot.month().unwrap();
+        let away = |v: fn(&eyot_reef::community::Colony) -> f32| {
+            let offsets = plot.colonies().iter().map(move |c| v(c) - 15.0);
+            offsets.fold([0.0f32; 2], |[low, high], o| [low.min(o), high.max(o)])
+        };
+        [away(|c| c.x), away(|c| c.y)]
+    };
+    for [low, high] in farthest(false) {
+        assert!((-5.0..-4.9).contains(&low) && (4.9..=5.0).contains(&high), "{low} {high}");
+    }
+    for [low, high] in farthest(true) {
+        assert!((-5.0..-4.9).contains(&low) && (5.02..=5.1).contains(&high), "{low} {high}");
+    }
+    // 25 days of 30 C in a month: 20 of them, or 21 over 20.
+    let text: String = (1..=31).map(|d| format!("2001-01-{d:02},{}\n", if d <= 25 { 30.0 } else { 26.0 })).collect();
+    for (compat, index) in [(false, 30.0), (true, 30.05)] {
+        let c = Community { compat, ..quiet() };
+        let heat = Forcing::series(&Temperatures::parse(&text, compat).unwrap(), &c).unwrap().heat(0);
+        assert!((heat.index - index).abs() < 1e-4, "{compat}: {heat:?}");
+    }
+}

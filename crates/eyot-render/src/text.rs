@@ -5,6 +5,8 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 
 /// Height of a line, pixels.
 pub(crate) const LINE: usize = RasterHeight::Size16.val();
+/// How many times larger large text is.
+pub(crate) const LARGE: usize = 2;
 
 /// Width of `text`, pixels.
 pub(crate) fn width(text: &str) -> usize {
@@ -13,9 +15,18 @@ pub(crate) fn width(text: &str) -> usize {
 
 /// Draws `text` with its top left corner at (x, y); what lies outside the picture is left out.
 pub(crate) fn draw(p: &mut Picture, x: usize, y: usize, text: &str, ink: [u8; 3]) {
+    draw_sized(p, x, y, text, ink, RasterHeight::Size16);
+}
+
+/// As [`draw`], [`LARGE`] times larger.
+pub(crate) fn draw_large(p: &mut Picture, x: usize, y: usize, text: &str, ink: [u8; 3]) {
+    draw_sized(p, x, y, text, ink, RasterHeight::Size32);
+}
+
+fn draw_sized(p: &mut Picture, x: usize, y: usize, text: &str, ink: [u8; 3], size: RasterHeight) {
     let mut left = x;
     for c in text.chars() {
-        let glyph = |c| get_raster(c, FontWeight::Regular, RasterHeight::Size16);
+        let glyph = |c| get_raster(c, FontWeight::Regular, size);
         let Some(g) = glyph(c).or_else(|| glyph('?')) else {
             continue;
         };

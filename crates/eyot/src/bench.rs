@@ -16,7 +16,7 @@ use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
 use eyot_plates::Tectonics;
 use eyot_reef::bodies::{Bodies, Detail};
-use eyot_reef::community::{self, Community, Forcing, Plot};
+use eyot_reef::community::{self, Community, Forcing, Ground, Plot, Site as SeaFloor};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -43,6 +43,8 @@ pub enum BenchSubject {
     Streampower,
     /// A month of the default community of corals on a square plot; the size is in metres.
     Community,
+    /// The same on a reef slope from 1 to 25 m of water with sand between the rock, of 400 x 400 m: 100,000 colonies.
+    Slope,
     /// The bodies of all corals of a square plot at the voxels of their source, and of those that changed in a month; the
     /// size is in metres.
     Bodies,
@@ -54,7 +56,7 @@ pub enum BenchSubject {
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Hydraulic,
         Self::Thermal,
         Self::Rule,
@@ -63,6 +65,7 @@ impl BenchSubject {
         Self::Drainage,
         Self::Streampower,
         Self::Community,
+        Self::Slope,
         Self::Bodies,
         Self::World,
         Self::Plates,
@@ -72,6 +75,7 @@ impl BenchSubject {
     pub const fn usual_size(self) -> usize {
         match self {
             Self::Community => 40,
+            Self::Slope => 400,
             Self::Bodies => 10,
             _ => 512,
         }
@@ -88,6 +92,7 @@ impl BenchSubject {
             Self::Drainage => "drainage",
             Self::Streampower => "streampower",
             Self::Community => "community",
+            Self::Slope => "slope",
             Self::Bodies => "bodies",
             Self::World => "world",
             Self::Plates => "plates",
@@ -132,7 +137,7 @@ impl Default for BenchOptions {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
     /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`,
-    /// `community`, `bodies`, `world` or `plates`.
+    /// `community`, `slope`, `bodies`, `world` or `plates`.
     pub what: &'static str,
     /// Cells along a side, or metres.
     pub size: usize,
@@ -171,11 +176,18 @@ pub struct BenchReport {
     pub ledger: BTreeMap<String, f64>,
 }
 
+/// Years that the life of a plot is counted for, as in the recipe `reef`.
+const YEARS: f64 = 50.0;
+
 /// Speed and size of a community of corals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CommunityReport {
     /// Seconds a month in the best sample.
     pub seconds_per_month: f64,
+    /// Months a second in the best sample.
+    pub months_per_second: f64,
+    /// Seconds of [`YEARS`] on such a plot, from bare ground, at the speed of the median sample.
+    pub seconds_per_plot: f64,
     /// Colonies at the end.
     pub colonies: usize,
     /// Macroalgae at the end.
@@ -219,7 +231,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
     let result = pool.install(|| match options.what {
         BenchSubject::Noise => noise(options),
         BenchSubject::Drainage => drainage(options),
-        BenchSubject::Community => community(options),
+        BenchSubject::Community | BenchSubject::Slope => community(options),
         BenchSubject::Bodies => bodies(options),
         BenchSubject::Plates => plates(options),
         _ => simulation(options),
@@ -255,6 +267,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
             BenchSubject::Noise
             | BenchSubject::Drainage
             | BenchSubject::Community
+            | BenchSubject::Slope
             | BenchSubject::Bodies
             | BenchSubject::World
             | BenchSubject::Plates,
@@ -497,7 +510,10 @@ fn community(options: &BenchOptions) -> Result<BenchReport> {
     let isa = best_isa(options)?;
     let parameters = Community::default();
     let (side, forcing) = (options.size as f64, Forcing::chumbe(&parameters, 1)?);
-    let mut plot = Plot::new(parameters, community::Site::flat(side, side), forcing, 1)?;
+    let site = if options.what == BenchSubject::Slope { slope(options.size)? } else { SeaFloor::flat(side, side) };
+    let start = Instant::now();
+    let mut plot = Plot::new(parameters, site, forcing, 1)?;
+    let made = start.elapsed().as_secs_f64();
     // The first year sorts out what was put down at random.
     for _ in 0..12 {
         plot.month()?;
@@ -513,7 +529,13 @@ fn community(options: &BenchOptions) -> Result<BenchReport> {
     let mut report = report(options.what.name(), options, isa, &timed);
     let plot = plot.into_inner();
     let (colonies, algae) = (plot.colonies().len(), plot.algae().len());
-    report.community = Some(CommunityReport { seconds_per_month: report.seconds_per_step, colonies, algae });
+    report.community = Some(CommunityReport {
+        seconds_per_month: report.seconds_per_step,
+        months_per_second: 1.0 / report.seconds_per_step,
+        seconds_per_plot: made + 12.0 * YEARS * report.seconds_per_step_median,
+        colonies,
+        algae,
+    });
     Ok(report)
 }
 
@@ -521,7 +543,7 @@ fn bodies(options: &BenchOptions) -> Result<BenchReport> {
     let isa = best_isa(options)?;
     let parameters = Community::default();
     let (side, forcing) = (options.size as f64, Forcing::chumbe(&parameters, 1)?);
-    let mut plot = Plot::new(parameters, community::Site::flat(side, side), forcing, 1)?;
+    let mut plot = Plot::new(parameters, SeaFloor::flat(side, side), forcing, 1)?;
     plot.month()?;
     let bytes = Bodies::bytes(&plot, Detail::default());
     Limits::default().check_bytes("this benchmark", bytes)?;
@@ -551,6 +573,16 @@ fn bodies(options: &BenchOptions) -> Result<BenchReport> {
         triangles,
     });
     Ok(report)
+}
+
+/// A slope of this length in metres, in cells of a metre: from 1 to 25 m of water, a fifth of it sand.
+fn slope(side: usize) -> Result<SeaFloor> {
+    Limits::default().check_cells(side, side)?;
+    let depth = Field::from_fn(side, side, |x, _| 1.0 + 24.0 * (x as f32 + 0.5) / side as f32);
+    let mut ground = Ground::of_depth(1.0, depth, 0.05, 1.0);
+    // Channels of sand that run down the slope.
+    ground.substrate = Field::from_fn(side, side, |x, y| if (y + x / 8) % 20 < 4 { 0.0 } else { 1.0 });
+    Ok(SeaFloor::of_ground(ground))
 }
 
 /// A world of ten plates as `PyPlatec` has it: a torus with 35 in 100 cells of land, cycles of 550 steps at most.
@@ -716,11 +748,16 @@ mod tests {
 
     #[test]
     fn the_community_reports_its_months() {
-        let what = BenchSubject::Community;
-        let r = run(&BenchOptions { what, size: what.usual_size(), seconds: 0.05, ..Default::default() }).unwrap();
-        let json = serde_json::to_value(&r).unwrap();
-        assert!(json["seconds_per_month"].as_f64().unwrap() > 0.0 && json["colonies"].as_u64().unwrap() > 0);
-        assert_eq!((r.samples, r.what, r.size), (SAMPLES as usize, "community", 40));
+        for what in [BenchSubject::Community, BenchSubject::Slope] {
+            let r = run(&BenchOptions { what, size: 40, seconds: 0.05, ..Default::default() }).unwrap();
+            let json = serde_json::to_value(&r).unwrap();
+            let number = |key: &str| json[key].as_f64().unwrap();
+            assert!(number("seconds_per_month") > 0.0 && json["colonies"].as_u64().unwrap() > 0);
+            // Fifty years of months, none of which is faster than the best.
+            assert!(number("seconds_per_plot") >= 600.0 * number("seconds_per_month"));
+            assert!((number("months_per_second") * number("seconds_per_month") - 1.0).abs() < 1e-9);
+            assert_eq!((r.samples, r.what, r.size), (SAMPLES as usize, what.name(), 40));
+        }
     }
 
     #[test]

@@ -111,8 +111,7 @@ pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
     let how = Options { timed: true, most_passes: options.most_passes, ..Options::default() };
     let mut engine = engines::card(&options.engine, how)?;
     let copy_bandwidth = copy_bandwidth(engine.gpu())?;
-    let mut bench =
-        Bench { engine: &mut engine, phases: &phases, start: &world, world: world.clone(), done: 0 };
+    let mut bench = Bench { engine: &mut engine, phases: &phases, start: &world, world: world.clone(), done: 0 };
     let outcome = bench.measure(options.seconds).map_err(refused);
     engines::keep_pipelines(&engine);
     let Timed { seconds, steps, work, repeats } = outcome?;

@@ -17,6 +17,8 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "alps", text: include_str!("../../../recipes/alps.toml") },
     BuiltIn { name: "canyon", text: include_str!("../../../recipes/canyon.toml") },
     BuiltIn { name: "reef", text: include_str!("../../../recipes/reef.toml") },
+    BuiltIn { name: "reef-slope", text: include_str!("../../../recipes/reef-slope.toml") },
+    BuiltIn { name: "bleaching", text: include_str!("../../../recipes/bleaching.toml") },
     BuiltIn { name: "nitrogen", text: include_str!("../../../recipes/nitrogen.toml") },
     BuiltIn { name: "wildfire", text: include_str!("../../../recipes/wildfire.toml") },
     BuiltIn { name: "life", text: include_str!("../../../recipes/life.toml") },
@@ -44,6 +46,7 @@ pub(crate) const DATA: &[Data] = &[
         bytes: include_bytes!("../../../data/jacksboro.tif"),
         cites: &["jacksboro", "farr2007"],
     },
+    Data { name: "island-reef.tif", bytes: include_bytes!("../../../data/island-reef.tif"), cites: &[] },
     Data { name: "earth.tif", bytes: include_bytes!("../../../data/earth.tif"), cites: &["etopo60"] },
 ];
 

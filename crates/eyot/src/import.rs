@@ -2,8 +2,9 @@
 //!
 //! # Equations
 //! 1. A file with the grid's size is taken over to the bit.
-//! 2. Another size, per axis: `h(i) = mean over s of lerp(f, (i + (s + 1/2) / n) r - 1/2)` with `r` the file's cells per cell of the
-//!    grid and `n = max(1, ceil(r))` samples: averages where the file is finer, interpolates where it is coarser.
+//! 2. Another size, per axis: `h(i) = mean over s of lerp(f, a + (i + (s + 1/2) / n) r - 1/2)` with `r` the file's cells per cell of
+//!    the grid, `a` the first cell of the window and `n = max(1, ceil(r))` samples: averages where the file is finer, interpolates
+//!    where it is coarser. What a window leaves out is looked at where it borders on it.
 //!
 //! # Source
 //! Linear interpolation.
@@ -24,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// A height map from a file: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, or raw numbers (R16, R32).
 ///
 /// A file of another size than the grid is resampled to it: averaged when it is finer, interpolated when it is coarser. Heights
-/// in feet become metres.
+/// in feet become metres. A window takes a part of a large landscape, such as a slope of an island, for a finer grid.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Import {
@@ -37,6 +38,10 @@ pub struct Import {
     /// Height of white in a picture of whole numbers; see `low_m`.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub high_m: Option<f64>,
+    /// The part of the file to take: distance of its western side from the file's, of its northern side from the file's, width
+    /// and height. Default: all of it.
+    #[schemars(inner(range(min = 0.0, max = 1e8)), extend("unit" = "m"))]
+    pub window: Option<[f64; 4]>,
     /// Number in the file that marks missing cells, which are filled from their neighbours. Default: what the file says.
     #[schemars(extend("unit" = "1"))]
     pub nodata: Option<f64>,
@@ -64,12 +69,16 @@ impl Generator for Import {
         let mut raster = self.read(&site.grid)?;
         raster.to_metres();
         site.control.check()?;
-        Ok(resample(&raster.field, &site.grid))
+        Ok(match self.window {
+            Some(_) => resample_window(&raster.field, self.cells(&raster)?, &site.grid),
+            None => resample(&raster.field, &site.grid),
+        })
     }
 
     /// Reads the file: nothing less tells whether a run could, and a run may come to it after hours.
     fn check(&self, grid: &Grid) -> Result<()> {
-        self.read(grid).map(drop)
+        let raster = self.read(grid)?;
+        self.cells(&raster).map(drop)
     }
 
     fn bytes_per_cell(&self, _grid: &Grid) -> usize {
@@ -78,7 +87,34 @@ impl Generator for Import {
     }
 }
 
+/// A part of a raster in cells: first column, first row, columns and rows.
+type Window = [f64; 4];
+
 impl Import {
+    /// The window in the file's cells; all of them without one.
+    fn cells(&self, raster: &io::Raster) -> Result<Window> {
+        let (w, h) = (raster.field.width() as f64, raster.field.height() as f64);
+        let Some(window) = self.window else { return Ok([0.0, 0.0, w, h]) };
+        let fault = |reason: String| Error::BadParameter { owner: "import".into(), field: "window".into(), reason };
+        let Some((x, y)) = raster.cell_m else {
+            return Err(fault(format!("`{}` does not say how large its cells are", self.file)));
+        };
+        let [west, north, width, height] = window;
+        let (east, south) = (west + width, north + height);
+        // A hair beyond the border is rounding.
+        let fits = width > 0.0 && height > 0.0 && east <= w * x * (1.0 + 1e-9) && south <= h * y * (1.0 + 1e-9);
+        if !fits {
+            let reason = format!(
+                "a window from {west} to {east} m and from {north} to {south} m is not within `{}`, which measures {} x {} m",
+                self.file,
+                w * x,
+                h * y
+            );
+            return Err(fault(reason));
+        }
+        Ok([west / x, north / y, width / x, height / y])
+    }
+
     fn read(&self, grid: &Grid) -> Result<io::Raster> {
         let fault = |reason: String| Error::BadParameter { owner: "import".into(), field: "file".into(), reason };
         let numbers = match self.numbers.as_deref() {
@@ -182,22 +218,26 @@ pub(crate) fn resample(field: &Field, grid: &Grid) -> Field {
     if (field.width(), field.height()) == (grid.width, grid.height) {
         return field.clone();
     }
-    let axis = |n: usize, to: usize, edge: Edge| -> Vec<Vec<(usize, usize, f64)>> {
-        let ratio = n as f64 / to as f64;
+    resample_window(field, [0.0, 0.0, field.width() as f64, field.height() as f64], grid)
+}
+
+/// As [`resample`], for a part of the field.
+fn resample_window(field: &Field, [left, top, columns, rows]: Window, grid: &Grid) -> Field {
+    let axis = |n: usize, (from, size): (f64, f64), to: usize, edge: Edge| -> Vec<Vec<(usize, usize, f64)>> {
+        let ratio = size / to as f64;
         let samples = (ratio.ceil() as usize).max(1);
-        let place = |i: isize| match edge {
-            Edge::Wrap => i.rem_euclid(n as isize) as usize,
-            Edge::Closed | Edge::Open => i.clamp(0, n as isize - 1) as usize,
-        };
+        // Only a whole field can be a ring.
+        let is_ring = edge == Edge::Wrap && size == n as f64;
+        let place = |i: isize| if is_ring { i.rem_euclid(n as isize) } else { i.clamp(0, n as isize - 1) } as usize;
         let sample = |c: usize, s: usize| {
-            let at = (c as f64 + (s as f64 + 0.5) / samples as f64) * ratio - 0.5;
+            let at = from + (c as f64 + (s as f64 + 0.5) / samples as f64) * ratio - 0.5;
             (place(at.floor() as isize), place(at.floor() as isize + 1), at - at.floor())
         };
         (0..to).map(|c| (0..samples).map(|s| sample(c, s)).collect()).collect()
     };
     // One axis after the other: the mean of products is the product of means here.
-    let columns = axis(field.width(), grid.width, grid.rim.x);
-    let rows = axis(field.height(), grid.height, grid.rim.y);
+    let columns = axis(field.width(), (left, columns), grid.width, grid.rim.x);
+    let rows = axis(field.height(), (top, rows), grid.height, grid.rim.y);
     let mean = |samples: &[(usize, usize, f64)], value: &dyn Fn(usize) -> f64| {
         let sum: f64 = samples.iter().map(|&(a, b, t)| value(a) * (1.0 - t) + value(b) * t).sum();
         sum / samples.len() as f64
@@ -231,6 +271,36 @@ mod tests {
     fn resampling_to_the_same_size_keeps_the_bits() {
         let f = Field::from_fn(3, 2, |x, y| 0.1 + x as f32 / (y + 1) as f32);
         assert_eq!(resample(&f, &grid(3, 2, Rim::CLOSED)), f);
+    }
+
+    #[test]
+    fn a_window_is_a_part_of_the_whole() {
+        // A plane is itself under linear interpolation, away from the border.
+        let plane = Field::from_fn(12, 10, |x, y| (2 * x + 5 * y) as f32);
+        let part = resample_window(&plane, [3.0, 2.0, 4.0, 5.0], &grid(16, 20, Rim::WRAP));
+        let at = |i: usize, j: usize| {
+            2.0 * (3.0 + (i as f64 + 0.5) / 4.0 - 0.5) + 5.0 * (2.0 + (j as f64 + 0.5) / 4.0 - 0.5)
+        };
+        for (i, j) in (0..16).flat_map(|i| (0..20).map(move |j| (i, j))) {
+            assert!((f64::from(part.get(i, j)) - at(i, j)).abs() < 1e-5, "{i} {j}");
+        }
+        let same = resample_window(&plane, [3.0, 2.0, 4.0, 5.0], &grid(4, 5, Rim::CLOSED));
+        assert_eq!(same, Field::from_fn(4, 5, |x, y| plane.get(x + 3, y + 2)));
+    }
+
+    #[test]
+    fn windows_beyond_the_file_are_refused() {
+        let file = |window: [f64; 4]| Import {
+            file: "builtin:island-reef.tif".into(),
+            window: Some(window),
+            ..Import::default()
+        };
+        let check = |window: [f64; 4]| file(window).check(&grid(8, 8, Rim::CLOSED)).map_err(|e| e.to_string());
+        assert_eq!(check([10.0, 10.0, 100.0, 50.0]), Ok(()));
+        for window in [[0.0, 0.0, 1e6, 50.0], [1e5, 0.0, 10.0, 50.0], [0.0, 0.0, 0.0, 50.0]] {
+            let e = check(window).unwrap_err();
+            assert!(e.contains("window") && e.contains("m is not within"), "{e}");
+        }
     }
 
     #[test]

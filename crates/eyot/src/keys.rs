@@ -271,7 +271,9 @@ pub enum ExportFormat {
     Map,
     /// What `corals` counted each month: a table of comma-separated values.
     Census,
-    /// Pictures of what `corals` grew, SVG: cover of each species over the years, and the plot from above.
+    /// What `corals` counted each month, as Apache Parquet: with types, and units in its metadata.
+    Parquet,
+    /// Drawings of what `corals` grew, SVG and PNG: cover of each species over the years, and the plot from above.
     Plots,
     /// A body for each colony that `corals` grew, glTF 2.0 binary, with species, age and bleaching.
     Corals,
@@ -279,7 +281,7 @@ pub enum ExportFormat {
     CoralsObj,
     /// The bodies of all colonies as PLY with colours.
     CoralsPly,
-    /// Pictures of the corals' bodies, PNG: as a diver sees them, and from above.
+    /// Pictures of the corals' bodies, PNG: as a diver sees them, from the side, and from above.
     Dive,
 }
 

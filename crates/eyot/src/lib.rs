@@ -73,6 +73,7 @@ mod set;
 mod state;
 pub mod store;
 mod stream;
+mod texts;
 pub mod timeline;
 mod validate;
 mod watch;

@@ -6,6 +6,7 @@ use crate::keys::Schedule;
 use crate::recipe::ProcessUse;
 use crate::registry::SCHEDULE_KEYS;
 use crate::set;
+use crate::texts;
 use eyot_core::Grid;
 use eyot_core::process::schema_of;
 use serde_json::Value;
@@ -42,6 +43,7 @@ pub(crate) fn apply(
                 one.kind = crate::node::Kind::Table(vec![(k.clone(), v.clone())]);
                 check::table(&schedule, &one, name, &[], &mut out);
             }
+            texts::settled(&uses[i].actor, &k.name, flag)?;
             changes.push((i, k.name.clone(), v.to_json()));
         }
     }

@@ -5,6 +5,8 @@ use crate::diagnostic::{Diagnostic, Problems, Source};
 use crate::keys::{Export, Preset, View};
 use crate::merge::Merge;
 use crate::registry::Registry;
+use crate::state::State;
+use crate::texts::Texts;
 use crate::validate;
 use eyot_core::process::{Entry, Generator, Process, Scheduled};
 use eyot_core::{Georeference, Grid, Limits};
@@ -62,6 +64,8 @@ pub struct Recipe {
     pub source: RecipeSource,
     /// What was changed by flags.
     pub overrides: Overrides,
+    /// Text files that it names.
+    pub(crate) texts: Texts,
 }
 
 /// One `[[step]]`.
@@ -238,7 +242,18 @@ impl Recipe {
         registry: &Registry,
         limits: &Limits,
     ) -> Result<Self, Problems> {
-        validate::recipe(source, overrides, registry, limits)
+        validate::recipe(source, overrides, registry, limits, Texts::new())
+    }
+
+    /// The recipe of a run that has begun, with the text files that it read then.
+    pub(crate) fn of_run(
+        state: &State,
+        text: String,
+        overrides: Overrides,
+        registry: &Registry,
+        limits: &Limits,
+    ) -> Result<Self, Problems> {
+        validate::recipe(state.source(text), overrides, registry, limits, state.texts.clone())
     }
 
     /// Reads and checks a recipe from a file.

@@ -214,8 +214,7 @@ impl Run {
         let damaged = |reason: String| RunError::Checkpoint { folder: folder.to_owned(), reason };
         let mut warnings = Vec::new();
         let (saved, state) = timeline::latest(folder, &path, &options.limits, &mut warnings).map_err(damaged)?;
-        let recipe =
-            Recipe::parse(state.source(saved.recipe_toml), state.overrides.clone(), registry, &options.limits)?;
+        let recipe = Recipe::of_run(&state, saved.recipe_toml, state.overrides.clone(), registry, &options.limits)?;
         if state.done_steps > recipe.steps.len() || saved.world.grid != recipe.grid {
             return Err(damaged(format!("`{}` does not fit its recipe", path.display())));
         }

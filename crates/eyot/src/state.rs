@@ -3,6 +3,7 @@
 use crate::engines::EngineOptions;
 use crate::event::JournalEntry;
 use crate::recipe::{Overrides, Recipe, RecipeSource};
+use crate::texts::Texts;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -20,6 +21,9 @@ pub(crate) struct State {
     pub(crate) source_name: String,
     pub(crate) folder: PathBuf,
     pub(crate) overrides: Overrides,
+    /// Text files that the recipe names.
+    #[serde(default, skip_serializing_if = "Texts::is_empty")]
+    pub(crate) texts: Texts,
     /// Time at work before the checkpoint, s.
     pub(crate) seconds: f64,
     /// Name and time of each step of the recipe that is done, s.
@@ -58,6 +62,7 @@ impl State {
             source_name: recipe.source.name.clone(),
             folder: recipe.source.folder.clone(),
             overrides: recipe.overrides.clone(),
+            texts: recipe.texts.clone(),
             seconds: 0.0,
             timings: Vec::new(),
             card_seconds: 0.0,
@@ -88,13 +93,7 @@ impl State {
 
     /// The same without anything that differs between two runs of one recipe: what a finished world carries.
     pub(crate) fn without_times(&self) -> Self {
-        Self {
-            seconds: 0.0,
-            timings: Vec::new(),
-            card_seconds: 0.0,
-            engine: EngineOptions::default(),
-            ..self.clone()
-        }
+        Self { seconds: 0.0, timings: Vec::new(), card_seconds: 0.0, engine: EngineOptions::default(), ..self.clone() }
     }
 
     pub(crate) fn source(&self, text: String) -> RecipeSource {

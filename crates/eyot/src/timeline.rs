@@ -10,7 +10,7 @@ use crate::backend::io::{self, timeline};
 use crate::error::RunError;
 use crate::lock::FolderLock;
 use crate::need;
-use crate::recipe::{Overrides, Recipe, Work};
+use crate::recipe::{Recipe, Work};
 use crate::registry::Registry;
 use crate::run::RunOptions;
 use crate::state::State;
@@ -153,30 +153,31 @@ pub fn branch(
     let mut state = state_of(&store, i)?.again(&newest(folder, &store)?.changes(), how.forget);
     if !how.set.is_empty() {
         let text = store.load(i).map_err(RunError::input)?.recipe_toml;
-        state.overrides = changed(&state, text, &how.set, registry, limits)?;
+        let recipe = changed(&state, text, &how.set, registry, limits)?;
+        (state.overrides, state.texts) = (recipe.overrides, recipe.texts);
     }
     branch_off(&store, i, &state, out)?;
     frame_of(&store, i)
 }
 
-/// The overrides of a run with more changes to its recipe.
+/// The recipe of a run with more changes.
 fn changed(
     state: &State,
     text: String,
     set: &[String],
     registry: &Registry,
     limits: &Limits,
-) -> Result<Overrides, RunError> {
+) -> Result<Recipe, RunError> {
     let mut overrides = state.overrides.clone();
-    let before = Recipe::parse(state.source(text.clone()), overrides.clone(), registry, limits)?;
+    let before = Recipe::of_run(state, text.clone(), overrides.clone(), registry, limits)?;
     overrides.set.extend_from_slice(set);
-    let after = Recipe::parse(state.source(text), overrides.clone(), registry, limits)?;
+    let after = Recipe::of_run(state, text, overrides, registry, limits)?;
     let start = |r: &Recipe| (r.grid, r.seed, r.sea_level_m.to_bits(), r.steps.len());
     if start(&before) != start(&after) {
         let reason = "grid, seed, sea level and number of steps are settled at this moment".to_owned();
         return Err(RunError::Input { reason, help: Some("start a new run with these changes") });
     }
-    Ok(overrides)
+    Ok(after)
 }
 
 /// Puts frame `i` of a recording, with those before it, into a new folder where it can be resumed.

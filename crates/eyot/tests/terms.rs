@@ -263,7 +263,7 @@ fn graphics_cards_give_the_same_within_rounding() {
         (PLANET, &["humidity.land_dry=\"0.5 + 0.5 * step(0, height)\"", "ice.melt=\"1 + v\""], 1e-3),
     ] {
         let engine = EngineOptions { choice: EngineChoice::Gpu, ..EngineOptions::default() };
-        let o = RunOptions { engine, ..options(2, None) };
+        let o = RunOptions { engine: Some(engine), ..options(2, None) };
         let gpu = match Run::start(parse(text, set).unwrap(), o).unwrap().join() {
             Ok(outcome) => outcome.world,
             Err(RunError::Gpu(e))

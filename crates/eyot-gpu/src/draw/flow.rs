@@ -76,7 +76,9 @@ fn of_depths(world: &World, height: &Field, water: &Field) -> Vec<[f32; 2]> {
     let at = |i: usize, k: usize| neighbour(i, k, w, h);
     let outlet = |i: usize| (0..8).any(|k| at(i, k).is_none_or(|j| height.get(j % w, j / w) < sea_level));
     let mut sources: Vec<usize> = (0..w * h).filter(|&i| wet[i]).collect();
-    sources.sort_unstable_by(|&a, &b| (!outlet(a), surface[a]).partial_cmp(&(!outlet(b), surface[b])).unwrap_or(a.cmp(&b)));
+    sources.sort_unstable_by(|&a, &b| {
+        (!outlet(a), surface[a]).partial_cmp(&(!outlet(b), surface[b])).unwrap_or(a.cmp(&b))
+    });
 
     let (mut next, mut known, mut bodies) = (vec![usize::MAX; w * h], vec![false; w * h], Vec::new());
     for source in sources {
@@ -201,7 +203,15 @@ mod tests {
         let floor = |y: usize| 100.0 - 5.0 * (y / 6) as f32;
         let height = |x, y| if lake(x, y) { 50.0 } else { floor(y) + if bed(x, y) { 0.0 } else { 8.0 } };
         world.put(&known::HEIGHT, Field::from_fn(w, h, height)).unwrap();
-        let water = |x, y| if bed(x, y) { 1.0 + 0.05 * y as f32 } else if lake(x, y) { 4.0 } else { 0.0 };
+        let water = |x, y| {
+            if bed(x, y) {
+                1.0 + 0.05 * y as f32
+            } else if lake(x, y) {
+                4.0
+            } else {
+                0.0
+            }
+        };
         world.put(&known::WATER, Field::from_fn(w, h, water)).unwrap();
         world
     }

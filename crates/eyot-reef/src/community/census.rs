@@ -28,6 +28,17 @@ pub struct Census {
     pub limestone_m: f64,
 }
 
+/// What a number of a census is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CensusColumn {
+    /// Name in tables.
+    pub name: String,
+    /// Unit; `1` for counts and shares.
+    pub unit: &'static str,
+    /// True for whole numbers.
+    pub is_whole: bool,
+}
+
 /// What became of a species in a month.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SpeciesCensus {
@@ -80,22 +91,24 @@ impl Census {
         self.species.iter().map(|s| s.colonies).sum()
     }
 
-    /// The row as named columns for tables, `names` being the species' names: the same columns for every month of a plot.
-    pub fn columns(&self, names: &[&str]) -> Vec<(String, f64)> {
+    /// The row as columns for tables, `names` being the species' names: the same columns for every month of a plot.
+    pub fn columns(&self, names: &[&str]) -> Vec<(CensusColumn, f64)> {
+        let number = |name: &str, unit, value| (CensusColumn { name: name.into(), unit, is_whole: false }, value);
+        let whole = |name: &str, unit, n: u64| (CensusColumn { name: name.into(), unit, is_whole: true }, n as f64);
         let mut row = vec![
-            ("month".to_owned(), self.month as f64),
-            ("heat_index_c".into(), f64::from(self.heat.index)),
-            ("degree_heating_weeks".into(), f64::from(self.heat.heating_weeks)),
-            ("temperature_c".into(), f64::from(self.heat.mean)),
-            ("coral_cover".into(), self.coral_cover()),
-            ("algae".into(), self.algae as f64),
-            ("algae_cover".into(), self.algae_cover),
-            ("turf_cover".into(), self.turf_cover),
-            ("rugosity".into(), self.rugosity),
-            ("grazing".into(), f64::from(self.grazing)),
-            ("small_disturbances".into(), f64::from(self.disturbances[0])),
-            ("large_disturbances".into(), f64::from(self.disturbances[1])),
-            ("limestone_m".into(), self.limestone_m),
+            whole("month", "month", self.month),
+            number("heat_index_c", "°C", f64::from(self.heat.index)),
+            number("degree_heating_weeks", "°C week", f64::from(self.heat.heating_weeks)),
+            number("temperature_c", "°C", f64::from(self.heat.mean)),
+            number("coral_cover", "1", self.coral_cover()),
+            whole("algae", "1", self.algae),
+            number("algae_cover", "1", self.algae_cover),
+            number("turf_cover", "1", self.turf_cover),
+            number("rugosity", "1", self.rugosity),
+            number("grazing", "1/month", f64::from(self.grazing)),
+            whole("small_disturbances", "1", u64::from(self.disturbances[0])),
+            whole("large_disturbances", "1", u64::from(self.disturbances[1])),
+            number("limestone_m", "m", self.limestone_m),
         ];
         for (name, s) in names.iter().zip(&self.species) {
             let d = &s.deaths;
@@ -111,9 +124,9 @@ impl Census {
                 ("deaths_disturbance", d.disturbance),
             ];
             let of = |what: &str| format!("{}.{what}", name.to_lowercase().replace(' ', "_"));
-            row.push((of("cover"), s.cover));
-            row.extend(counts.map(|(what, n)| (of(what), n as f64)));
-            row.push((of("calcified_kg"), s.calcified_kg));
+            row.push(number(&of("cover"), "1", s.cover));
+            row.extend(counts.map(|(what, n)| whole(&of(what), "1", n)));
+            row.push(number(&of("calcified_kg"), "kg", s.calcified_kg));
         }
         row
     }

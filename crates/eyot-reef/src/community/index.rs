@@ -1,6 +1,8 @@
 //! Who stands near a place: grids of cells, one for each doubling of size, so that a recruit of a millimetre finds the colony of
 //! three metres that covers it without looking at all the others.
 
+use rayon::prelude::*;
+
 /// What a neighbour is to others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -38,12 +40,14 @@ pub(super) struct Extent {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Level {
-    /// Twice the largest reach of this level, m.
+    /// Twice the largest reach that this level is for, m.
     edge: f32,
     columns: usize,
     rows: usize,
     /// Its first cell among those of all levels.
     first: usize,
+    /// Largest reach of those who are in it, m.
+    reach: f32,
     entries: usize,
 }
 
@@ -86,7 +90,7 @@ impl Index {
         let (mut edge, mut first) = (FINEST_M.max(sparse), 0);
         loop {
             let count = |side: f32| ((side / edge).ceil() as usize).max(1);
-            let level = Level { edge, columns: count(sides[0]), rows: count(sides[1]), first, entries: 0 };
+            let level = Level { edge, columns: count(sides[0]), rows: count(sides[1]), first, reach: 0.0, entries: 0 };
             first += level.columns * level.rows;
             self.levels.push(level);
             if edge >= 2.0 * max_reach {
@@ -102,6 +106,7 @@ impl Index {
             let l = self.levels[..last].iter().position(|l| 2.0 * e.reach <= l.edge).unwrap_or(last);
             let level = &mut self.levels[l];
             level.entries += 1;
+            level.reach = level.reach.max(e.reach);
             let (i, j) = (level.cell(e.x, self.from[0], level.columns), level.cell(e.y, self.from[1], level.rows));
             let cell = level.first + j * level.columns + i;
             self.cells.push(cell as u32);
@@ -133,12 +138,17 @@ impl Index {
         self.starts[0] = 0;
     }
 
+    /// The numbers of all individuals, neighbours near each other.
+    pub(super) fn order(&self) -> impl IndexedParallelIterator<Item = usize> {
+        self.entries.par_iter().map(|e| e.who as usize)
+    }
+
     /// Calls `f` for all whose reach and the disc around (x, y) may meet, in an order that depends on nothing but what is in the
     /// index.
     #[inline]
     pub(super) fn visit(&self, x: f32, y: f32, reach: f32, mut f: impl FnMut(&Entry)) {
         for l in self.levels.iter().filter(|l| l.entries > 0) {
-            let far = reach + 0.5 * l.edge;
+            let far = reach + l.reach;
             let (i0, i1) = (l.cell(x - far, self.from[0], l.columns), l.cell(x + far, self.from[0], l.columns));
             let (j0, j1) = (l.cell(y - far, self.from[1], l.rows), l.cell(y + far, self.from[1], l.rows));
             for j in j0..=j1 {

@@ -44,8 +44,9 @@
 //!   (`algae_grow_in_width...`).
 //! - Larvae come from elsewhere, too, whatever lives here (`imported_recruits`), so that a reef outlives centuries
 //!   (`a_reef_outlives_centuries`); in the original a species that is gone never comes back.
-//! - Fragments and discs are not biased by 10 cm. The heat index sums 20 days, not 21. Gaps in temperatures are bridged instead of
-//!   being cold, if the reader of the file asks for it.
+//! - Fragments and discs are not biased by 10 cm. The heat index sums 20 days, not 21 (both:
+//!   `the_original_throws_fragments_too_far...`). Gaps in temperatures are bridged instead of being cold
+//!   (`tables_of_days_and_months_are_read`).
 //! - Disturbances come in proportion to the area; in the original a plot of any size gets one (`disturbances_fit_the_area...`).
 //!
 //! In both:
@@ -53,6 +54,8 @@
 //!   month only.
 //! - The days of the sea at Chumbe are not those of the logger, see [`Forcing::chumbe`].
 //! - Depth, light and substrate decide where larvae find hold; light slows growth. Flat plots without rasters know neither.
+//! - Of the original's slips without consequences, that a probability of death outlasts the heat which nobody bleaches in, and that turf and
+//!   settlers look at each other one by one, there is no trace. Algae grow 30 mm a month, as in its files, not 30 cm.
 //! - Fragments have an age of two months and are no settlers for turf. What shades turf is a coral wider than its cell.
 //!
 //! # Limestone
@@ -66,7 +69,6 @@
 
 mod algae;
 mod census;
-mod chart;
 mod colony;
 mod competition;
 mod disturbance;
@@ -85,8 +87,7 @@ mod species;
 mod temperature;
 mod turf;
 
-pub use census::{Census, Deaths, SpeciesCensus};
-pub use chart::{Curve, cover_svg, plan_svg};
+pub use census::{Census, CensusColumn, Deaths, SpeciesCensus};
 pub use colony::{Alga, Colony};
 pub use forcing::{CHUMBE, Forcing, Heat, Variability};
 pub(crate) use geometry::sector as sector_of;
@@ -97,3 +98,4 @@ pub use plot::Plot;
 pub use site::{Ground, MAX_SIDE_M, Place, Site};
 pub use species::{Form, Species};
 pub use temperature::Temperatures;
+pub(crate) use temperature::{MONTH_DAYS, YEAR_DAYS};

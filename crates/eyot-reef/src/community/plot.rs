@@ -8,7 +8,7 @@ use super::disturbance::{self, Calendar};
 use super::forcing::{Forcing, Heat};
 use super::geometry::{Rays, mean};
 use super::index::{Extent, Index};
-use super::parallel::{map, map_mut};
+use super::parallel::{map, map_in_order, map_mut};
 use super::parameters::{Community, bad};
 use super::random::{Draws, Stream};
 use super::site::Site;
@@ -222,8 +222,10 @@ impl Plot {
 
     /// Removes colonies and counts them under a cause of death.
     pub(super) fn bury(&mut self, alive: &[bool], cause: impl Fn(&mut Deaths) -> &mut u64) {
-        let mut kept = 0;
-        for (i, &lives) in alive.iter().enumerate() {
+        // Most months nobody dies of most causes, and whoever stands before the first dead stays in place.
+        let Some(first) = alive.iter().position(|lives| !lives) else { return };
+        let mut kept = first;
+        for (i, &lives) in alive.iter().enumerate().skip(first) {
             if lives {
                 self.colonies.swap(kept, i);
                 self.rays.swap(kept, i);
@@ -241,11 +243,11 @@ impl Plot {
         let halo = self.halo_m();
         let extent =
             Extent { from: [-halo; 2], to: [self.site.width_m as f32 + halo, self.site.length_m as f32 + halo] };
-        let entry = |(i, (c, r)): (usize, (&Colony, &Rays))| {
-            c.entry(i, r, &community.species[usize::from(c.species)], community.compat)
+        let entry = |i: usize, c: &Colony| {
+            c.entry(i, &self.rays[i], &community.species[usize::from(c.species)], community.compat)
         };
-        let corals = self.colonies.iter().zip(&self.rays).enumerate().map(entry);
-        self.coral_index.fill(extent, community.max_radius(), corals);
+        let corals = map(&self.colonies, entry);
+        self.coral_index.fill(extent, community.max_radius(), corals.iter().copied());
         let algae = self.algae.iter().enumerate().map(|(i, a)| a.entry(i));
         self.alga_index.fill(extent, community.algae.max_radius, algae);
     }
@@ -257,10 +259,13 @@ impl Plot {
 
     /// What everybody's neighbours do to them; nobody changes yet.
     fn compete(&mut self) {
-        let mut grown = std::mem::take(&mut self.grown);
-        grown.resize(self.colonies.len(), [0.0; super::RAYS]);
         let neighbours = self.neighbours();
-        let verdicts = map_mut(&mut grown, |i, grown| neighbours.compete(i, &self.colonies[i], grown));
+        let results = map_in_order(&self.colonies, self.coral_index.order(), |i, me| {
+            let mut grown = Rays::default();
+            let verdict = neighbours.compete(i, me, &mut grown);
+            (grown, verdict)
+        });
+        let (grown, verdicts) = results.into_iter().unzip();
         (self.grown, self.verdicts) = (grown, verdicts);
     }
 
@@ -275,13 +280,14 @@ impl Plot {
         for i in losers {
             alive[i] = !neighbours.is_overgrown(i, &self.colonies[i], &alive);
         }
-        for (i, (c, verdict)) in self.colonies.iter_mut().zip(&self.verdicts).enumerate() {
-            let species = &self.community.species[usize::from(c.species)];
+        std::mem::swap(&mut self.rays, &mut self.grown);
+        let (rays, verdicts, species) = (&self.rays, &self.verdicts, &self.community.species);
+        map_mut(&mut self.colonies, |i, c| {
+            let species = &species[usize::from(c.species)];
             let surface = 2.0 * PI * c.radius * c.radius;
-            c.calcified_kg = surface * verdict.extension * species.skeletal_density * species.solid_share;
-            self.rays[i] = self.grown[i];
-            c.radius = mean(&self.rays[i]);
-        }
+            c.calcified_kg = surface * verdicts[i].extension * species.skeletal_density * species.solid_share;
+            c.radius = mean(&rays[i]);
+        });
         let smothered = self.smothered(&alive);
         // The verdicts of the dead are of no further use.
         let mut keep = alive.iter().zip(&smothered).map(|(a, s)| *a && !*s);
@@ -308,7 +314,7 @@ impl Plot {
             rays: &self.rays,
             draws: Shore::stream(self.seed, self.month),
         };
-        let fates = map(&self.algae, |_, a| {
+        let fates = map_in_order(&self.algae, self.alga_index.order(), |_, a| {
             let dies = a.age > self.community.algae.max_age || shore.is_displaced(a);
             (!dies, !dies && shore.is_shaded(a, |_| true))
         });
@@ -409,17 +415,22 @@ impl Plot {
     /// the colony if that is wider. None leaves the layer.
     pub fn deposit(&self, cell_m: f64, range_m: f64, limestone: &mut Field) {
         let (w, h) = (limestone.width() as isize, limestone.height() as isize);
+        let mut heap = Vec::new();
         for c in self.colonies.iter().filter(|c| c.calcified_kg > 0.0) {
             let [x, y] = [c.x, c.y].map(|v| f64::from(v) / cell_m);
             let reach = range_m.max(f64::from(c.radius)) / cell_m;
             let within =
                 |v: f64, n: isize| ((v - reach).floor() as isize).max(0)..=((v + reach).floor() as isize).min(n - 1);
-            let share = |i: isize, j: isize| {
-                let [dx, dy] = [i as f64 + 0.5 - x, j as f64 + 0.5 - y];
-                (1.0 - (dx * dx + dy * dy) / (reach * reach)).max(0.0)
-            };
-            let cells = || within(y, h).flat_map(|j| within(x, w).map(move |i| (i, j)));
-            let shares: f64 = cells().map(|(i, j)| share(i, j)).sum();
+            let (columns, rows) = (within(x, w), within(y, h));
+            heap.clear();
+            for j in rows.clone() {
+                let dy = j as f64 + 0.5 - y;
+                heap.extend(columns.clone().map(|i| {
+                    let dx = i as f64 + 0.5 - x;
+                    (1.0 - (dx * dx + dy * dy) / (reach * reach)).max(0.0)
+                }));
+            }
+            let shares: f64 = heap.iter().sum();
             let all = self.limestone_m3(f64::from(c.calcified_kg)) / (cell_m * cell_m);
             if shares <= 0.0 {
                 // Less than a cell: where the centre is.
@@ -427,9 +438,10 @@ impl Plot {
                 limestone.set(i, j, limestone.get(i, j) + all as f32);
                 continue;
             }
-            for (i, j) in cells() {
-                let (gain, i, j) = (all * share(i, j) / shares, i as usize, j as usize);
-                limestone.set(i, j, limestone.get(i, j) + gain as f32);
+            let (first, last) = (*columns.start() as usize, *columns.end() as usize);
+            for (j, shares_of_row) in rows.zip(heap.chunks_exact(last + 1 - first)) {
+                let row = &mut limestone.row_mut(j as usize)[first..=last];
+                row.iter_mut().zip(shares_of_row).for_each(|(cell, share)| *cell += (all * share / shares) as f32);
             }
         }
     }

@@ -4,9 +4,9 @@ use super::parameters::bad;
 use eyot_core::Result;
 
 /// Days of the months; February has 28 days, the 29th counts as the 28th.
-pub(super) const MONTH_DAYS: [usize; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+pub(crate) const MONTH_DAYS: [usize; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
 /// Days of a year.
-pub(super) const YEAR_DAYS: usize = 365;
+pub(crate) const YEAR_DAYS: usize = 365;
 /// Longest series, days: 10000 years.
 const MAX_DAYS: usize = 10_000 * YEAR_DAYS;
 

@@ -1,37 +1,27 @@
 //! What a reef of single colonies gives beside its layers: the census as a table, pictures of the plot, bodies.
 
-use super::Job;
-use crate::backend::{io, mesh, render};
+use super::plots::{self, Curve, Story};
+use super::{Job, dive};
+use crate::backend::render::Drawing;
+use crate::backend::{self, io, mesh};
 use crate::error::RunError;
 use crate::keys::ExportFormat;
 use crate::need;
 use crate::recipe::{Actor, Recipe, Work};
 use eyot_core::process::parameters_from;
-use eyot_core::{Limits, Result, World};
+use eyot_core::{Field, Limits, Result, World};
 use eyot_reef::bodies::{Bodies, Body, Detail};
-use eyot_reef::community::{Alga, Colony, Curve, Plot, Species, cover_svg, plan_svg};
+use eyot_reef::community::{Alga, CensusColumn, Colony, Heat, Plot, Species};
 use eyot_reef::corals::{CENSUS, CORALS, Corals};
 use io::{Scene, SceneMaterial, SceneMesh, SceneNode};
 use mesh::{Blend, Blobs, Kernel, Lattice, MeshingOptions, Primitive, Solid, mesh_field};
-use render::{Camera, Haze, MeshPart, MeshViewOptions, Picture, mesh_view, mesh_view_bytes};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::Path;
 
-/// Pixels of the picture from the side, and along each side of that from above.
-const SIDE: [usize; 2] = [1400, 900];
-const ABOVE: usize = 1100;
-/// Cells along a side of the sea floor's mesh.
-const GROUND: usize = 160;
 /// What to do about a reef that is too large.
-const REMEDY: &str = "export a smaller plot, leave out `corals` and `dive`, or raise --max-memory";
-/// Light that clear water takes, 1/m, red first, and the colour of far water.
-const WATER: Haze = Haze { per_m: [0.16, 0.05, 0.045], veil: [0.02, 0.16, 0.24] };
-/// Beyond this way, m, nothing is left but that colour.
-const SIGHT_M: f32 = 120.0;
-/// Linear colours of sand and of macroalgae.
-const SAND: [u8; 4] = [118, 104, 78, 255];
-const ALGAE: [u8; 4] = [52, 60, 14, 255];
+const REMEDY: &str = "export a smaller plot, leave out `corals`, or raise --max-memory";
+/// Linear colour of macroalgae.
+pub(super) const ALGAE: [u8; 4] = [52, 60, 14, 255];
 
 /// The corals of a recipe, as its last step has them.
 pub(crate) fn of(recipe: &Recipe) -> Option<Corals> {
@@ -42,39 +32,51 @@ pub(crate) fn of(recipe: &Recipe) -> Option<Corals> {
     parameters_from(corals.parameters.clone()).ok()
 }
 
-/// The census as comma-separated values: a line of names, then one for each month.
-pub(super) fn census(corals: &Corals, world: &World) -> String {
-    let columns = corals.census_columns();
-    let mut out = columns.join(",") + "\n";
-    for row in rows(corals, world) {
-        let cells: Vec<String> = row.iter().map(f64::to_string).collect();
-        // Writing to a string cannot fail.
-        let _ = writeln!(out, "{}", cells.join(","));
+/// The census: a row for each month.
+pub(super) fn census(job: &Job<'_>, corals: &Corals) -> io::Table {
+    let rows = rows(corals, job.world);
+    let column = |(i, c): (usize, CensusColumn)| io::Column {
+        name: c.name,
+        unit: c.unit.to_owned(),
+        is_whole: c.is_whole,
+        values: rows.iter().map(|r| r[i]).collect(),
+    };
+    io::Table {
+        columns: corals.census_columns().into_iter().enumerate().map(column).collect(),
+        about: job.attributes.clone(),
     }
-    out
 }
 
 /// Cover of each species over the years.
-pub(super) fn cover(corals: &Corals, world: &World, title: &str) -> String {
+pub(super) fn cover(corals: &Corals, world: &World, title: &str) -> Drawing {
     let (columns, rows) = (corals.census_columns(), rows(corals, world));
-    let column = |name: &str| columns.iter().position(|c| c == name);
-    let series = |i: usize| rows.iter().map(|r| r[i]).collect();
-    let covers = columns.iter().enumerate().filter(|(_, c)| c.ends_with(".cover")).map(|(i, _)| i);
-    let species = &corals.community.species;
+    let series = |i: usize| -> Vec<f64> { rows.iter().map(|r| r[i]).collect() };
+    let named = |name: &str| columns.iter().position(|c| c.name == name).map_or_else(Vec::new, series);
+    let ending = |ending: &'static str| {
+        let all = columns.iter().enumerate().filter(move |(_, c)| c.name.ends_with(ending));
+        all.map(|(i, _)| i).collect::<Vec<_>>()
+    };
+    let (species, rules) = (&corals.community.species, &corals.community.heat);
+    let of = |(s, i): (&'_ Species, usize)| (s.name.clone(), s.colour, series(i));
+    let corals: Vec<_> = species.iter().zip(ending(".cover")).map(of).collect();
     let mut curves: Vec<Curve<'_>> =
-        species.iter().zip(covers).map(|(s, i)| Curve { name: &s.name, colour: s.colour, cover: series(i) }).collect();
-    curves.extend(column("algae_cover").map(|i| Curve::of_algae(series(i))));
-    // The hottest month of a year that bleaches somebody.
-    let least = species.iter().map(|s| f64::from(s.bleaching_min)).fold(f64::INFINITY, f64::min);
-    let hot = column("heat_index_c").map_or_else(Vec::new, |i| {
-        rows.iter().enumerate().filter(|(_, r)| r[i] >= least).map(|(m, _)| m as u64).collect()
-    });
-    cover_svg(title, &curves, &hot)
+        corals.iter().map(|(name, colour, cover)| Curve { name, colour: *colour, cover: cover.clone() }).collect();
+    curves.push(Curve { name: "macroalgae", colour: plots::ALGAE, cover: named("algae_cover") });
+    let (bleached, all) = (ending(".bleached"), ending(".colonies"));
+    let sum = |row: &[f64], of: &[usize]| of.iter().map(|&i| row[i]).sum::<f64>();
+    let bleached = rows.iter().map(|r| sum(r, &bleached) / sum(r, &all).max(1.0)).collect();
+    let heat = named("heat_index_c").into_iter().zip(named("degree_heating_weeks"));
+    let bleaches = |(index, weeks): (f64, f64)| {
+        let heat = Heat { index: index as f32, heating_weeks: weeks as f32, ..Heat::default() };
+        species.iter().any(|s| heat.risks(rules, s).0 > 0.0)
+    };
+    let hot = heat.enumerate().filter(|(_, h)| bleaches(*h)).map(|(m, _)| m).collect();
+    plots::cover(&Story { title, curves, bleached, hot })
 }
 
 /// The plot from above.
-pub(super) fn plan(corals: &Corals, world: &World) -> std::result::Result<String, RunError> {
-    Ok(plan_svg(&corals.plot(world).map_err(RunError::file)?))
+pub(super) fn plan(corals: &Corals, world: &World) -> std::result::Result<Drawing, RunError> {
+    Ok(plots::plan(&corals.plot(world).map_err(RunError::file)?))
 }
 
 fn rows<'a>(corals: &Corals, world: &'a World) -> Vec<&'a [f64]> {
@@ -82,42 +84,85 @@ fn rows<'a>(corals: &Corals, world: &'a World) -> Vec<&'a [f64]> {
     world.features.get(CENSUS).map_or_else(Vec::new, |numbers| numbers.chunks_exact(columns).collect())
 }
 
-/// Everything that stands on the sea floor, with its body.
+/// What stands on the sea floor.
 pub(super) struct Reef<'a> {
     world: &'a World,
-    plot: Plot,
-    bodies: Bodies,
+    pub(super) plot: Plot,
+    pub(super) seed: u64,
+    pub(super) sea_level: f32,
     /// A macroalga of a height of 1 m.
-    alga: Solid,
+    pub(super) alga: Solid,
+    /// Lowest and highest place of the sea floor, m.
+    heights: [f32; 2],
 }
 
 impl<'a> Reef<'a> {
     /// # Errors
-    /// If the world's numbers are not those of these corals, if a body cannot be made, or if all of them exceed the limits.
-    pub(super) fn new(corals: &Corals, world: &'a World, limits: &Limits) -> Result<Self> {
+    /// If the world's numbers are not those of these corals.
+    pub(super) fn new(corals: &Corals, world: &'a World) -> Result<Self> {
         let plot = corals.plot(world)?;
-        need::check("the bodies of corals", world, Bodies::bytes(&plot, Detail::default()), limits, REMEDY)?;
-        let mut bodies = Bodies::new(plot.community(), world.seed, Detail::default())?;
-        bodies.update(&plot)?;
-        Ok(Self { world, plot, bodies, alga: alga()? })
+        let heights = world
+            .layer("height")?
+            .field
+            .iter()
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+        Ok(Self { world, plot, seed: world.seed, sea_level: world.sea_level_m as f32, alga: alga()?, heights })
     }
 
-    /// Height of the sea floor under a place, between the middles of four cells.
-    fn floor(&self, x: f32, y: f32) -> f32 {
-        let (Some(height), grid) = (self.world.get("height"), &self.world.grid) else { return 0.0 };
+    /// Extent to the east and to the south, m.
+    pub(super) fn sides(&self) -> [f32; 2] {
+        [self.plot.site().width_m as f32, self.plot.site().length_m as f32]
+    }
+
+    /// Edge of a cell, m.
+    pub(super) fn cell(&self) -> f32 {
+        self.world.grid.cell_x_m as f32
+    }
+
+    /// Lowest and highest place of the sea floor, m.
+    pub(super) fn heights(&self) -> [f32; 2] {
+        self.heights
+    }
+
+    /// True if depths differ so much that its light does.
+    pub(super) fn is_slope(&self) -> bool {
+        self.heights[1] - self.heights[0] > 5.0
+    }
+
+    /// Share of rock at a place, if a step has said where it is.
+    pub(super) fn substrate(&self, x: f32, y: f32) -> Option<f32> {
+        self.world.get("substrate").map(|layer| self.between(layer, x, y).clamp(0.0, 1.0))
+    }
+
+    /// Height of the sea floor under a place.
+    pub(super) fn floor(&self, x: f32, y: f32) -> f32 {
+        self.world.get("height").map_or(0.0, |height| self.between(height, x, y))
+    }
+
+    /// Rise of the sea floor to the east and to the south under a colony of this radius.
+    pub(super) fn slope(&self, x: f32, y: f32, radius: f32) -> [f32; 2] {
+        let r = radius.max(0.5 * self.cell());
+        let rise = |dx: f32, dy: f32| (self.floor(x + dx, y + dy) - self.floor(x - dx, y - dy)) / (2.0 * r);
+        // Bodies that are sheared further look like flags.
+        [rise(r, 0.0), rise(0.0, r)].map(|s| s.clamp(-1.0, 1.0))
+    }
+
+    /// A layer's value at a place, between the middles of four cells.
+    fn between(&self, layer: &Field, x: f32, y: f32) -> f32 {
+        let grid = &self.world.grid;
         let place = |v: f32, size: f64, n: usize| (f64::from(v) / size - 0.5).clamp(0.0, n as f64 - 1.0);
         let (x, y) = (place(x, grid.cell_x_m, grid.width), place(y, grid.cell_y_m, grid.height));
         let (i, j) = (x as usize, y as usize);
-        let at = |i: usize, j: usize| f64::from(height.get(i.min(grid.width - 1), j.min(grid.height - 1)));
+        let at = |i: usize, j: usize| f64::from(layer.get(i.min(grid.width - 1), j.min(grid.height - 1)));
         let along = |j: usize| at(i, j) + (at(i + 1, j) - at(i, j)) * (x - i as f64);
         (along(j) + (along(j + 1) - along(j)) * (y - j as f64)) as f32
     }
 
-    fn corals(&self) -> impl Iterator<Item = (&Colony, &Body)> {
-        self.plot.colonies().iter().filter_map(|c| Some((c, self.bodies.of(c.id)?)))
+    fn corals<'b>(&'b self, bodies: &'b Bodies) -> impl Iterator<Item = (&'b Colony, &'b Body)> {
+        self.plot.colonies().iter().filter_map(|c| Some((c, bodies.of(c.id)?)))
     }
 
-    fn algae(&self) -> impl Iterator<Item = &Alga> {
+    pub(super) fn algae(&self) -> impl Iterator<Item = &Alga> {
         self.plot.algae().iter().filter(|a| a.height > 0.0)
     }
 
@@ -125,12 +170,12 @@ impl<'a> Reef<'a> {
     ///
     /// # Errors
     /// If nothing lives, or the file cannot be written.
-    pub(super) fn write(&self, path: &Path, name: &str, format: ExportFormat) -> io::Result<()> {
+    pub(super) fn write(&self, bodies: &Bodies, path: &Path, name: &str, format: ExportFormat) -> io::Result<()> {
         let species: &[Species] = &self.plot.community().species;
-        let names: Vec<String> = self.corals().map(|(c, _)| label(c, species)).collect();
+        let names: Vec<String> = self.corals(bodies).map(|(c, _)| label(c, species)).collect();
         let colours = vec![ALGAE; self.alga.positions.len()];
         let mut meshes: Vec<SceneMesh<'_>> = self
-            .corals()
+            .corals(bodies)
             .zip(&names)
             .map(|((c, b), name)| SceneMesh {
                 name,
@@ -143,7 +188,7 @@ impl<'a> Reef<'a> {
             })
             .collect();
         let mut nodes: Vec<SceneNode> = self
-            .corals()
+            .corals(bodies)
             .zip(&names)
             .enumerate()
             .map(|(mesh, ((c, _), name))| {
@@ -187,115 +232,6 @@ impl<'a> Reef<'a> {
     fn node(&self, name: String, mesh: usize, [x, y]: [f32; 2], size: f32, extras: Value) -> SceneNode {
         SceneNode { name, mesh, place: [x, self.floor(x, y), y], turn: 0.0, size, extras }
     }
-
-    /// Vertices and triangles of the corals' bodies.
-    fn counts(&self) -> [u64; 2] {
-        let count = |[v, t]: [u64; 2], s: &Solid| [v + s.positions.len() as u64, t + s.triangles() as u64];
-        self.corals().map(|c| &c.1.solid).fold([0; 2], count)
-    }
-
-    /// Bytes that a file of all bodies takes while it is written: names and numbers of its nodes. Arrays are written as they are.
-    fn file_bytes(&self) -> u128 {
-        2048 * (self.plot.colonies().len() + self.plot.algae().len()) as u128
-    }
-
-    /// The reef as a diver sees it, and from above; the water is left out there, because colours are judged from above.
-    fn views(&self) -> [MeshViewOptions; 2] {
-        let (w, h) = (self.plot.site().width_m as f32, self.plot.site().length_m as f32);
-        let middle = [0.5 * w, 0.5 * h, self.floor(0.5 * w, 0.5 * h)];
-        let far = w.max(h);
-        let side =
-            Camera::looking([0.4 * w, h + 0.3 * far, middle[2] + 0.28 * far], [0.5 * w, 0.45 * h, middle[2]], 48.0);
-        let above = Camera::looking([middle[0], middle[1] + 0.01, middle[2] + 1.3 * far], middle, 46.0);
-        [MeshViewOptions::new(side, SIDE, Some(WATER)), MeshViewOptions::new(above, [ABOVE, ABOVE], None)]
-    }
-
-    /// Bytes that the larger picture takes while it is drawn: each alga is drawn by itself.
-    fn picture_bytes(&self) -> u128 {
-        let (algae, ground) = (self.algae().count() as u64, ((GROUND + 1) * (GROUND + 1)) as u64);
-        let [vertices, triangles] = self.counts();
-        let vertices = vertices + ground + algae * self.alga.positions.len() as u64;
-        let triangles = triangles + 2 * ground + algae * self.alga.triangles() as u64;
-        self.views().iter().map(|v| mesh_view_bytes(vertices, triangles, v)).fold(0, u128::max)
-    }
-
-    /// What [`Reef::views`] sees.
-    fn pictures(&self) -> [Picture; 2] {
-        let (ground, normals, triangles) = self.ground();
-        let colours = vec![SAND; ground.len()];
-        let fronds = vec![ALGAE; self.alga.positions.len()];
-        let mut parts = vec![MeshPart {
-            positions: &ground,
-            normals: &normals,
-            colours: &colours,
-            indices: &triangles,
-            place: [0.0; 3],
-            turn: 0.0,
-            size: 1.0,
-            shades: false,
-        }];
-        parts.extend(self.corals().map(|(c, b)| MeshPart {
-            positions: &b.solid.positions,
-            normals: &b.solid.normals,
-            colours: &b.colours,
-            indices: &b.solid.indices,
-            place: [c.x, c.y, self.floor(c.x, c.y)],
-            turn: 0.0,
-            size: 1.0,
-            shades: true,
-        }));
-        parts.extend(self.algae().map(|a| MeshPart {
-            positions: &self.alga.positions,
-            normals: &self.alga.normals,
-            colours: &fronds,
-            indices: &self.alga.indices,
-            place: [a.x, a.y, self.floor(a.x, a.y)],
-            turn: turn(a),
-            size: a.height,
-            shades: true,
-        }));
-        self.views().map(|view| mesh_view(&parts, &view))
-    }
-
-    /// The sea floor as a mesh, and beyond the plot as far as water lets see, so that no edge is in the picture.
-    fn ground(&self) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<u32>) {
-        let (w, h) = (self.plot.site().width_m as f32, self.plot.site().length_m as f32);
-        let far = (2.0 * w.max(h)).max(SIGHT_M);
-        const N: usize = GROUND;
-        // Two thirds of the points are within the plot, and those beyond are denser near it.
-        let place = |i: usize, side: f32| {
-            let t = 3.0 * i as f32 / N as f32 - 1.0;
-            match t {
-                t if t < -0.5 => (2.0 * (t + 0.5)).powi(3) * far,
-                t if t > 1.5 => side + (2.0 * (t - 1.5)).powi(3) * far,
-                t => (t + 0.5) / 2.0 * side,
-            }
-        };
-        let points = (0..=N).flat_map(|j| (0..=N).map(move |i| (place(i, w), place(j, h))));
-        // Beyond the plot, the floor levels out.
-        let middle = self.floor(0.5 * w, 0.5 * h);
-        let floor = |x: f32, y: f32| {
-            let outside = (-x).max(x - w).max(-y).max(y - h).max(0.0);
-            middle + (self.floor(x, y) - middle) / (1.0 + (4.0 * outside / w.max(h)).powi(2))
-        };
-        let positions: Vec<[f32; 3]> = points.map(|(x, y)| [x, floor(x, y), y]).collect();
-        let at = |i: usize, j: usize| positions[j.min(N) * (N + 1) + i.min(N)];
-        let normals = (0..=N)
-            .flat_map(|j| (0..=N).map(move |i| (i, j)))
-            .map(|(i, j)| {
-                let (e, w) = (at(i + 1, j), at(i.saturating_sub(1), j));
-                let (s, n) = (at(i, j + 1), at(i, j.saturating_sub(1)));
-                let slope = |a: [f32; 3], b: [f32; 3], k: usize| (a[1] - b[1]) / (a[k] - b[k]).max(1e-6);
-                let normal = [-slope(e, w, 0), 1.0, -slope(s, n, 2)];
-                let length = normal.iter().map(|v| v * v).sum::<f32>().sqrt();
-                normal.map(|v| v / length)
-            })
-            .collect();
-        let row = N as u32 + 1;
-        let cells = (0..N as u32).flat_map(|j| (0..N as u32).map(move |i| j * row + i));
-        let triangles = cells.flat_map(|c| [c, c + row, c + 1, c + 1, c + row, c + row + 1]).collect();
-        (positions, normals, triangles)
-    }
 }
 
 fn label(c: &Colony, species: &[Species]) -> String {
@@ -303,7 +239,7 @@ fn label(c: &Colony, species: &[Species]) -> String {
 }
 
 /// Macroalgae share a mesh and are turned, each by its own number.
-fn turn(a: &Alga) -> f32 {
+pub(super) fn turn(a: &Alga) -> f32 {
     a.id as f32
 }
 
@@ -330,19 +266,52 @@ fn alga() -> Result<Solid> {
     Ok(mesh_field(&blobs, &lattice, &MeshingOptions { rounds: 1 }, &limits).map_err(fault)?.largest_piece())
 }
 
-/// Writes what needs bodies: a file of meshes, or two pictures.
-pub(super) fn write_bodies(
+/// Writes the files of an export of corals.
+pub(super) fn write(
     job: &mut Job<'_>,
     corals: &Corals,
     format: ExportFormat,
     files: &[String],
 ) -> std::result::Result<(), RunError> {
-    let reef = Reef::new(corals, job.world, job.limits).map_err(RunError::file)?;
-    let held = Bodies::bytes(&reef.plot, Detail::default());
-    let check = |what: &str, bytes: u128| need::check(what, job.world, held + bytes, job.limits, REMEDY);
+    match format {
+        ExportFormat::Census => {
+            let text = census(job, corals).csv();
+            let path = job.file(&files[0])?;
+            backend::write_text(&path, &text).map_err(RunError::file)
+        }
+        ExportFormat::Parquet => {
+            let table = census(job, corals);
+            let path = job.file(&files[0])?;
+            io::write_parquet(&path, &table).map_err(RunError::file)
+        }
+        ExportFormat::Plots => {
+            let drawings = [cover(corals, job.world, job.name), plan(corals, job.world)?];
+            let (texts, pictures) = files.split_at(drawings.len());
+            for (name, drawing) in texts.iter().zip(&drawings) {
+                let path = job.file(name)?;
+                backend::write_text(&path, &drawing.svg()).map_err(RunError::file)?;
+            }
+            for (name, drawing) in pictures.iter().zip(&drawings) {
+                let (path, picture) = (job.file(name)?, drawing.picture());
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
+            }
+            Ok(())
+        }
+        _ => write_bodies(job, corals, format, files),
+    }
+}
+
+/// Writes what needs bodies: a file of meshes, or pictures.
+fn write_bodies(
+    job: &mut Job<'_>,
+    corals: &Corals,
+    format: ExportFormat,
+    files: &[String],
+) -> std::result::Result<(), RunError> {
+    let reef = Reef::new(corals, job.world).map_err(RunError::file)?;
     if format == ExportFormat::Dive {
-        check("the pictures of corals", reef.picture_bytes()).map_err(RunError::file)?;
-        for (name, picture) in files.iter().zip(reef.pictures()) {
+        let pictures = dive::pictures(&reef, job.limits).map_err(RunError::file)?;
+        for (name, picture) in files.iter().zip(pictures) {
             let path = job.file(name)?;
             io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
         }
@@ -352,7 +321,12 @@ pub(super) fn write_bodies(
         (job.note)(format!("`{}` is not written: nothing lives on the plot any more", files[0]));
         return Ok(());
     }
-    check("the file of corals", reef.file_bytes()).map_err(RunError::file)?;
+    // Arrays are written as they are; names and numbers of the nodes take room of their own.
+    let nodes = 2048 * (reef.plot.colonies().len() + reef.plot.algae().len()) as u128;
+    let needed = Bodies::bytes(&reef.plot, Detail::default()) + nodes;
+    need::check("the bodies of corals", job.world, needed, job.limits, REMEDY).map_err(RunError::file)?;
+    let mut bodies = Bodies::new(reef.plot.community(), reef.seed, Detail::default()).map_err(RunError::file)?;
+    bodies.update(&reef.plot).map_err(RunError::file)?;
     let (name, path) = (job.name, job.file(&files[0])?);
-    reef.write(&path, name, format).map_err(RunError::file)
+    reef.write(&bodies, &path, name, format).map_err(RunError::file)
 }

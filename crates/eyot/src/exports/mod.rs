@@ -1,13 +1,15 @@
 //! Exports: which files they are, and how they come from a world.
 
 pub(crate) mod corals;
+mod dive;
 mod fit;
 mod materials;
+mod plots;
 mod preset;
 mod source;
 
 use crate::backend::io::{self, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
-use crate::backend::{self, mesh, render};
+use crate::backend::{mesh, render};
 use crate::error::RunError;
 use crate::keys::{Bytes, Export, ExportFormat, FirstRow, Preset};
 use crate::outputs::stopped;
@@ -144,11 +146,14 @@ impl Export {
             (ExportFormat::Splat, _) => vec![format!("{p}splat.png")],
             (ExportFormat::Mask, _) => each("_mask.png"),
             (ExportFormat::Census, _) => vec![format!("{p}census.csv")],
-            (ExportFormat::Plots, _) => vec![format!("{p}cover.svg"), format!("{p}plot.svg")],
+            (ExportFormat::Parquet, _) => vec![format!("{p}census.parquet")],
+            (ExportFormat::Plots, _) => {
+                ["cover.svg", "plot.svg", "cover.png", "plot.png"].map(|n| format!("{p}{n}")).to_vec()
+            }
             (ExportFormat::Corals, _) => vec![format!("{p}corals.glb")],
             (ExportFormat::CoralsObj, _) => vec![format!("{p}corals.obj")],
             (ExportFormat::CoralsPly, _) => vec![format!("{p}corals.ply")],
-            (ExportFormat::Dive, _) => vec![format!("{p}dive.png"), format!("{p}above.png")],
+            (ExportFormat::Dive, _) => ["dive", "side", "above"].map(|n| format!("{p}{n}.png")).to_vec(),
             _ => each("_map.png"),
         }
     }
@@ -176,8 +181,8 @@ impl FirstRow {
 impl ExportFormat {
     /// True for what `corals` leaves beside layers.
     pub(crate) fn is_of_corals(self) -> bool {
-        use ExportFormat::{Census, Corals, CoralsObj, CoralsPly, Dive, Plots};
-        matches!(self, Census | Plots | Corals | CoralsObj | CoralsPly | Dive)
+        use ExportFormat::{Census, Corals, CoralsObj, CoralsPly, Dive, Parquet, Plots};
+        matches!(self, Census | Parquet | Plots | Corals | CoralsObj | CoralsPly | Dive)
     }
 
     /// The raster format, if it is one.
@@ -224,16 +229,7 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
                 (job.note)(format!("`{}` is not written: no step with `corals` is switched on", files[0]));
                 return Ok(());
             };
-            let texts = match format {
-                ExportFormat::Census => vec![corals::census(&reef, world)],
-                ExportFormat::Plots => vec![corals::cover(&reef, world, job.name), corals::plan(&reef, world)?],
-                _ => return corals::write_bodies(job, &reef, format, &files),
-            };
-            for (name, text) in files.iter().zip(texts) {
-                let path = job.file(name)?;
-                backend::write_text(&path, &text).map_err(RunError::file)?;
-            }
-            Ok(())
+            corals::write(job, &reef, format, &files)
         }
         ExportFormat::Map => {
             for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {

@@ -44,8 +44,8 @@ impl Made {
         if !state.finished {
             return Err(refuse(format!("the run in `{}` is not finished", folder.display())));
         }
-        let source = state.source(saved.recipe_toml);
-        let recipe = Recipe::parse(source, state.overrides.clone(), &Registry::standard(), limits)?;
+        let overrides = state.overrides.clone();
+        let recipe = Recipe::of_run(&state, saved.recipe_toml, overrides, &Registry::standard(), limits)?;
         let made = Self { world: saved.world, recipe, state };
         let (first, last) = made.span();
         if first == last {

@@ -146,6 +146,7 @@ pub(super) fn hello(recipe: &Recipe, options: &ServeOptions, limits: &Limits) ->
         },
         colour: s.colour,
     });
+    let columns = corals.as_ref().map_or_else(Vec::new, Corals::census_columns);
     Ok(Hello {
         seed: recipe.seed,
         size: [grid.width as u32, grid.height as u32],
@@ -158,7 +159,7 @@ pub(super) fn hello(recipe: &Recipe, options: &ServeOptions, limits: &Limits) ->
         recipe: recipe.name.clone(),
         species: species.collect(),
         layers: infos,
-        columns: corals.as_ref().map_or_else(Vec::new, Corals::census_columns),
+        columns: columns.into_iter().map(|c| c.name).collect(),
     })
 }
 
@@ -189,12 +190,12 @@ fn raster(world: &World, name: &str) -> Option<Raster> {
 /// Everybody who lives on the reef, and the last row of its census.
 fn add_reef(scene: &mut Scene, corals: &Corals, world: &World, with_rays: bool) -> eyot_core::Result<()> {
     let plot = corals.plot(world)?;
-    let names = corals.census_columns();
+    let columns = corals.census_columns();
     let rows = world.features.get(CENSUS).map_or(&[][..], Vec::as_slice);
-    scene.moment.census = rows.chunks_exact(names.len().max(1)).next_back().unwrap_or_default().to_vec();
+    scene.moment.census = rows.chunks_exact(columns.len().max(1)).next_back().unwrap_or_default().to_vec();
     let month = scene.moment.census.first().map_or(0, |m| *m as i64 + 1);
     let settled = |age: u32| (month - i64::from(age)).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-    let temperature = names.iter().position(|n| n == "temperature_c").and_then(|i| scene.moment.census.get(i));
+    let temperature = columns.iter().position(|c| c.name == "temperature_c").and_then(|i| scene.moment.census.get(i));
     scene.moment.temperature_c = temperature.map_or(f32::NAN, |t| *t as f32);
     let species = &plot.community().species;
     scene.colonies = plot

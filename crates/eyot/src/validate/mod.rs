@@ -13,18 +13,20 @@ use crate::registry::Registry;
 use crate::set;
 use crate::store::Subject;
 use crate::stream::{self, Obstacle, Place};
+use crate::texts::{self, Texts};
 use eyot_core::process::{Parameters, schema_of};
 use eyot_core::{Error, Georeference, Grid, LayerSpec, Limits, Rim};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Checks a document.
+/// Checks a document. Files whose texts are known already are not read.
 pub(crate) fn recipe(
     source: RecipeSource,
     overrides: Overrides,
     registry: &Registry,
     limits: &Limits,
+    texts: Texts,
 ) -> Result<Recipe, Problems> {
     let mut sources = vec![Source { name: source.name.clone(), text: source.text.clone() }];
     let mut doc = match Node::parse(&source.text, 0) {
@@ -46,6 +48,7 @@ pub(crate) fn recipe(
         own: Vec::new(),
         sources: &sources,
         grid: None,
+        texts,
     };
     let document: keys::Document = v.keys_of(&doc, "recipe", &["grid", "layer", "rule", "step", "export", "view"]);
     let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
@@ -57,7 +60,7 @@ pub(crate) fn recipe(
     exports.extend(v.presets(&overrides.presets, &exports));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
     v.memory(&doc, grid, &steps, &exports, &view);
-    let out = v.out;
+    let (out, texts) = (v.out, v.texts);
     if !out.is_empty() {
         return Err(Problems::new(sources, out));
     }
@@ -71,7 +74,7 @@ pub(crate) fn recipe(
     if name.is_empty() {
         name = Path::new(&source.name).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
     }
-    Ok(Recipe { name, about, seed, grid, georeference, sea_level_m, steps, exports, view, source, overrides })
+    Ok(Recipe { name, about, seed, grid, georeference, sea_level_m, steps, exports, view, source, overrides, texts })
 }
 
 mod rules;
@@ -94,6 +97,8 @@ struct Validator<'a> {
     resting: Vec<String>,
     /// The grid, once it has been checked and is sound.
     grid: Option<Grid>,
+    /// Text files that the recipe names.
+    texts: Texts,
 }
 
 impl Validator<'_> {
@@ -215,6 +220,23 @@ impl Validator<'_> {
     fn file(&mut self, file: &str, span: &Span) -> Option<String> {
         match import::resolve(file, self.folder) {
             Ok(path) => Some(path),
+            Err((message, help)) => {
+                self.out.push(Diagnostic::at(span.clone(), message, "this file").help(help));
+                None
+            }
+        }
+    }
+
+    /// The text of a file that the recipe names.
+    fn text(&mut self, file: &str, span: &Span) -> Option<String> {
+        if let Some(known) = self.texts.get(file) {
+            return Some(known.clone());
+        }
+        match texts::read(file, self.folder) {
+            Ok(text) => {
+                self.texts.insert(file.to_owned(), text.clone());
+                Some(text)
+            }
             Err((message, help)) => {
                 self.out.push(Diagnostic::at(span.clone(), message, "this file").help(help));
                 None

@@ -8,6 +8,7 @@ use crate::merge::Merge;
 use crate::node::{Kind, Node};
 use crate::recipe::{Actor, GenerateStep, ProcessUse, SimulateStep, Step, Work};
 use crate::registry::{DOCUMENT_KEYS, GENERATE_KEYS, SCHEDULE_KEYS, SIMULATE_KEYS};
+use crate::texts;
 use eyot_core::LayerSpec;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use serde_json::Value;
@@ -316,7 +317,14 @@ impl Validator<'_> {
         if theirs.get("every").is_none() {
             schedule.every = usual;
         }
-        let parameters = without(node, &SCHEDULE_KEYS);
+        let mut parameters = without(node, &SCHEDULE_KEYS);
+        for key in texts::parameters(&actor) {
+            if let Some((file, n)) =
+                node.get(&key).and_then(|n| Some((n.text()?.to_owned(), n))).filter(|f| !f.0.is_empty())
+            {
+                parameters[&key] = Value::String(self.text(&file, &n.span)?);
+            }
+        }
         let acts = step_enabled && schedule.enabled;
         match actor.make(&parameters) {
             Ok(process) => {
