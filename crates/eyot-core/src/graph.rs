@@ -166,6 +166,9 @@ impl Real for Node {
     fn whole(self) -> BitsNode {
         BitsNode(push(Op::Whole(self.0)))
     }
+    fn rounded(self) -> Self {
+        Self::from_bits(self.to_bits())
+    }
     fn named(self, name: &'static str) -> Self {
         BUILDER.with_borrow_mut(|b| b.names.push((self.0, name)));
         self

@@ -38,6 +38,12 @@ pub trait Real:
     fn named(self, _name: &'static str) -> Self {
         self
     }
+    /// The same number; a compiler of shaders must round it before it goes on, and not fuse it with what comes next. For products
+    /// in rules that amplify rounding.
+    #[inline(always)]
+    fn rounded(self) -> Self {
+        self
+    }
     /// Starts a choice: `a.lt(b).pick(x, y)`.
     #[inline(always)]
     fn lt(self, other: Self) -> Less<Self> {

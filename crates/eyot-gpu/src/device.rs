@@ -1,6 +1,7 @@
 //! Adapters and devices: which graphics hardware there is, and how it is opened.
 
 use crate::error::{GpuError, Result};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{AdapterInfo, DeviceType, Features, Limits};
 
@@ -79,6 +80,7 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     lost: Arc<Mutex<Option<String>>>,
     fault: Arc<Mutex<Option<String>>>,
+    short_from: AtomicU64,
 }
 
 impl Gpu {
@@ -122,7 +124,7 @@ impl Gpu {
         device.set_device_lost_callback(move |reason, text| note(&keep, &format!("{reason:?} {text}")));
         let keep = Arc::clone(&fault);
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| note(&keep, &e.to_string())));
-        Ok(Self { report, device, queue, lost, fault })
+        Ok(Self { report, device, queue, lost, fault, short_from: AtomicU64::new(u64::MAX) })
     }
 
     /// Name of the adapter.
@@ -175,12 +177,38 @@ impl Gpu {
             usage,
             mapped_at_creation: false,
         });
+        if size >= self.short_from.load(Ordering::Relaxed) {
+            self.exhaust();
+        }
         if pollster::block_on(scope.pop()).is_some() {
             let (adapter, what) = (self.name().to_owned(), what.to_owned());
-            return Err(GpuError::OutOfMemory { adapter, what, mib: size >> 20 });
+            return Err(GpuError::OutOfMemory { adapter, what, mib: size.div_ceil(1 << 20) });
         }
         self.check()?;
         Ok(buffer)
+    }
+
+    /// For tests: from now on the device runs out of memory whenever a buffer of so many bytes or more is made.
+    #[doc(hidden)]
+    pub fn run_short_of_memory(&self, from_bytes: u64) {
+        self.short_from.store(from_bytes, Ordering::Relaxed);
+    }
+
+    /// Asks the driver for more memory than any device has.
+    fn exhaust(&self) {
+        let limits = self.device.limits();
+        let side = limits.max_texture_dimension_2d;
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("more than there is"),
+            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: limits.max_texture_array_layers },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Float,
+            usage: wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        drop(texture);
     }
 
     /// Reads `size` bytes of a buffer from `offset` on; waits for all work submitted before.

@@ -415,6 +415,8 @@ impl GpuEngine {
     ) -> Result<()> {
         let resident = Resident::new(self, world, processes, span, copies)?;
         self.resident = Some(resident);
+        // Another world's dispatches may take far longer.
+        self.pace.most = 1;
         Ok(())
     }
 

@@ -68,6 +68,13 @@ fn job_fields(group: &Group, graphs: &[&Graph], specs: &[LayerSpec]) -> Vec<(Str
     fields
 }
 
+/// The number that a node rounds; see [`eyot_core::real::Real::rounded`].
+fn rounded(graph: &Graph, op: Op) -> Option<Id> {
+    let Op::FromBits(bits) = op else { return None };
+    let Op::ToBits(number) = graph.nodes[bits as usize] else { return None };
+    Some(number)
+}
+
 /// True if the rule asks for random numbers.
 pub(crate) fn is_random(graph: &Graph) -> bool {
     graph.nodes.iter().any(|op| matches!(op, Op::Uniform(_)))
@@ -131,6 +138,12 @@ fn helpers(o: &mut Out, graphs: &[&Graph]) {
     o.line("fn wrapped(i: i32, n: i32) -> i32 {");
     o.line("return (i % n + n) % n;");
     o.line("}");
+    if graphs.iter().any(|g| g.nodes.iter().any(|op| rounded(g, *op).is_some())) {
+        o.line("// No compiler knows that no bit changes here, so that none fuses a product with a sum.");
+        o.line("fn rounded(v: f32) -> f32 {");
+        o.line("return bitcast<f32>(bitcast<u32>(v) ^ (u32(job.slots) >> 31u));");
+        o.line("}");
+    }
     if graphs.iter().any(|g| is_random(g)) {
         o.line("fn mix_round(a: u32) -> u32 {");
         o.line("let b = (a ^ (a >> 16u)) * 0x21f0aaadu;");
@@ -458,6 +471,9 @@ impl StagePrinter<'_> {
 
     fn expression(&self, op: Op, names: &Names) -> String {
         let n = |id: Id| names.value(self.graph, self.number, id);
+        if let Some(number) = rounded(self.graph, op) {
+            return format!("rounded({})", n(number));
+        }
         let two = |a: Id, sign: &str, b: Id| format!("{} {sign} {}", n(a), n(b));
         match op {
             Op::Const(_) | Op::BitsConst(_) | Op::Param(_) | Op::X | Op::Y => unreachable!("printed where it is used"),

@@ -221,6 +221,42 @@ fn a_device_lost_on_the_way_leaves_the_last_sound_world() {
     assert!(largest_difference(&world, &whole) < 1e-3);
 }
 
+/// The driver itself says that there is no memory left: at the beginning, and when layers are to come back.
+#[test]
+fn a_card_without_memory_left_says_so_and_the_world_stays_sound() {
+    let Some(mut engine) = engine(Options::default()) else { return };
+    let processes = erosion();
+    let mut world = mountain(100, Rim::CLOSED);
+    let start = world.clone();
+    let span = |from, steps| Span { from, steps };
+    engine.gpu().run_short_of_memory(100_000);
+    let e = engine.simulate(&mut world, &processes, span(0, 5), &Control::none()).unwrap_err();
+    assert!(matches!(e, GpuError::OutOfMemory { .. }), "{e}");
+    let says = e.to_string();
+    assert!(says.contains("the layers (1 MiB)") && says.contains(engine.gpu().name()), "{says}");
+    assert!(says.contains("--engine cpu"), "{says}");
+    assert_eq!((world.step, &height(&world)), (0, &height(&start)), "nothing has begun");
+
+    engine.gpu().run_short_of_memory(u64::MAX);
+    engine.simulate(&mut world, &processes, span(0, 16), &Control::none()).unwrap();
+    engine.bring_back(&mut world).unwrap();
+    let sound = world.clone();
+    engine.simulate(&mut world, &processes, span(16, 16), &Control::none()).unwrap();
+    engine.gpu().run_short_of_memory(10_000);
+    let e = engine.bring_back(&mut world).unwrap_err();
+    assert!(matches!(e, GpuError::OutOfMemory { .. }), "{e}");
+    assert_eq!(world, sound, "what was last brought back");
+
+    engine.gpu().run_short_of_memory(u64::MAX);
+    engine.simulate(&mut world, &processes, span(16, 16), &Control::none()).unwrap();
+    engine.bring_back(&mut world).unwrap();
+    let mut whole = start;
+    engine.release();
+    engine.simulate(&mut whole, &processes, span(0, 32), &Control::none()).unwrap();
+    engine.bring_back(&mut whole).unwrap();
+    assert_eq!(height(&world), height(&whole), "as if nothing had been");
+}
+
 #[test]
 fn a_world_too_large_for_the_limits_is_refused_before_it_moves() {
     let limits = Limits { max_bytes: 100_000, ..Limits::default() };

@@ -124,3 +124,33 @@ fn a_stopped_run_goes_on_with_its_engine() {
     assert!(warnings(&events)[0].contains("cpu goes on"), "{events:?}");
     assert_eq!(engines(&parts)[1], "cpu");
 }
+
+/// Chunks of steps are as long as the time allows and checkpoints come when they are due; what the ledger says must not hang on either.
+#[test]
+fn two_runs_on_a_card_have_the_same_ledger() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |out: Option<&Path>| {
+        let engine = EngineOptions { choice: EngineChoice::Gpu, adapter: None, lose_device_after: None };
+        let checkpoint_every = if out.is_some() { Duration::ZERO } else { Duration::from_secs(60) };
+        let options = RunOptions {
+            engine: Some(engine),
+            out: out.map(Path::to_owned),
+            checkpoint_every,
+            ..RunOptions::default()
+        };
+        match Run::start(common::recipe(HILLS, &[]), options).unwrap().join() {
+            Ok(outcome) => Some(outcome.world),
+            Err(RunError::Gpu(_)) if std::env::var_os("EYOT_REQUIRE_GPU").is_none() => None,
+            Err(e) => panic!("{e}"),
+        }
+    };
+    let Some(once) = run(None) else { return };
+    for again in [run(None).unwrap(), run(Some(folder.path())).unwrap()] {
+        assert!(again.layers() == once.layers());
+        assert_eq!(again.ledger, once.ledger);
+    }
+    assert!(once.ledger.amount("water.evaporated") > 0.0);
+    let report = std::fs::read(folder.path().join("run.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    assert!(report["timing"]["card_seconds"].is_number(), "{report}");
+}

@@ -73,41 +73,48 @@ fn of_depths(world: &World, height: &Field, water: &Field) -> Vec<[f32; 2]> {
     let wet: Vec<bool> = (height.iter().zip(water.iter()))
         .map(|(z, d)| d > LEAST && d.is_finite() && z.is_finite() && z >= sea_level)
         .collect();
-    let at = |i: usize, k: usize| neighbour(i, k, w, h);
-    let outlet = |i: usize| (0..8).any(|k| at(i, k).is_none_or(|j| height.get(j % w, j / w) < sea_level));
-    let mut sources: Vec<usize> = (0..w * h).filter(|&i| wet[i]).collect();
-    sources.sort_unstable_by(|&a, &b| {
-        (!outlet(a), surface[a]).partial_cmp(&(!outlet(b), surface[b])).unwrap_or(a.cmp(&b))
-    });
-
-    let (mut next, mut known, mut bodies) = (vec![usize::MAX; w * h], vec![false; w * h], Vec::new());
-    for source in sources {
-        if known[source] {
-            continue;
-        }
-        known[source] = true;
-        let (mut body, mut heap) = (Vec::new(), BinaryHeap::from([Reverse((order(surface[source]), source))]));
-        while let Some(Reverse((_, i))) = heap.pop() {
-            body.push(i);
-            for j in (0..8).filter_map(|k| at(i, k)).filter(|&j| wet[j]) {
-                // Another mouth of the same water is no way through it.
-                if !std::mem::replace(&mut known[j], true) {
-                    next[j] = if outlet(j) { usize::MAX } else { i };
-                    heap.push(Reverse((order(surface[j]), j)));
-                }
-            }
-        }
-        bodies.push(body);
-    }
+    let around = |i: usize| (0..8).map(move |k| neighbour(i, k, w, h));
+    let at_sea = |i: usize| around(i).flatten().any(|j| height.get(j % w, j / w) < sea_level);
+    let at_rim = |i: usize| around(i).any(|j| j.is_none());
 
     let from_bank = from_bank(&wet, w, h);
     let cell = [grid.cell_x_m as f32, grid.cell_y_m as f32];
     let mut out = vec![[0.0; 2]; w * h];
-    for body in bodies {
+    let (mut seen, mut known) = (vec![false; w * h], vec![false; w * h]);
+    let mut next = vec![usize::MAX; w * h];
+    for first in (0..w * h).filter(|&i| wet[i]) {
+        if std::mem::replace(&mut seen[first], true) {
+            continue;
+        }
+        let (mut body, mut n) = (vec![first], 0);
+        while let Some(&i) = body.get(n) {
+            n += 1;
+            for j in around(i).flatten().filter(|&j| wet[j]) {
+                if !std::mem::replace(&mut seen[j], true) {
+                    body.push(j);
+                }
+            }
+        }
         let fold = |f: fn(f32, f32) -> f32, start: f32| body.iter().map(|&i| surface[i]).fold(start, f);
         let fall = fold(f32::max, f32::NEG_INFINITY) - fold(f32::min, f32::INFINITY);
         if fall <= LEVEL * body.len() as f32 * cell[0] {
             continue;
+        }
+        // Its mouths: all places at the sea, else where it is lowest at the rim, else where it is lowest.
+        let key = |i: usize| (order(surface[i]), i);
+        let mut heap: BinaryHeap<_> = body.iter().filter(|i| at_sea(**i)).map(|&i| Reverse(key(i))).collect();
+        if heap.is_empty() {
+            let at_rim = body.iter().copied().filter(|&i| at_rim(i)).min_by_key(|&i| key(i));
+            heap.extend(at_rim.or_else(|| body.iter().copied().min_by_key(|&i| key(i))).map(|i| Reverse(key(i))));
+        }
+        heap.iter().for_each(|Reverse((_, i))| known[*i] = true);
+        while let Some(Reverse((_, i))) = heap.pop() {
+            for j in around(i).flatten().filter(|&j| wet[j]) {
+                if !std::mem::replace(&mut known[j], true) {
+                    next[j] = i;
+                    heap.push(Reverse(key(j)));
+                }
+            }
         }
         for i in body {
             let place = |i: usize| [(i % w) as f32 * cell[0], (i / w) as f32 * cell[1]];
@@ -137,7 +144,7 @@ fn of_depths(world: &World, height: &Field, water: &Field) -> Vec<[f32; 2]> {
     }
     // A mouth flows as what comes to it.
     for i in (0..w * h).filter(|&i| wet[i] && next[i] == usize::MAX) {
-        let above: Vec<[f32; 2]> = (0..8).filter_map(|k| at(i, k)).filter(|&j| next[j] == i).map(|j| out[j]).collect();
+        let above: Vec<[f32; 2]> = around(i).flatten().filter(|&j| next[j] == i).map(|j| out[j]).collect();
         if !above.is_empty() {
             out[i] = [0, 1].map(|k| above.iter().map(|v| v[k]).sum::<f32>() / above.len() as f32);
         }

@@ -55,24 +55,14 @@ fn main(
         let y_m1 = wrapped(cy - 1, job.height);
         let flux_x_w = state[address(job.from_flux_x, x_m1, y_0)];
         let flux_x = state[address(job.from_flux_x, x_0, y_0)];
-        let n6 = flux_x_w + flux_x;
-        let n7 = job.half_dx_0 * n6;
+        let n7 = job.half_dx_0 * (flux_x_w + flux_x);
         let flux_y_n = state[address(job.from_flux_y, x_0, y_m1)];
         let flux_y = state[address(job.from_flux_y, x_0, y_0)];
-        let n10 = flux_y_n + flux_y;
-        let n11 = job.half_dy_0 * n10;
-        let n12 = n7 * n7;
-        let n13 = n11 * n11;
-        let n14 = n12 + n13;
-        let n15 = sqrt(n14);
-        let n16 = n15 * job.per_river_0;
-        let n18 = select(1.0f, n16, n16 < 1.0f);
+        let n11 = job.half_dy_0 * (flux_y_n + flux_y);
+        let n16 = sqrt(((n7 * n7) + (n11 * n11))) * job.per_river_0;
         let wetness = state[address(job.from_wetness, x_0, y_0)];
-        let n20 = n18 - wetness;
-        let n21 = job.share_0 * n20;
-        let n22 = wetness + n21;
-        let n23 = abs(n22);
-        let n26 = select(n22, 0.0f, n23 < 1e-30f);
+        let n22 = wetness + (job.share_0 * (select(1.0f, n16, n16 < 1.0f) - wetness));
+        let n26 = select(n22, 0.0f, abs(n22) < 1e-30f);
         state[address(job.to_wetness, cx, cy)] = n26;
     }
 }

@@ -351,7 +351,8 @@ impl Rule for SpreadStage {
     #[inline(always)]
     fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 1]) {
         let (o, before) = (c.here(0), c.here(2));
-        let mixed = p.ahead * o + (R::of(1.0) - p.ahead) * before;
+        // The stages amplify rounding with the square of their number.
+        let mixed = (p.ahead * o).rounded() + ((R::of(1.0) - p.ahead) * before).rounded();
         let (new, made) = hold(p, c, mixed + spread(p, c));
         ([new, o], [made])
     }
@@ -362,7 +363,7 @@ impl Rule for SpreadStage {
 fn spread<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> R {
     let x = gain(p, c, 1, 0) + gain(p, c, -1, 0);
     let y = gain(p, c, 0, 1) + gain(p, c, 0, -1);
-    p.x * x + p.y * y
+    (p.x * x).rounded() + (p.y * y).rounded()
 }
 
 /// The new value, where neither land nor the open sea decide, and what the clamp made of nothing.
