@@ -6,13 +6,15 @@ use eyot::{Command, Event, Limits, Overrides, RECIPES, Recipe, RecipeSource, Reg
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Four metres and so many months.
-fn reef(months: u64) -> Recipe {
+/// Four metres and so many months. Pictures take their time.
+fn reef(months: u64, with_pictures: bool) -> Recipe {
     let text = RECIPES.iter().find(|r| r.name == "reef").unwrap().text;
     let source = RecipeSource { name: "reef.toml".into(), text: text.into(), folder: ".".into() };
     let set = [format!("colonies.steps={months}"), "view.enabled=false".into()];
     let overrides = Overrides { set: set.to_vec(), ..Overrides::default() };
     let text = source.text.replace("size = [80, 80]", "size = [32, 32]");
+    let text =
+        if with_pictures { text } else { text.replace("format = \"dive\"", "format = \"dive\"\nenabled = false") };
     Recipe::parse(RecipeSource { text, ..source }, overrides, &Registry::standard(), &Limits::default()).unwrap()
 }
 
@@ -23,7 +25,7 @@ fn text(path: &Path) -> String {
 #[test]
 fn a_reef_leaves_its_census_its_pictures_and_a_mesh_for_each_colony() {
     let folder = tempfile::tempdir().unwrap();
-    common::run(reef(30), folder.path());
+    common::run(reef(30, true), folder.path());
     let census = text(&folder.path().join("census.csv"));
     let rows: Vec<Vec<&str>> = census.lines().map(|l| l.split(',').collect()).collect();
     assert_eq!(rows.len(), 31);
@@ -55,9 +57,9 @@ fn a_reef_leaves_its_census_its_pictures_and_a_mesh_for_each_colony() {
 #[test]
 fn a_stopped_reef_goes_on_to_the_same_bytes() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let world = common::run(reef(24), whole.path());
+    let world = common::run(reef(24, false), whole.path());
     let options = RunOptions { out: Some(parts.path().into()), chunk: Some(1), paused: true, ..RunOptions::default() };
-    let handle = Run::start(reef(24), options).unwrap();
+    let handle = Run::start(reef(24, false), options).unwrap();
     // The sea floor is a step as well.
     handle.send(Command::Step(12));
     let waits = |e: &Event| matches!(e, Event::Paused { recipe_step: 2, step } if *step > 5);
