@@ -42,7 +42,7 @@ impl Volume {
     /// If there are not as many values as points, if an axis has fewer than 2, or if the lattice is none ([`Lattice::over`]).
     pub fn new(first: [i32; 3], size: [usize; 3], voxel: f32, values: Vec<f32>) -> Result<Self> {
         let points: u128 = size.iter().map(|&n| n as u128).product();
-        if points != values.len() as u128 || size.iter().any(|&n| n < 2 || n > 1 << 22) {
+        if points != values.len() as u128 || size.iter().any(|n| !(2..=1 << 22).contains(n)) {
             return Err(Error::BadVolume { size, values: values.len() });
         }
         let volume = Self { first, size, voxel, per_voxel: 1.0 / voxel, values };
