@@ -189,6 +189,7 @@ fn parameters(parameters: &[ParameterInfo], level: usize) -> Result<String> {
     for p in parameters {
         let takes = p.takes.strip_prefix("a number from ").unwrap_or(&p.takes);
         let unit = if p.unit == "1" { "" } else { &p.unit };
+        let takes = format!("{takes} {unit}");
         let term = match p.expression {
             Expression::No => "",
             Expression::Time => "; or an expression of time",
@@ -199,7 +200,7 @@ fn parameters(parameters: &[ParameterInfo], level: usize) -> Result<String> {
             out,
             "| `{}` | {} | {} | {} |",
             p.name,
-            cell(&format!("{}{term}", format!("{takes} {unit}").trim())),
+            cell(&format!("{}{term}", takes.trim())),
             cell(&default),
             cell(&p.meaning)
         )?;

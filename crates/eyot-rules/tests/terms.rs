@@ -230,7 +230,7 @@ fn each_cell_has_its_own_number() {
 #[test]
 fn values_are_kept_within_the_range() {
     let end = after(9, plain("plain", 10.0));
-    for text in ["1000 + moss", "1000 + steps"] {
+    for text in ["1000 + 1 * moss", "1000 + 1 * steps"] {
         assert_eq!(after(9, Box::new(replaced(&[("plain", text)]))), end, "{text}");
     }
 }

@@ -95,7 +95,7 @@ fn what_is_the_same_everywhere_gives_the_bytes_of_the_number() {
 /// An expression of time is a number that changes by hand.
 #[test]
 fn an_expression_of_time_is_a_number_that_changes() {
-    let timed = end(HILLS, &["hydraulic.rain=\"if(steps < 25, 0.004, 0.001)\"", "thermal.talus=\"10 + steps\""]);
+    let timed = end(HILLS, &["hydraulic.rain=\"if(steps < 25, 0.004, 0.001)\"", "thermal.talus=\"10 + 1 * steps\""]);
     let mut replay: Vec<JournalEntry> = (0..40)
         .map(|step| JournalEntry { recipe_step: 2, step, set: format!("thermal.talus={}", 10 + step) })
         .collect();
@@ -103,7 +103,7 @@ fn an_expression_of_time_is_a_number_that_changes() {
     let o = RunOptions { replay, ..options(2, None) };
     let by_hand = Run::start(parse(HILLS, &[]).unwrap(), o).unwrap().join().unwrap().world;
     assert_eq!(timed, by_hand);
-    assert_ne!(timed, end(HILLS, &["thermal.talus=\"10 + steps\""]));
+    assert_ne!(timed, end(HILLS, &["thermal.talus=\"10 + 1 * steps\""]));
 }
 
 /// Rules with expressions of layers, places, chance and neighbours in them, in several forms: the engine and the reference agree
@@ -295,13 +295,13 @@ fn mistakes_are_shown_where_they_are() {
         ("hydraulic.rain = \"moss > 0\"", "hills.toml:21:19", "condition where a number"),
         ("hydraulic.rain = \"0.002 *\"", "hills.toml:21:", "the text ends"),
         (
-            "hydraulic.time_step = \"0.1 + moss\"",
+            "hydraulic.time_step = \"0.1 + 0.1 * moss\"",
             "hills.toml:21:23",
             "`hydraulic.time_step` cannot differ from cell to cell",
         ),
         ("hydraulic.gravity = \"9.81 * (1 + moss)\"", "hills.toml:21:21", "can differ"),
         ("hydraulic.sea = \"moss > 0\"", "hills.toml:21:17", "must be"),
-        ("thermal.talus = \"30 + moss\"", "hills.toml:21:17", "between two cells"),
+        ("thermal.talus = \"30 + 5 * moss\"", "hills.toml:21:17", "between two cells"),
         ("hydraulic.rain = \"0.002 * temperature\"", "hills.toml:21:27", "makes such a layer"),
     ] {
         let said = said(to);
