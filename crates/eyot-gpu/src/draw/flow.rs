@@ -210,7 +210,15 @@ mod tests {
         let floor = |y: usize| 100.0 - 5.0 * (y / 6) as f32;
         let height = |x, y| if lake(x, y) { 50.0 } else { floor(y) + if bed(x, y) { 0.0 } else { 8.0 } };
         world.put(&known::HEIGHT, Field::from_fn(w, h, height)).unwrap();
-        let water = |x, y| if bed(x, y) { 1.0 + 0.05 * y as f32 } else if lake(x, y) { 4.0 } else { 0.0 };
+        let water = |x, y| {
+            if bed(x, y) {
+                1.0 + 0.05 * y as f32
+            } else if lake(x, y) {
+                4.0
+            } else {
+                0.0
+            }
+        };
         world.put(&known::WATER, Field::from_fn(w, h, water)).unwrap();
         world
     }
