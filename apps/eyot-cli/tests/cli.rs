@@ -100,7 +100,7 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["render", "noise.r32", "--out", "a.jpg"], "ends in .png"),
         (&["bench", "drainage", "--size", "32768"], "--size"),
         (&["bench", "drainage", "--engine", "gpu"], "--engine cpu"),
-        (&["bench", "thermal", "--engine", "gpu", "--size", "32768"], "--size"),
+        (&["bench", "hydraulic", "--engine", "gpu", "--size", "32768"], "--size"),
         (&["bench", "thermal", "--engine", "gpu", "--adapter", "no such card"], "no such card"),
         (&["frobnicate"], "--help"),
         (&[], "Usage"),

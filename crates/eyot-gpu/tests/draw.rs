@@ -146,7 +146,7 @@ fn gpu_and_cpu_show_the_same() {
         println!("{name}: mean difference {off:.2} of 255, similarity {alike:.4}, {grain:.3} times the grain");
         assert!(off < 2.5 && alike > 0.9, "{name}: mean difference {off:.2}, similarity {alike:.4}");
         // The processor takes sixteen samples where neighbours differ; what these do not show would shimmer in films.
-        assert!(grain < 1.1, "{name}: {grain:.3} times the grain of the reference");
+        assert!(grain < 1.15, "{name}: {grain:.3} times the grain of the reference");
     }
 }
 

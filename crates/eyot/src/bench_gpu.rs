@@ -111,11 +111,12 @@ pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
     let how = Options { timed: true, most_passes: options.most_passes, ..Options::default() };
     let mut engine = engines::card(&options.engine, how)?;
     let copy_bandwidth = copy_bandwidth(engine.gpu())?;
-    let mut bench = Bench { engine: &mut engine, phases: &phases, start: &world, world: world.clone(), done: 0 };
+    let cells = world.grid.cells() as f64;
+    let start = phases.iter().any(|p| p.steps.is_some()).then(|| world.clone());
+    let mut bench = Bench { engine: &mut engine, phases: &phases, start, world, done: 0 };
     let outcome = bench.measure(options.seconds).map_err(refused);
     engines::keep_pipelines(&engine);
     let Timed { seconds, steps, work, repeats } = outcome?;
-    let cells = world.grid.cells() as f64;
     let n: u64 = steps.iter().sum();
     let whole = phases.iter().zip(&steps).all(|(p, n)| p.steps.is_some_and(|all| *n == all * repeats));
     let each = |total: f64| total / repeats as f64;
@@ -206,7 +207,8 @@ fn island(size: usize) -> Result<(World, Vec<Phase>), RunError> {
 struct Bench<'a> {
     engine: &'a mut GpuEngine,
     phases: &'a [Phase],
-    start: &'a World,
+    /// Where phases that have an end begin; for others no second copy is held.
+    start: Option<World>,
     /// The world that is worked on, and how many steps of the phase it has done.
     world: World,
     done: u64,
@@ -230,7 +232,7 @@ impl Bench<'_> {
             None => ((0.1 * seconds / each) as u64).max(1),
         });
         let wanted: Vec<u64> = wanted.collect();
-        let steps = within(seconds, &wanted, &per_step, self.engine.block(&self.start.grid));
+        let steps = within(seconds, &wanted, &per_step, self.engine.block(&self.world.grid));
         let before = self.engine.work();
         let (mut timed, mut repeats) = (0.0, 0);
         loop {
@@ -246,7 +248,7 @@ impl Bench<'_> {
 
     /// Compiles, touches memory and finds the pace; seconds a step then.
     fn settle(&mut self, phase: &Phase, seconds: f64) -> Result<f64, RunError> {
-        let mut steps = self.engine.block(&self.start.grid);
+        let mut steps = self.engine.block(&self.world.grid);
         self.begin_anew();
         // Two blocks: copies of layers take turns.
         self.stretch(phase, 2 * steps)?;
@@ -261,9 +263,11 @@ impl Bench<'_> {
     }
 
     fn begin_anew(&mut self) {
-        self.engine.release();
-        self.world.clone_from(self.start);
-        self.done = 0;
+        if let Some(start) = &self.start {
+            self.engine.release();
+            self.world.clone_from(start);
+            self.done = 0;
+        }
     }
 
     /// All phases one after the other; seconds.
