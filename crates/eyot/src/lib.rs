@@ -32,6 +32,7 @@ pub use eyot_io as io;
 pub use eyot_land as land;
 pub use eyot_mesh as mesh;
 pub use eyot_plates as plates;
+pub use eyot_reef as reef;
 pub use eyot_render as render;
 pub use eyot_rules as rules;
 pub use eyot_stream as network;
