@@ -211,8 +211,7 @@ fn run(threads: usize) {
             report(&format!("Eyot, values given, {rounds} rounds"), &solid, time, volume);
         }
         // It lies in a cube from -1 to 1 and is negative inside.
-        let half = f64::from(HALF);
-        let tree = Tree::from(0.0) - tree.remap_xyz(Tree::x() * half, Tree::y() * half, Tree::z() * half);
+        let tree = Tree::from(0.0) - tree.remap_xyz(Tree::x() * HALF, Tree::y() * HALF, Tree::z() * HALF);
         let shape = JitShape::from(tree);
         let (found, time) = best(|| fidget_mesh(&shape, theirs.as_ref()));
         let solid = Solid {
