@@ -30,6 +30,7 @@
 //! # Conserves
 //! Limestone is in the ledger (`ground.corals`, `the_ground_gains_what_the_colonies_build`).
 
+use crate::bodies::{Detail, Sculptor};
 use crate::community::{
     CHUMBE, Census, CensusColumn, Community, Forcing, Ground, Plot, Site, Temperatures, Variability,
 };
@@ -215,6 +216,14 @@ impl Corals {
         if self.sea == Sea::Measured && self.temperatures.is_empty() {
             return Err(wrong("temperatures", "sea = \"measured\" needs the name of a file with temperatures".into()));
         }
+        // What their bodies need would else be missed after all the months.
+        Sculptor::new(&self.community, 0, Detail::default())?;
+        let (width, length) = grid.extent_m();
+        let site = Site::flat(width, length);
+        Plot::check(&self.community, &site, &Limits::default()).map_err(|e| match e {
+            Error::BadParameter { owner, reason, .. } if owner == "site" => wrong("grid.size", reason),
+            other => other,
+        })?;
         // Reads the series and checks it.
         self.heat(0, &CHUMBE).map(drop)
     }
@@ -341,7 +350,7 @@ fn add(layer: &mut Field, gain: &Field) -> f64 {
     sum
 }
 
-/// Share of each cell under discs of living colonies: a disc's area counts where it lies, in parts of a cell.
+/// Share of each cell under living colonies, as discs of their mean radius: their area counts where it lies, in sixteenths of a cell.
 fn cover(plot: &Plot, layer: &mut Field) {
     let (w, h) = (layer.width(), layer.height());
     let cell = (plot.site().width_m / w as f64) as f32;
@@ -360,10 +369,13 @@ fn cover(plot: &Plot, layer: &mut Field) {
         }
         for y in reach(c.y, h) {
             for x in reach(c.x, w) {
-                let [dx, dy] = [(x, c.x), (y, c.y)].map(|(i, v)| (i as f32 + 0.5) * cell - v);
-                if dx * dx + dy * dy < c.radius * c.radius {
-                    layer.set(x, y, 1.0);
-                }
+                const PARTS: usize = 4;
+                let part = |i: usize, k: usize| (i as f32 + (k as f32 + 0.5) / PARTS as f32) * cell;
+                let inside = (0..PARTS * PARTS)
+                    .filter(|k| (part(x, k % PARTS) - c.x).hypot(part(y, k / PARTS) - c.y) < c.radius)
+                    .count();
+                let share = inside as f32 / (PARTS * PARTS) as f32;
+                layer.set(x, y, (layer.get(x, y) + share).min(1.0));
             }
         }
     }

@@ -113,6 +113,15 @@ fn parameters_that_cannot_work_are_named() {
     let text = |text: &str| text.to_owned();
     let measured = |series: &str| Corals { sea: Sea::Measured, temperatures: text(series), ..Corals::default() };
     refused(measured("2001-01,27\n2001-02,warm"), "temperatures: line 2");
+    refused(measured("2001-01;27\n2001-02;30,7"), "write 30.7");
+    refused(measured("2001-01,27\n2001-02,30,7"), "`7` is one column too many");
+    refused(measured("2001-01\t27\t\n2001-02\t28\t3"), "line 2: `3` is one column too many");
+    let mut nameless = Corals::default();
+    nameless.community.species[0].name = "a\nb".to_owned();
+    refused(nameless, "is no name of a species");
+    let mut shapeless = Corals::default();
+    shapeless.community.species[2].body.grammar = "nope".to_owned();
+    refused(shapeless, "grammar");
     refused(Corals { sea: Sea::Chumbe, ..measured("2001-01,27") }, "add sea = \"measured\"");
     refused(Corals { severe_interval: 0, ..Corals::default() }, "severe_interval");
     let oblong = Grid { cell_y_m: 0.5, ..grid };

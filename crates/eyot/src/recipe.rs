@@ -81,6 +81,24 @@ pub struct Step {
     pub work: Work,
 }
 
+impl Step {
+    /// Whether the other does the same, expressions of its processes aside.
+    pub(crate) fn does_as(&self, other: &Self) -> bool {
+        let work = match (&self.work, &other.work) {
+            (Work::Generate(a), Work::Generate(b)) => {
+                let what = |g: &GenerateStep| (g.entry.name, g.merge, g.amount.to_bits(), g.seed);
+                what(a) == what(b) && (&a.parameters, &a.layer, &a.mask) == (&b.parameters, &b.layer, &b.mask)
+            }
+            (Work::Simulate(a), Work::Simulate(b)) => {
+                let what = |u: &ProcessUse| (u.actor.name().to_owned(), u.parameters.clone(), u.every, u.enabled);
+                a.steps == b.steps && a.processes.iter().map(what).eq(b.processes.iter().map(what))
+            }
+            _ => false,
+        };
+        self.enabled == other.enabled && work
+    }
+}
+
 /// What a step does.
 #[derive(Clone)]
 pub enum Work {

@@ -177,6 +177,14 @@ fn changed(
         let reason = "grid, seed, sea level and number of steps are settled at this moment".to_owned();
         return Err(RunError::Input { reason, help: Some("start a new run with these changes") });
     }
+    let done = state.done_steps.min(after.steps.len());
+    let differ = |from: usize, to: usize| {
+        before.steps[from..to].iter().zip(&after.steps[from..to]).find(|(a, b)| !a.does_as(b)).map(|(a, _)| a)
+    };
+    if let Some(step) = differ(0, done).filter(|_| differ(done, after.steps.len()).is_none()) {
+        let reason = format!("step {} ({}) is done at this moment: a change comes too late", step.number, step.name);
+        return Err(RunError::Input { reason, help: Some("branch at an earlier moment, or start a new run") });
+    }
     Ok(after)
 }
 

@@ -170,6 +170,7 @@ fn mistakes_are_shown_where_they_are() {
         ("name = \"damp\"", "name = \"thermal\"", "own.toml:21:8", "there is a process or generator"),
         ("name = \"damp\"", "name = \"soil\"", "own.toml:21:8", "two layers or rules"),
         ("name = \"damp\"", "name = \"x\"", "own.toml:21:8", "means something else"),
+        ("name = \"damp\"", "name = \"time\"", "own.toml:21:8", "means something else"),
         ("gain = 0.05", "gain = \"much\"", "own.toml:18:23", "must be a number"),
         ("gain = 0.05", "every = 0.05", "own.toml:18:16", "cannot be named \"every\""),
         ("\"soil\", \"seep\"]", "\"seep\"]", "own.toml:37:1", "`soil` is not simulated in this step"),

@@ -243,6 +243,7 @@ fn a_branch_leaves_the_original_alone() {
     for (out2, set, part) in [
         (&other, &[][..], "not empty"),
         (&folder.path().join("x"), &["seed=6"][..], "settled"),
+        (&folder.path().join("z"), &["hill.height=90.0"][..], "a change comes too late"),
         (&folder.path().join("y"), &["ash.amplitude=wet"][..], "amplitude"),
     ] {
         let e = from(out2, set).unwrap_err();

@@ -2,7 +2,7 @@
 
 mod stubs;
 
-use eyot::{Limits, Overrides, Recipe, Work};
+use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Work};
 use proptest::prelude::*;
 use stubs::{GOOD, parse, registry, source};
 
@@ -204,6 +204,7 @@ fn wrong_flags_are_named_with_what_was_meant() {
         ("", "write key=value"),
         ("=3", "not valid TOML"),
         ("seed=1=2", "not valid TOML"),
+        ("base.layer=time", "a layer cannot be named \"time\""),
         ("hydraulic.rain=lots", "nothing is called `lots` here"),
         ("base.height=lots", "must be a number"),
         ("flip.x=1", "no step of this recipe generates with `flip`"),
@@ -294,4 +295,15 @@ proptest! {
             prop_assert!(!problems.to_string().is_empty());
         }
     }
+}
+
+/// Steps after a wrong process are not blamed for the layers that it does not make.
+#[test]
+fn one_wrong_process_is_one_mistake() {
+    let text = eyot::RECIPES.iter().find(|r| r.name == "pangaea").unwrap().text;
+    let source = RecipeSource { name: "pangaea".into(), text: text.to_owned(), folder: ".".into() };
+    let set = Overrides { set: vec!["plates.count=1000".into()], ..Overrides::default() };
+    let problems = Recipe::parse(source, set, &Registry::standard(), &Limits::default()).err().unwrap();
+    assert_eq!(problems.diagnostics.len(), 1, "{problems}");
+    assert!(problems.to_string().contains("count"), "{problems}");
 }

@@ -62,11 +62,15 @@ fn name_of(about: &About) -> &str {
     if about.name.is_empty() { "height" } else { &about.name }
 }
 
+/// True for the names of coordinates, which no layer in a store can have.
+pub fn is_coordinate(name: &str) -> bool {
+    ["x", "y", X_FACE, Y_FACE, TIME, PLACE].contains(&name)
+}
+
 /// Refuses what cannot name the array of a layer.
 pub(crate) fn check_name(path: &Path, name: &str) -> Result<()> {
     let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
-    let taken = ["x", "y", X_FACE, Y_FACE, TIME, PLACE].contains(&name);
-    if !letters || name.is_empty() || name.starts_with(['.', '_']) || taken {
+    if !letters || name.is_empty() || name.starts_with(['.', '_']) || is_coordinate(name) {
         return Err(bad_name(path, name));
     }
     Ok(())

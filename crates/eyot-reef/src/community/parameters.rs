@@ -350,6 +350,10 @@ impl Community {
         if self.species.len() > 256 {
             return Err(bad(owner, "species", format!("{} are too many; there may be 256", self.species.len())));
         }
+        if let Some(s) = self.species.iter().find(|s| s.name.trim().is_empty() || s.name.chars().any(char::is_control))
+        {
+            return Err(bad(owner, "species", format!("{:?} is no name of a species", s.name)));
+        }
         self.species.iter().try_for_each(Species::check)?;
         if let Some(s) =
             self.species.iter().enumerate().find(|(i, s)| self.species[..*i].iter().any(|o| o.name == s.name))

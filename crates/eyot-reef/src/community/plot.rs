@@ -66,14 +66,22 @@ impl Plot {
         Ok(plot)
     }
 
+    /// Finds what keeps a plot from being made, before anything is allocated.
+    ///
+    /// # Errors
+    /// If a parameter or the site cannot work, or exceeds the limits.
+    pub fn check(community: &Community, site: &Site, limits: &Limits) -> Result<()> {
+        community.check()?;
+        site.check(community, limits)?;
+        disturbance::check(community, site)
+    }
+
     /// A bare plot.
     ///
     /// # Errors
     /// If a parameter or the site cannot work, or exceeds the limits.
     pub fn empty(community: Community, site: Site, forcing: Forcing, seed: u64, limits: Limits) -> Result<Self> {
-        community.check()?;
-        site.check(&community, &limits)?;
-        disturbance::check(&community, &site)?;
+        Self::check(&community, &site, &limits)?;
         let mut turf = TurfGrid::new(&site, &community.turf, Draws::new(seed, Stream::Placing, 0));
         turf.set(0.0);
         let interval = |kind: u64| Draws::new(seed, Stream::Interval, kind);

@@ -99,7 +99,7 @@ impl Site {
         let owner = "site";
         for (field, side) in [("width_m", self.width_m), ("length_m", self.length_m)] {
             if !(0.1..=MAX_SIDE_M).contains(&side) {
-                let reason = format!("{side} m is not within 0.1..={MAX_SIDE_M} m; use several plots for more");
+                let reason = format!("{side} m is not within 0.1..={MAX_SIDE_M} m");
                 return Err(bad(owner, field, reason));
             }
         }

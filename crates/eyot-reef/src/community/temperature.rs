@@ -23,7 +23,7 @@ pub struct Temperatures {
 type Date = (i64, usize, Option<usize>);
 
 impl Temperatures {
-    /// Reads a table of two columns, date and temperature in C, separated by comma, semicolon or white space. Dates are
+    /// Reads a table of two columns, date and temperature in C, separated by semicolon, tab, comma or space. Dates are
     /// `2005-08-31` in tables of days and `2005-08` in tables of months. A first line without a date is a heading; empty lines
     /// and those that begin with `#` count for nothing.
     ///
@@ -41,7 +41,7 @@ impl Temperatures {
             if line.is_empty() || line.starts_with('#') {
                 continue;
             }
-            let mut cells = line.split(|c: char| c == ',' || c == ';' || c.is_whitespace()).filter(|c| !c.is_empty());
+            let mut cells = columns(line).into_iter();
             let first = cells.next().unwrap_or_default().trim_matches('"');
             let Some(date) = date(first) else {
                 if rows.is_empty() && !first.starts_with(|c: char| c.is_ascii_digit()) {
@@ -50,6 +50,9 @@ impl Temperatures {
                 return Err(at(i, format!("`{}` is no date such as 2005-08-31 or 2005-08", shown(first))));
             };
             let value = temperature(cells.next().unwrap_or_default().trim_matches('"')).map_err(|e| at(i, e))?;
+            if let Some(more) = cells.next() {
+                return Err(at(i, format!("`{}` is one column too many; give a date and a temperature", shown(more))));
+            }
             if let Some((_, before, _)) = rows.last() {
                 if before.2.is_some() != date.2.is_some() {
                     return Err(at(i, "days and months are mixed; give either".into()));
@@ -165,11 +168,24 @@ fn date(text: &str) -> Option<Date> {
 }
 
 /// None for a gap.
+/// Cells of a line; empty ones at its end do not count. A semicolon or a tab divides before a comma does, and that before a space.
+fn columns(line: &str) -> Vec<&str> {
+    let cells: Vec<&str> = match [';', '\t', ','].into_iter().find(|&c| line.contains(c)) {
+        Some(mark) => line.split(mark).map(str::trim).collect(),
+        None => line.split_whitespace().collect(),
+    };
+    let end = cells.iter().rposition(|c| !c.is_empty()).map_or(0, |last| last + 1);
+    cells[..end].to_vec()
+}
+
 fn temperature(text: &str) -> Result<Option<f32>, String> {
     if text.is_empty() || text.eq_ignore_ascii_case("nan") || text.eq_ignore_ascii_case("na") {
         return Ok(None);
     }
-    let value: f32 = text.parse().map_err(|_| format!("`{}` is no temperature", shown(text)))?;
+    let value: f32 = text.parse().map_err(|_| match text.replace(',', ".").parse::<f32>() {
+        Ok(point) => format!("`{}` has a comma; write {point}", shown(text)),
+        Err(_) => format!("`{}` is no temperature", shown(text)),
+    })?;
     if value == 0.0 {
         return Ok(None);
     }

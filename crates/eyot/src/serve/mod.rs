@@ -16,7 +16,7 @@ use eyot_core::Limits;
 use eyot_stream::{Ending, Notice, Order, Server, Status};
 use std::net::SocketAddr;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
@@ -74,6 +74,8 @@ struct Desk {
     here: AtomicUsize,
     /// Whether the run still waits for them.
     waits: AtomicBool,
+    /// The client that made the run wait, or 0; when it leaves, the run goes on.
+    paused_by: AtomicU64,
     events: Mutex<Sender<Event>>,
 }
 
@@ -111,6 +113,7 @@ impl Serving {
             wait: options.wait,
             here: AtomicUsize::new(0),
             waits: AtomicBool::new(options.wait > 0),
+            paused_by: AtomicU64::new(0),
             events: Mutex::new(sender),
         });
         let theirs = desk.clone();
@@ -220,11 +223,18 @@ impl Desk {
             Notice::Left { client, address, reason } => {
                 self.here.fetch_sub(1, Ordering::AcqRel);
                 self.tell(Event::Left { client, address: address.to_string(), reason });
+                // Nobody else may know that the run waits, nor why.
+                if self.paused_by.compare_exchange(client, 0, Ordering::AcqRel, Ordering::Acquire).is_ok()
+                    && let Some(remote) = self.remote.get()
+                {
+                    remote.send(Command::Resume);
+                }
             }
             Notice::Refused { address, reason } => self.tell(Event::Refused { address: address.to_string(), reason }),
             // Nobody hurries a run along that waits for others.
             Notice::Order { .. } if self.waits.load(Ordering::Acquire) => {}
-            Notice::Order { order, .. } => {
+            Notice::Order { client, order } => {
+                self.paused_by.store(if order == Order::Resume { 0 } else { client }, Ordering::Release);
                 if let Some(remote) = self.remote.get() {
                     remote.send(match order {
                         Order::Pause => Command::Pause,

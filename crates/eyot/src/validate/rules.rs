@@ -1,6 +1,7 @@
 //! The `[[layer]]` and `[[rule]]` tables: the recipe's own layers and rules, and mistakes in their texts to the character.
 
 use super::Validator;
+use crate::backend::io;
 use crate::check;
 use crate::diagnostic::{Diagnostic, alternatives, nearest};
 use crate::keys::{self, Amount};
@@ -142,8 +143,8 @@ impl Validator<'_> {
             let help = "use lower-case letters, digits and underscores, a letter first".to_owned();
             return fail(format!("a {kind} cannot be named \"{name}\""), help);
         }
-        let key = [&DOCUMENT_KEYS[..], &SIMULATE_KEYS].concat().contains(&name);
-        if key || functions::is_taken(name) {
+        let key = [&DOCUMENT_KEYS[..], &SIMULATE_KEYS, &SCHEDULE_KEYS].concat().contains(&name);
+        if key || functions::is_taken(name) || io::is_coordinate(name) {
             return fail(format!("`{name}` means something else in recipes"), "choose another name".to_owned());
         }
         if self.registry.process(name).is_some() || self.registry.generator(name).is_some() {

@@ -1,6 +1,7 @@
 //! The `[[step]]` tables: what each does, with whose parameters, and what it leaves for the next.
 
 use super::{Validator, terms, without};
+use crate::backend::io;
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, alternatives, nearest};
 use crate::keys::{self, Names, Schedule};
@@ -11,7 +12,7 @@ use crate::registry::{DOCUMENT_KEYS, GENERATE_KEYS, SCHEDULE_KEYS, SIMULATE_KEYS
 use crate::texts;
 use eyot_core::LayerSpec;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::HashSet;
 
 impl Validator<'_> {
@@ -139,7 +140,7 @@ impl Validator<'_> {
             self.out.push(refused(&e, entry.name, node));
             return None;
         }
-        if !LayerSpec::is_name(&keys.layer) {
+        if !LayerSpec::is_name(&keys.layer) || io::is_coordinate(&keys.layer) {
             let span = node.get("layer").map_or_else(|| node.span.clone(), |n| n.span.clone());
             let message = format!("a layer cannot be named \"{}\"", keys.layer);
             self.out.push(
@@ -311,6 +312,7 @@ impl Validator<'_> {
         check::table(&own, node, name, &SCHEDULE_KEYS, &mut self.out);
         check::table(&schedule, &theirs, name, &[], &mut self.out);
         if self.out.len() > before {
+            self.presume(&actor);
             return None;
         }
         let mut schedule: Schedule = serde_json::from_value(theirs.to_json()).unwrap_or_default();
@@ -330,6 +332,7 @@ impl Validator<'_> {
             Ok(process) => {
                 if let Some(Err(e)) = self.grid.filter(|_| acts).map(|g| process.check(&g)) {
                     self.out.push(refused(&e, name, node));
+                    self.presume(&actor);
                     return None;
                 }
                 let needs = process.needs().into_iter().filter(|_| acts);
@@ -355,7 +358,18 @@ impl Validator<'_> {
             }
             Err(e) => {
                 self.out.push(Diagnostic::at(node.span.clone(), format!("`{name}`: {e}"), "here"));
+                self.presume(&actor);
                 None
+            }
+        }
+    }
+
+    /// Takes the layers of a process that is wrong for made, so that later steps are not blamed for it.
+    fn presume(&mut self, actor: &Actor) {
+        let Ok(process) = actor.make(&json!({})) else { return };
+        for (spec, _) in process.layers() {
+            if !self.layers.iter().any(|l| *l == *spec.name) {
+                self.layers.push(spec.name.into_owned());
             }
         }
     }
