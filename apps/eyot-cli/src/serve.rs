@@ -53,7 +53,7 @@ pub(crate) struct Serve {
     /// Allow an address that other machines can reach; the stream is not encrypted and asks for no password
     #[arg(long)]
     public: bool,
-    /// Let pages of this origin connect, such as https://example.org; may be repeated. Pages of this machine always may
+    /// Let pages of this origin connect, such as `https://example.org`; may be repeated. Pages of this machine always may
     #[arg(long, value_name = "ORIGIN")]
     allow_origin: Vec<String>,
     /// Most clients at a time

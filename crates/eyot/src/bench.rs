@@ -186,7 +186,7 @@ pub struct CommunityReport {
     pub seconds_per_month: f64,
     /// Months a second in the best sample.
     pub months_per_second: f64,
-    /// Seconds of [`YEARS`] on such a plot, from bare ground, at the speed of the median sample.
+    /// Seconds of fifty years on such a plot, from bare ground, at the speed of the median sample.
     pub seconds_per_plot: f64,
     /// Colonies at the end.
     pub colonies: usize,
