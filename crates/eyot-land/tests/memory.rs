@@ -1,8 +1,9 @@
 //! What actions and generators hold while they work is what they say: runs are refused by these numbers before they begin.
 
-// Reason for the exception: an allocator that counts is the only witness that sees every byte.
-#![allow(unsafe_code)]
+#[path = "../../eyot-core/tests/counting/mod.rs"]
+mod counting;
 
+use counting::peak;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Entry, Generator, Moment, Process, Site};
 use eyot_core::{Control, Field, Grid, LayerSpec, Limits, Rim, World};
@@ -10,57 +11,6 @@ use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::PROCESSES;
 use serde_json::{Value, json};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// The system's allocator, with what is held and the most that was.
-struct Counting;
-
-static HELD: AtomicUsize = AtomicUsize::new(0);
-static MOST: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: hands every call on to the system's allocator, and only counts.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let held = HELD.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        MOST.fetch_max(held, Ordering::Relaxed);
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        let held = HELD.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        MOST.fetch_max(held, Ordering::Relaxed);
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // Large blocks grow where they are, or move without a copy.
-        let held = HELD.fetch_add(size, Ordering::Relaxed) + size - layout.size();
-        HELD.fetch_sub(layout.size(), Ordering::Relaxed);
-        MOST.fetch_max(held, Ordering::Relaxed);
-        // SAFETY: the caller's promise.
-        unsafe { System.realloc(at, layout, size) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        HELD.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
-/// Bytes that `work` held at its peak beyond what was held before, per cell.
-fn peak<T>(grid: &Grid, work: impl FnOnce() -> T) -> (f64, T) {
-    let before = HELD.load(Ordering::Relaxed);
-    MOST.store(before, Ordering::Relaxed);
-    let result = work();
-    ((MOST.load(Ordering::Relaxed) - before) as f64 / grid.cells() as f64, result)
-}
 
 /// The height at (column, row).
 type Heights = fn(usize, usize) -> f32;
