@@ -5,6 +5,10 @@
 //! 1. rivers: `q = erosion dt / cell^2 (p_a - p_b) / A`: only land is worn, and its shelf receives what comes off the coast
 //! 2. waves, where one is land and the other sea: `q += coast dt / cell^2 min(p, 200 m) / A`
 //! 3. flow of thick crust: `q += 0.2 (max(crust_a - max_crust, 0) - max(crust_b - max_crust, 0))`
+//! 4. denudation: `dh/dt = -denudation (p / 1 km)^2`, and what it takes from the land of a plate its coasts get, all the same
+//!
+//! Relief grows with height, and rivers cut the faster the steeper it is (Ahnert 1970 found both), so high plateaus wear down in tens of
+//! millions of years and lowlands hardly. The last term makes continents that collisions have shortened grow at their margins.
 //!
 //! `A` is the rise of land for each metre of crust, so heights diffuse with the given diffusivity. A face has one flux in whole units of
 //! crust, so nothing is lost. The flow has no noise, so it leaves no grain; it moves crust instead of taking it, so mountains do not wear
@@ -14,6 +18,7 @@ use crate::crust::{UNITS_PER_M, metres};
 use crate::geometry::{Geometry, rows_at_once};
 use crate::isostasy::RISE;
 use crate::parameters::Tectonics;
+use crate::runs;
 use rayon::prelude::*;
 
 /// Largest share of a height difference that one pass may move through a face.
@@ -28,6 +33,92 @@ struct Rates {
     rivers: f32,
     waves: f32,
     max_crust: f32,
+}
+
+/// What a cell at the coast can be given at most, m of crust per million years.
+const DELTA_M: f64 = 500.0;
+
+/// Carries crust from the land of each plate to its coasts for `years`.
+pub(crate) fn denude(
+    g: &Geometry,
+    p: &Tectonics,
+    years: f64,
+    plates: usize,
+    owner: &[u8],
+    height: &[f32],
+    crust: &mut [i32],
+) {
+    if p.denudation <= 0.0 {
+        return;
+    }
+    let w = g.width;
+    let per_m2 = (f64::from(p.denudation) * years * 1e-12 * f64::from(UNITS_PER_M) / f64::from(RISE)) as f32;
+    let taken = |h: f32, factor: f32| (factor * h.max(0.0) * h.max(0.0)) as i32;
+    // What each plate would lose, and the sea beside its land.
+    let row = |y: usize| {
+        let (heights, owners) = (&height[y * w..][..w], &owner[y * w..][..w]);
+        let mut lost = vec![0i64; plates];
+        for run in runs::of_row(owners) {
+            let sum: i64 = heights[run.range()].iter().map(|&h| i64::from(taken(h, per_m2))).sum();
+            lost[usize::from(run.owner)] += sum;
+        }
+        let beside =
+            [g.row(y as isize - 1), g.row(y as isize + 1)].map(|r| r.map_or(heights, |r| &height[r * w..][..w]));
+        let any = |x: usize| {
+            g.column(x as isize - 1).is_some_and(|x| heights[x] > 0.0)
+                || g.column(x as isize + 1).is_some_and(|x| heights[x] > 0.0)
+        };
+        let coast = |&x: &usize| heights[x] <= 0.0 && (beside[0][x] > 0.0 || beside[1][x] > 0.0 || any(x));
+        let coasts: Vec<u32> = (0..w).filter(coast).map(|x| (y * w + x) as u32).collect();
+        (lost, coasts)
+    };
+    let rows: Vec<(Vec<i64>, Vec<u32>)> =
+        (0..g.height).into_par_iter().with_min_len(rows_at_once(w)).map(row).collect();
+    let mut lost = vec![0i64; plates];
+    let mut coasts = vec![0i64; plates];
+    for (row, cells) in &rows {
+        lost.iter_mut().zip(row).for_each(|(l, r)| *l += r);
+        cells.iter().for_each(|&c| coasts[usize::from(owner[c as usize])] += 1);
+    }
+    // What finds no coast stays where it is.
+    let delta = DELTA_M * years * 1e-6 * f64::from(UNITS_PER_M);
+    let factor: Vec<f32> = lost
+        .iter()
+        .zip(&coasts)
+        .map(|(&l, &n)| per_m2 * (delta * n as f64 / l.max(1) as f64).min(1.0) as f32)
+        .collect();
+    let carried: Vec<Vec<i64>> = crust
+        .par_chunks_mut(w)
+        .enumerate()
+        .with_min_len(rows_at_once(w))
+        .map(|(y, crust)| {
+            let mut carried = vec![0i64; plates];
+            for run in runs::of_row(&owner[y * w..][..w]) {
+                let factor = factor[usize::from(run.owner)];
+                let heights = &height[y * w..][run.range()];
+                let sum: i64 = crust[run.range()]
+                    .iter_mut()
+                    .zip(heights)
+                    .map(|(c, &h)| {
+                        let q = taken(h, factor);
+                        *c -= q;
+                        i64::from(q)
+                    })
+                    .sum();
+                carried[usize::from(run.owner)] += sum;
+            }
+            carried
+        })
+        .collect();
+    let mut left = vec![0i64; plates];
+    carried.iter().for_each(|row| left.iter_mut().zip(row).for_each(|(l, r)| *l += r));
+    for &cell in rows.iter().flat_map(|r| &r.1) {
+        let plate = usize::from(owner[cell as usize]);
+        let share = left[plate] / coasts[plate];
+        crust[cell as usize] += share as i32;
+        left[plate] -= share;
+        coasts[plate] -= 1;
+    }
 }
 
 /// Passes that `years` need.

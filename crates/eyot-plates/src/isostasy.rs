@@ -75,9 +75,15 @@ pub fn height_m(crust_m: f32, age_myr: f32, level: f32) -> f32 {
     if dry < 0.0 { dry * L } else { dry }
 }
 
+/// By how much ground at this height would stand above the level without water on it, m.
+#[inline(always)]
+pub(crate) fn dry_m(height: f32) -> f32 {
+    if height < 0.0 { height / L } else { height }
+}
+
 /// Thickness, m, that stands at `height`; not below 0.
 pub fn crust_m(height: f32, age_myr: f32, level: f32) -> f32 {
-    let buoyancy = level + if height < 0.0 { height / L } else { height };
+    let buoyancy = level + dry_m(height);
     let theta = theta(age_myr);
     let ageless = buoyancy / A;
     if ageless >= AGELESS_M {

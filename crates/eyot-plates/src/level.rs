@@ -1,18 +1,25 @@
 //! Heights from the crust, and the level of the sea that keeps the asked share of land.
 //!
-//! The level is a number for the whole world. After each step it moves by the missing share of land over how densely the heights lie
-//! around the coast, so the share is right again one step later; at most by `FASTEST_M` a step, so that a changed wish floods no
-//! world at once. Continents themselves keep their area: collisions shorten them, rivers, stretching and arcs widen them.
+//! The level is a number for the whole world. The share of land that is aimed at follows the wish by half a point a step, and waits for
+//! the level: so a changed wish, or land that others raised, floods no world at once. After each step the level moves by what is missing
+//! of it over how densely the heights lie around the coast, at most by `FASTEST_M`: so the coast is steady. Where that is not enough, as
+//! where the whole side of a continent collides within one step on a coarse grid, the level becomes the one, from the distribution of
+//! all heights, at which the share is `FARTHEST` from the aim. Continents themselves keep their area: collisions shorten them, rivers,
+//! stretching and arcs widen them.
 
 use crate::crust::metres;
 use crate::geometry::rows_at_once;
-use crate::isostasy::height_m;
+use crate::isostasy::{dry_m, height_m};
 use rayon::prelude::*;
 
 /// Half the band around the coast in which heights are counted, m.
 const BAND_M: f32 = 150.0;
 /// The level moves no faster, m a step.
 const FASTEST_M: f64 = 25.0;
+/// The share of land is never farther from the one that is aimed at.
+const FARTHEST: f64 = 0.02;
+/// That one moves no faster, per step.
+const FASTEST_AIM: f64 = 0.005;
 
 /// Cells above the sea, and cells in the band around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -44,4 +51,25 @@ pub(crate) fn correction(coast: Coast, cells: usize, share: f64) -> f64 {
     // Where hardly any height is near the sea the band says nothing.
     let per_m = (coast.band as f64).max(0.002 * cells) / (2.0 * f64::from(BAND_M));
     ((coast.land as f64 - share * cells) / per_m).clamp(-FASTEST_M, FASTEST_M)
+}
+
+/// The share of land to aim at after a step that ended with so much of it.
+pub(crate) fn aim(aim: f64, land: f64, wish: f64) -> f64 {
+    // Heights may have a gap that the level has to cross first.
+    let follows = (land - aim).abs() < 0.5 * FARTHEST;
+    if follows { aim + (wish - aim).clamp(-FASTEST_AIM, FASTEST_AIM) } else { aim }
+}
+
+/// By how much the level has to rise at once for a share of land within [`FARTHEST`] of `aim`, m; `None` if it is.
+pub(crate) fn at_once(coast: Coast, height: &[f32], aim: f64) -> Option<f64> {
+    let cells = height.len() as f64;
+    let (least, most) = ((aim - FARTHEST) * cells, (aim + FARTHEST) * cells);
+    let land = coast.land as f64;
+    if (least..=most).contains(&land) {
+        return None;
+    }
+    // So many cells are to be land: the next lower one lies at the new coast.
+    let wanted = if land < least { least.ceil() } else { most.floor() }.clamp(0.0, cells - 1.0) as usize;
+    let mut dry: Vec<f32> = height.iter().map(|&h| dry_m(h)).collect();
+    Some(f64::from(*dry.select_nth_unstable_by(wanted, |a, b| b.total_cmp(a)).1))
 }

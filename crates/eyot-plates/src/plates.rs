@@ -9,7 +9,7 @@ use crate::erosion;
 use crate::geometry::Geometry;
 use crate::growth::unit;
 use crate::isostasy::crust_m;
-use crate::level::{correction, heights};
+use crate::level::{aim, at_once, correction, heights};
 use crate::meeting::{Contact, Kind, Polarity};
 use crate::motion;
 use crate::pairs::Pairs;
@@ -61,6 +61,8 @@ pub(crate) struct Clock {
     pub(crate) level: f64,
     /// What it rises by before the next heights, m.
     pub(crate) rise: f64,
+    /// Share of land that the level aims at, on its way to the asked one.
+    pub(crate) aim: f64,
     /// Restarts asked for when the last one was made.
     pub(crate) restarts: u32,
     /// True once the last cycle is over.
@@ -139,6 +141,7 @@ impl Plates {
                 since_myr: 0.0,
                 level: crust.level,
                 rise: 0.0,
+                aim: 0.0,
                 restarts: parameters.restarts,
                 at_rest: false,
             },
@@ -148,7 +151,9 @@ impl Plates {
             parameters,
         };
         plates.budget.start = plates.crust_units();
-        heights(g.width, &plates.maps.crust, &mut plates.maps.age, 0.0, plates.clock.level, &mut plates.height);
+        let Self { maps, height, clock, .. } = &mut plates;
+        let coast = heights(g.width, &maps.crust, &mut maps.age, 0.0, clock.level, height);
+        clock.aim = coast.land as f64 / g.cells() as f64;
         plates.restart();
         Ok(plates)
     }
@@ -171,8 +176,13 @@ impl Plates {
         let myr = self.parameters.myr_per_step();
         let Self { g, maps, height, clock, .. } = self;
         clock.level += clock.rise;
-        let coast = heights(g.width, &maps.crust, &mut maps.age, myr as f32, clock.level, height);
-        clock.rise = correction(coast, g.cells(), f64::from(self.parameters.land));
+        let mut coast = heights(g.width, &maps.crust, &mut maps.age, myr as f32, clock.level, height);
+        if let Some(rise) = at_once(coast, height, clock.aim) {
+            clock.level += rise;
+            coast = heights(g.width, &maps.crust, &mut maps.age, 0.0, clock.level, height);
+        }
+        clock.aim = aim(clock.aim, coast.land as f64 / g.cells() as f64, f64::from(self.parameters.land));
+        clock.rise = correction(coast, g.cells(), clock.aim);
         clock.since_myr += myr;
         if !clock.at_rest {
             self.end_cycle();
@@ -418,6 +428,8 @@ impl Plates {
     fn erode(&mut self) {
         let p = &self.parameters;
         let years = f64::from(p.years_per_step) * EROSION_EVERY as f64;
+        let n = self.plates.len();
+        erosion::denude(&self.g, p, years, n, &self.maps.owner, &self.height, &mut self.maps.crust);
         let passes = erosion::passes(&self.g, p, years);
         for pass in 0..passes {
             if pass > 0 {
@@ -473,6 +485,7 @@ impl Plates {
             return Err(Error::Shape { what: "finite heights for plates".into(), expected: self.g.cells(), found });
         }
         let level = self.clock.level as f32;
+        let mut gained = 0i64;
         for (i, (&new, old)) in height.iter().zip(&mut self.height).enumerate() {
             // Less than a height far above the sea can hold, so it came by rounding.
             if (new - *old).abs() < 2e-3 {
@@ -483,8 +496,11 @@ impl Plates {
             let grown = i64::from(thick) - i64::from(*crust);
             self.budget.deposited += grown.max(0);
             self.budget.removed += (-grown).max(0);
+            gained += i64::from(new > 0.0) - i64::from(*old > 0.0);
             (*crust, *old) = (thick, new);
         }
+        // The sea does not answer at once.
+        self.clock.aim += gained as f64 / self.g.cells() as f64;
         Ok(())
     }
 
