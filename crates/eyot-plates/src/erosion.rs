@@ -4,11 +4,14 @@
 //! On each face between neighbours a and b, with `p = max(height, 0)`:
 //! 1. rivers: `q = erosion dt / cell^2 (p_a - p_b) / A`: only land is worn, and its shelf receives what comes off the coast
 //! 2. waves, where one is land and the other sea: `q += coast dt / cell^2 min(p, 200 m) / A`
-//! 3. flow of thick crust: `q += 0.2 (max(crust_a - max_crust, 0) - max(crust_b - max_crust, 0))`
-//! 4. denudation: `dh/dt = -denudation (p / 1 km)^2`, and what it takes from the land of a plate its coasts get, all the same
+//! 3. flow of thick crust: `q += 0.2 (max(crust_a - max_crust, 0) - max(crust_b - max_crust, 0))`, and slower spreading of whatever is
+//!    thicker than 0.7 `max_crust`, `q += min(150 m2/yr dt / cell^2, 0.1) (s_a - s_b)`, with `s = max(crust - 0.7 max_crust, 0)^2 / (0.6 max_crust)`
+//! 4. denudation: `dh/dt = -denudation (p / 1 km)^3`, and what it takes from the land of a plate the edges of its shelves get, all the
+//!    same: the first cells below -130 m
 //!
-//! Relief grows with height, and rivers cut the faster the steeper it is (Ahnert 1970 found both), so high plateaus wear down in tens of
-//! millions of years and lowlands hardly. The last term makes continents that collisions have shortened grow at their margins.
+//! Relief grows with height (Ahnert 1970), and slopes wear the faster than in proportion the steeper they are (Montgomery and Brandon 2002),
+//! so high plateaus wear down in tens of millions of years and lowlands hardly. The last term makes continents that collisions have
+//! shortened grow at their margins.
 //!
 //! `A` is the rise of land for each metre of crust, so heights diffuse with the given diffusivity. A face has one flux in whole units of
 //! crust, so nothing is lost. The flow has no noise, so it leaves no grain; it moves crust instead of taking it, so mountains do not wear
@@ -26,19 +29,24 @@ const STABLE: f64 = 0.12;
 /// What waves reach, m.
 const WAVES_M: f32 = 200.0;
 const FLOW: f32 = 0.2;
+/// How fast thick crust spreads, m2/yr: a plateau becomes 300 km wider in forty million years.
+const SPREAD: f64 = 150.0;
 
 /// Rates of one pass for faces to the east and to the south.
 #[derive(Clone, Copy)]
 struct Rates {
     rivers: f32,
     waves: f32,
+    spread: f32,
     max_crust: f32,
 }
 
-/// What a cell at the coast can be given at most, m of crust per million years.
-const DELTA_M: f64 = 500.0;
+/// What a cell at the edge of a shelf can be given at most, m of crust per million years.
+const DELTA_M: f64 = 150.0;
+/// Height of the edge of the shelves, m.
+const SHELF_M: f32 = -130.0;
 
-/// Carries crust from the land of each plate to its coasts for `years`.
+/// Carries crust from the land of each plate to the edges of its shelves for `years`.
 pub(crate) fn denude(
     g: &Geometry,
     p: &Tectonics,
@@ -52,23 +60,25 @@ pub(crate) fn denude(
         return;
     }
     let w = g.width;
-    let per_m2 = (f64::from(p.denudation) * years * 1e-12 * f64::from(UNITS_PER_M) / f64::from(RISE)) as f32;
-    let taken = |h: f32, factor: f32| (factor * h.max(0.0) * h.max(0.0)) as i32;
-    // What each plate would lose, and the sea beside its land.
+    let per_m3 = (f64::from(p.denudation) * years * 1e-15 * f64::from(UNITS_PER_M) / f64::from(RISE)) as f32;
+    let taken = |h: f32, factor: f32| {
+        let p = h.max(0.0);
+        (factor * p * p * p) as i32
+    };
+    // What each plate would lose, and the sea beside its shelves.
     let row = |y: usize| {
         let (heights, owners) = (&height[y * w..][..w], &owner[y * w..][..w]);
         let mut lost = vec![0i64; plates];
         for run in runs::of_row(owners) {
-            let sum: i64 = heights[run.range()].iter().map(|&h| i64::from(taken(h, per_m2))).sum();
+            let sum: i64 = heights[run.range()].iter().map(|&h| i64::from(taken(h, per_m3))).sum();
             lost[usize::from(run.owner)] += sum;
         }
         let beside =
             [g.row(y as isize - 1), g.row(y as isize + 1)].map(|r| r.map_or(heights, |r| &height[r * w..][..w]));
-        let any = |x: usize| {
-            g.column(x as isize - 1).is_some_and(|x| heights[x] > 0.0)
-                || g.column(x as isize + 1).is_some_and(|x| heights[x] > 0.0)
-        };
-        let coast = |&x: &usize| heights[x] <= 0.0 && (beside[0][x] > 0.0 || beside[1][x] > 0.0 || any(x));
+        let shelf = |row: &[f32], x: usize| row[x] > SHELF_M;
+        let beside_in_row =
+            |x: usize| [-1, 1].into_iter().filter_map(|d| g.column(x as isize + d)).any(|x| shelf(heights, x));
+        let coast = |&x: &usize| !shelf(heights, x) && (shelf(beside[0], x) || shelf(beside[1], x) || beside_in_row(x));
         let coasts: Vec<u32> = (0..w).filter(coast).map(|x| (y * w + x) as u32).collect();
         (lost, coasts)
     };
@@ -80,12 +90,12 @@ pub(crate) fn denude(
         lost.iter_mut().zip(row).for_each(|(l, r)| *l += r);
         cells.iter().for_each(|&c| coasts[usize::from(owner[c as usize])] += 1);
     }
-    // What finds no coast stays where it is.
+    // What finds no room stays where it is.
     let delta = DELTA_M * years * 1e-6 * f64::from(UNITS_PER_M);
     let factor: Vec<f32> = lost
         .iter()
         .zip(&coasts)
-        .map(|(&l, &n)| per_m2 * (delta * n as f64 / l.max(1) as f64).min(1.0) as f32)
+        .map(|(&l, &n)| per_m3 * (delta * n as f64 / l.max(1) as f64).min(1.0) as f32)
         .collect();
     let carried: Vec<Vec<i64>> = crust
         .par_chunks_mut(w)
@@ -135,6 +145,7 @@ pub(crate) fn pass(g: &Geometry, p: &Tectonics, years: f64, height: &[f32], crus
         Rates {
             rivers: (f64::from(p.erosion) * per) as f32,
             waves: (f64::from(p.coast) * per) as f32,
+            spread: (SPREAD * per).min(0.1) as f32,
             max_crust: p.max_crust,
         }
     };
@@ -170,5 +181,10 @@ fn flux(r: Rates, a: (f32, i32), b: (f32, i32)) -> i32 {
     let at_coast = if (a.0 > 0.0) != (b.0 > 0.0) { r.waves } else { 0.0 };
     let levelling = r.rivers * (pa - pb) + at_coast * (pa.min(WAVES_M) - pb.min(WAVES_M));
     let thick = |c: i32| (metres(c) - r.max_crust).max(0.0);
-    ((levelling * (1.0 / RISE) + FLOW * (thick(a.1) - thick(b.1))) * UNITS_PER_M as f32) as i32
+    let spreads = |c: i32| {
+        let over = (metres(c) - 0.7 * r.max_crust).max(0.0);
+        over * over * (1.0 / (0.6 * r.max_crust))
+    };
+    let flow = FLOW * (thick(a.1) - thick(b.1)) + r.spread * (spreads(a.1) - spreads(b.1));
+    ((levelling * (1.0 / RISE) + flow) * UNITS_PER_M as f32) as i32
 }

@@ -45,6 +45,8 @@ const LARGEST_PLATE: f64 = 0.7;
 const MOST_SUTURES: usize = 8;
 /// How much more a plate must bring to a border than the other one to turn its polarity, cells.
 const TURN: (f64, f64) = (1.5, 6.0);
+/// Cosine of the angle to a border from which on a plate sinks there and does not slide along it.
+const SLIDES: f64 = 0.35;
 /// What is left of the memory of a border after a step.
 const BORDER_MEMORY: f64 = 0.95;
 
@@ -274,10 +276,14 @@ impl Plates {
                 }
                 Kind::Sinks => {
                     let (scraped, sunk) = scrape(c.crust);
-                    changes.add(cell, scraped);
+                    if scraped > 0 && is_continental(crust[cell]) {
+                        fold(&self.g, crust, cell, scraped, slab, (0, reach), max_crust, changes);
+                    } else {
+                        changes.add(cell, scraped);
+                    }
                     self.budget.subducted += i64::from(sunk);
                     // Where a continent was scraped off the slab it is the upper plate's own floor that sank.
-                    if !c.continental.1 {
+                    if !c.continental.1 && self.converges(c, slab) {
                         self.budget.arcs += arcs.erupt(cell, sunk, slab, (c.over, over), changes);
                         let heavy = f64::from((c.age / 80.0).min(1.0));
                         let side = f64::from(areas[usize::from(c.under)].max(1)).sqrt();
@@ -288,6 +294,17 @@ impl Plates {
             }
         }
         self.feel(&fronts, &at_rim, &pull, areas);
+    }
+
+    /// True if the lower plate comes towards the upper one, and does not slide along it.
+    fn converges(&self, c: &Contact, slab: (f64, f64)) -> bool {
+        let (mut x, mut y) = (0.0, 0.0);
+        for (dx, dy) in [(-2, -2), (0, -2), (2, -2), (-2, 0), (2, 0), (-2, 2), (0, 2), (2, 2)] {
+            let below = self.g.beside(c.cell as usize, dx, dy).is_some_and(|n| self.maps.owner[n] == c.under);
+            let way = f64::from(u8::from(below));
+            (x, y) = (x + way * dx as f64, y + way * dy as f64);
+        }
+        slab.0 * x + slab.1 * y < -SLIDES * x.hypot(y)
     }
 
     fn rim(&self, dx: i8) -> Edge {

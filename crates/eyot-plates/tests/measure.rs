@@ -45,3 +45,33 @@ fn measure() {
         println!("{r}");
     }
 }
+#[test]
+fn dump() {
+    let var = |n: &str, d: &str| std::env::var(n).unwrap_or(d.into());
+    let w: usize = var("W", "512").parse().unwrap();
+    let g = Grid::new(w, w / 2, 4e7 / w as f64, CYLINDER, &Limits::default()).unwrap();
+    let at: Vec<usize> = var("AT", "1,60,120,180,250").split(',').map(|s| s.parse().unwrap()).collect();
+    let default = Tectonics::default();
+    let p = if var("EARTH", "") != "" {
+        default
+    } else {
+        Tectonics { count: 12, gather: 0.9, breakup: 0.7, cycle: 0.0, ..default }
+    };
+    for seed in var("SEEDS", "4").split(',').map(|s| s.parse::<u64>().unwrap()) {
+        let mut plates = Plates::new(&g, seed, p.clone(), Start::Noise).unwrap();
+        let t = std::time::Instant::now();
+        for s in 1..=*at.last().unwrap() {
+            plates.step();
+            if at.contains(&s) {
+                let bytes: Vec<u8> = plates
+                    .height()
+                    .iter()
+                    .flat_map(|h| h.to_le_bytes())
+                    .chain(plates.owner().iter().copied())
+                    .collect();
+                std::fs::write(format!("/work/wt/tmp-tecto/d_{seed}_{s}.bin"), bytes).unwrap();
+            }
+        }
+        println!("seed {seed}: {:?}, level {}", t.elapsed(), plates.numbers()[4]);
+    }
+}
