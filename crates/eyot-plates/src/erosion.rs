@@ -3,7 +3,8 @@
 //! # Equations
 //! On each face between neighbours a and b, with `p = max(height, 0)`:
 //! 1. rivers: `q = erosion dt / cell^2 (p_a - p_b) / A`: only land is worn, and its shelf receives what comes off the coast
-//! 2. waves, where one is land and the other sea: `q += coast dt / cell^2 min(p, 200 m) / A`
+//! 2. waves, where one is sea at least: `q += coast dt / cell^2 (s_a - s_b) / A`, with the height `s` no less than -100 m, no more than
+//!    200 m
 //! 3. flow of thick crust: `q += 0.2 (max(crust_a - max_crust, 0) - max(crust_b - max_crust, 0))`, and slower spreading of whatever is
 //!    thicker than 0.7 `max_crust`, `q += min(150 m2/yr dt / cell^2, 0.1) (s_a - s_b)`, with `s = max(crust - 0.7 max_crust, 0)^2 / (0.6 max_crust)`
 //! 4. denudation: `dh/dt = -denudation (p / 1 km)^3`, and what it takes from the land of a plate the edges of its shelves get, all the
@@ -26,8 +27,9 @@ use rayon::prelude::*;
 
 /// Largest share of a height difference that one pass may move through a face.
 const STABLE: f64 = 0.12;
-/// What waves reach, m.
+/// What waves reach above and below the sea, m.
 const WAVES_M: f32 = 200.0;
+const WAVES_DOWN_M: f32 = 100.0;
 const FLOW: f32 = 0.2;
 /// How fast thick crust spreads, m2/yr: a plateau becomes 300 km wider in forty million years.
 const SPREAD: f64 = 150.0;
@@ -178,8 +180,9 @@ pub(crate) fn pass(g: &Geometry, p: &Tectonics, years: f64, height: &[f32], crus
 #[inline(always)]
 fn flux(r: Rates, a: (f32, i32), b: (f32, i32)) -> i32 {
     let (pa, pb) = (a.0.max(0.0), b.0.max(0.0));
-    let at_coast = if (a.0 > 0.0) != (b.0 > 0.0) { r.waves } else { 0.0 };
-    let levelling = r.rivers * (pa - pb) + at_coast * (pa.min(WAVES_M) - pb.min(WAVES_M));
+    let waves = if a.0 > 0.0 && b.0 > 0.0 { 0.0 } else { r.waves };
+    let reached = |h: f32| h.clamp(-WAVES_DOWN_M, WAVES_M);
+    let levelling = r.rivers * (pa - pb) + waves * (reached(a.0) - reached(b.0));
     let thick = |c: i32| (metres(c) - r.max_crust).max(0.0);
     let spreads = |c: i32| {
         let over = (metres(c) - 0.7 * r.max_crust).max(0.0);

@@ -17,7 +17,7 @@ use std::collections::BinaryHeap;
 /// Cells tried for each seed.
 const CANDIDATES: u64 = 4;
 /// How far borders bend, as a share of the shorter side of the grid.
-const FRAY: f32 = 0.05;
+const FRAY: f32 = 0.08;
 /// Times that torn-off parts are looked for.
 const ROUNDS: usize = 4;
 /// No owner.
@@ -65,7 +65,7 @@ pub(crate) fn grow(g: &Geometry, count: usize, seed: u64) -> Vec<u8> {
 
 /// Bends borders by fractal noise: rifts are as uneven as the coasts that they leave, and no front of growth is.
 fn fray(g: &Geometry, owner: Vec<u8>, seed: u64) -> Vec<u8> {
-    let bend = |key: u64| Fractal { scale: 0.22, octaves: 5, gain: 0.5, warp: 0.0 }.field(g, mix64(seed ^ key));
+    let bend = |key: u64| Fractal { scale: 0.3, octaves: 6, gain: 0.5, warp: 0.0 }.field(g, mix64(seed ^ key));
     let (east, south) = (bend(0xf4a1), bend(0xf4a2));
     let most = FRAY * g.width.min(g.height) as f32;
     let from = |cell: usize| {

@@ -46,7 +46,7 @@ const MOST_SUTURES: usize = 8;
 /// How much more a plate must bring to a border than the other one to turn its polarity, cells.
 const TURN: (f64, f64) = (1.5, 6.0);
 /// Cosine of the angle to a border from which on a plate sinks there and does not slide along it.
-const SLIDES: f64 = 0.35;
+pub(crate) const SLIDES: f64 = 0.35;
 /// What is left of the memory of a border after a step.
 const BORDER_MEMORY: f64 = 0.95;
 
@@ -222,7 +222,8 @@ impl Plates {
         std::mem::swap(&mut self.maps, &mut self.spare);
         let Borders { gaps, contacts } = borders;
         let mut changes = Changes::default();
-        self.budget.ridges += ridge::fill(&self.g, &self.maps, &gaps, shifts, self.parameters.stretch, &mut changes);
+        self.budget.ridges +=
+            ridge::fill(&self.g, &self.maps, &gaps, (&self.plates, shifts), self.parameters.stretch, &mut changes);
         self.settle(&contacts, areas, &mut changes);
         self.budget.delaminated += changes.apply(&self.g, &mut self.maps.crust, self.parameters.max_crust);
         self.turn_polarity();
@@ -402,11 +403,15 @@ impl Plates {
         let rows = [0, h - 1].into_iter().flat_map(|y| (0..w).map(move |x| (1, y * w + x)));
         let columns = [0, w - 1].into_iter().flat_map(|x| (0..h).map(move |y| (0, y * w + x)));
         let closed = [self.g.rim.0, self.g.rim.1].map(|e| e == Edge::Closed);
-        self.plates.iter_mut().for_each(|p| p.held = [false; 2]);
+        let mut touching = vec![[0u32; 2]; self.plates.len()];
         for (axis, cell) in rows.chain(columns) {
             if closed[axis] && is_continental(self.maps.crust[cell]) {
-                self.plates[usize::from(self.maps.owner[cell])].held[axis] = true;
+                touching[usize::from(self.maps.owner[cell])][axis] += 1;
             }
+        }
+        for (plate, [columns, rows]) in self.plates.iter_mut().zip(touching) {
+            // From a corner a plate moves on along the rim that it touches more.
+            plate.held = [columns > rows, rows > 0 && rows >= columns];
         }
     }
 
