@@ -30,6 +30,11 @@ pub(crate) fn unit(seed: u64, key: u64) -> f64 {
 
 /// The owner of each cell; plates are numbered in the order of their seeds.
 pub(crate) fn grow(g: &Geometry, count: usize, seed: u64) -> Vec<u8> {
+    let owner = fronts(g, count, seed);
+    fray(g, owner, seed)
+}
+
+fn fronts(g: &Geometry, count: usize, seed: u64) -> Vec<u8> {
     let seeds = seeds(g, count, seed);
     let ground = Fractal { scale: 0.3, octaves: 5, gain: 0.7, warp: 0.0 }.field(g, mix64(seed ^ 0x9707));
     let pace: Vec<f32> = (0..seeds.len()).map(|p| 0.6 + 1.1 * unit(seed, 0xace0 + p as u64) as f32).collect();
@@ -60,7 +65,7 @@ pub(crate) fn grow(g: &Geometry, count: usize, seed: u64) -> Vec<u8> {
             }
         }
     }
-    fray(g, owner, seed)
+    owner
 }
 
 /// Bends borders by fractal noise: rifts are as uneven as the coasts that they leave, and no front of growth is.
