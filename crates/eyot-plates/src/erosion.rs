@@ -44,7 +44,7 @@ struct Rates {
 }
 
 /// What a cell at the edge of a shelf can be given at most, m of crust per million years.
-const DELTA_M: f64 = 150.0;
+const DELTA_M: f64 = 500.0;
 /// Height of the edge of the shelves, m.
 const SHELF_M: f32 = -130.0;
 

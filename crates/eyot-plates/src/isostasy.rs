@@ -75,6 +75,12 @@ pub fn height_m(crust_m: f32, age_myr: f32, level: f32) -> f32 {
     if dry < 0.0 { dry * L } else { dry }
 }
 
+/// The height of ground that a rise of the level by so much would bring to the sea, m: what is under water stands higher without.
+#[inline(always)]
+pub(crate) fn height_above(rise: f32) -> f32 {
+    if rise < 0.0 { rise * L } else { rise }
+}
+
 /// By how much ground at this height would stand above the level without water on it, m.
 #[inline(always)]
 pub(crate) fn dry_m(height: f32) -> f32 {

@@ -1,19 +1,17 @@
 //! Heights from the crust, and the level of the sea that keeps the asked share of land.
 //!
 //! The level is a number for the whole world. The share of land that is aimed at follows the wish by half a point a step, and waits for
-//! the level: so a changed wish, or land that others raised, floods no world at once. After each step the level moves by what is missing
-//! of it over how densely the heights lie around the coast, at most by `FASTEST_M`: so the coast is steady. Where that is not enough, as
+//! the level: so a changed wish, or land that others raised, floods no world at once. After each step the level moves to where the cells
+//! around the coast that it would drown or lay bare give that share, at most by `FASTEST_M`: so the coast is steady. Where that is not enough, as
 //! where the whole side of a continent collides within one step on a coarse grid, the level becomes the one, from the distribution of
 //! all heights, at which the share is `FARTHEST` from the aim. Continents themselves keep their area: collisions shorten them, rivers,
 //! stretching and arcs widen them.
 
 use crate::crust::metres;
 use crate::geometry::rows_at_once;
-use crate::isostasy::{dry_m, height_m};
+use crate::isostasy::{dry_m, height_above, height_m};
 use rayon::prelude::*;
 
-/// Half the band around the coast in which heights are counted, m.
-const BAND_M: f32 = 150.0;
 /// The level moves no faster, m a step.
 const FASTEST_M: f64 = 25.0;
 /// The share of land is never farther from the one that is aimed at.
@@ -21,11 +19,20 @@ const FARTHEST: f64 = 0.02;
 /// That one moves no faster, per step.
 const FASTEST_AIM: f64 = 0.005;
 
-/// Cells above the sea, and cells in the band around it.
+/// Rises of the level, m, for which the land that is left is counted.
+const RISES_M: [f32; 9] = [-25.0, -12.0, -5.0, -2.0, 0.0, 2.0, 5.0, 12.0, 25.0];
+/// Where among them there is no rise.
+const NO_RISE: usize = 4;
+
+/// Cells that would stand above the sea after each of [`RISES_M`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(crate) struct Coast {
-    pub(crate) land: u64,
-    pub(crate) band: u64,
+pub(crate) struct Coast([u64; RISES_M.len()]);
+
+impl Coast {
+    /// Cells above the sea.
+    pub(crate) fn land(&self) -> u64 {
+        self.0[NO_RISE]
+    }
 }
 
 /// Ages the crust by `myr` and computes the heights above the sea.
@@ -38,19 +45,23 @@ pub(crate) fn heights(width: usize, crust: &[i32], age: &mut [f32], myr: f32, le
                 *a += myr;
                 *h = height_m(metres(*c), *a, level);
             }
-            let land = height.iter().map(|&h| u32::from(h > 0.0)).sum::<u32>();
-            let band = height.iter().map(|&h| u32::from(h.abs() < BAND_M)).sum::<u32>();
-            Coast { land: u64::from(land), band: u64::from(band) }
+            Coast(RISES_M.map(|rise| {
+                let bottom = height_above(rise);
+                u64::from(height.iter().map(|&h| u32::from(h > bottom)).sum::<u32>())
+            }))
         })
-        .reduce(Coast::default, |a, b| Coast { land: a.land + b.land, band: a.band + b.band })
+        .reduce(Coast::default, |a, b| Coast(std::array::from_fn(|i| a.0[i] + b.0[i])))
 }
 
-/// By how much the level should rise for the asked share of land, m.
+/// By how much the level should rise for the asked share of land, m: between two of the rises in proportion.
 pub(crate) fn correction(coast: Coast, cells: usize, share: f64) -> f64 {
-    let cells = cells as f64;
-    // Where hardly any height is near the sea the band says nothing.
-    let per_m = (coast.band as f64).max(0.002 * cells) / (2.0 * f64::from(BAND_M));
-    ((coast.land as f64 - share * cells) / per_m).clamp(-FASTEST_M, FASTEST_M)
+    let wanted = share * cells as f64;
+    let rise = |i: usize| f64::from(RISES_M[i]);
+    // The first rise after which too little is left, and the one before it.
+    let Some(after) = (0..RISES_M.len()).find(|&i| (coast.0[i] as f64) < wanted) else { return FASTEST_M };
+    let Some(before) = after.checked_sub(1) else { return -FASTEST_M };
+    let (more, less) = (coast.0[before] as f64, coast.0[after] as f64);
+    rise(before) + (more - wanted) / (more - less) * (rise(after) - rise(before))
 }
 
 /// The share of land to aim at after a step that ended with so much of it.
@@ -64,7 +75,7 @@ pub(crate) fn aim(aim: f64, land: f64, wish: f64) -> f64 {
 pub(crate) fn at_once(coast: Coast, height: &[f32], aim: f64) -> Option<f64> {
     let cells = height.len() as f64;
     let (least, most) = ((aim - FARTHEST) * cells, (aim + FARTHEST) * cells);
-    let land = coast.land as f64;
+    let land = coast.land() as f64;
     if (least..=most).contains(&land) {
         return None;
     }

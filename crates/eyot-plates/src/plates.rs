@@ -155,7 +155,7 @@ impl Plates {
         plates.budget.start = plates.crust_units();
         let Self { maps, height, clock, .. } = &mut plates;
         let coast = heights(g.width, &maps.crust, &mut maps.age, 0.0, clock.level, height);
-        clock.aim = coast.land as f64 / g.cells() as f64;
+        clock.aim = coast.land() as f64 / g.cells() as f64;
         plates.restart();
         Ok(plates)
     }
@@ -183,7 +183,7 @@ impl Plates {
             clock.level += rise;
             coast = heights(g.width, &maps.crust, &mut maps.age, 0.0, clock.level, height);
         }
-        clock.aim = aim(clock.aim, coast.land as f64 / g.cells() as f64, f64::from(self.parameters.land));
+        clock.aim = aim(clock.aim, coast.land() as f64 / g.cells() as f64, f64::from(self.parameters.land));
         clock.rise = correction(coast, g.cells(), clock.aim);
         clock.since_myr += myr;
         if !clock.at_rest {

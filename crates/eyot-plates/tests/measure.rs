@@ -14,7 +14,7 @@ fn measure() {
         .map(|seed| {
             let rim = [Rim::WRAP, CYLINDER, Rim::CLOSED, Rim::OPEN][seed as usize % 4];
             let p = Tectonics { count: 2 + (seed % 29) as u32, land: 0.1 + 0.1 * (seed % 6) as f32, ..Tectonics::default() };
-            let (w, h) = [(64, 32), (48, 48), (37, 53), (80, 20)][seed as usize / 4 % 4];
+            let (w, h) = [(64, 32), (48, 48), (37, 53), (80, 20), (128, 64)][seed as usize / 4 % 5];
             let (w, h) = (w * scale, h * scale);
             let small = Grid::new(w, h, 1e7 / w as f64, rim, &Limits::default()).unwrap();
             let mut plates = Plates::new(&small, seed, p.clone(), Start::Noise).unwrap();
@@ -37,8 +37,8 @@ fn measure() {
             }
             let c1 = plates.crust_m().filter(|&c| c >= CONTINENTAL_M).count();
             let hy = hypsometry(plates.height().iter().copied());
-            format!("{seed:3} {} {w}x{h} n{:2} land {:.1} worst {:+.4} at {at} over {over} level {:+.0} jump {jump:.0} still {stands} cont {c0}->{c1} ({:.2} of land) peaks {:?} cycles {}", ["wrap","cyl ","clsd","open"][seed as usize%4], p.count, p.land, worst, last - l0,
-              c1 as f64/(w*h) as f64/f64::from(p.land), hy.peaks_m, plates.cycle_and_steps().0)
+            format!("{seed:3} {} {w}x{h} n{:2} land {:.1} worst {:+.4} at {at} over {over} level {:+.0} jump {jump:.0} still {stands} cont {c0}->{c1} ({:.2} of land) peaks {:?} cycles {} delam {:.2} removed arcs {:.2}", ["wrap","cyl ","clsd","open"][seed as usize%4], p.count, p.land, worst, last - l0,
+              c1 as f64/(w*h) as f64/f64::from(p.land), hy.peaks_m, plates.cycle_and_steps().0, plates.budget().delaminated as f64 / plates.budget().start as f64, plates.budget().arcs as f64 / plates.budget().start as f64)
         })
         .collect();
     for r in rows {
