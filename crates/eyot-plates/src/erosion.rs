@@ -5,8 +5,8 @@
 //! 1. rivers: `q = erosion dt / cell^2 (p_a - p_b) / A`: only land is worn, and its shelf receives what comes off the coast
 //! 2. waves, where one is sea at least: `q += coast dt / cell^2 (s_a - s_b) / A`, with the height `s` no less than -100 m, no more than
 //!    200 m
-//! 3. flow of thick crust: `q += 0.2 (max(crust_a - max_crust, 0) - max(crust_b - max_crust, 0))`, and slower spreading of whatever is
-//!    thicker than 0.7 `max_crust`, `q += min(150 m2/yr dt / cell^2, 0.1) (s_a - s_b)`, with `s = max(crust - 0.7 max_crust, 0)^2 / (0.6 max_crust)`
+//! 3. spreading of thick crust: `q += min(150 m2/yr dt / cell^2, 0.1) (s_a - s_b)`, with
+//!    `s = max(crust - 0.7 max_crust, 0)^2 / (0.6 max_crust)`
 //! 4. denudation: `dh/dt = -denudation (p / 1 km)^3`, and what it takes from the land of a plate the edges of its shelves get, all the
 //!    same: the first cells below -130 m
 //!
@@ -30,7 +30,6 @@ const STABLE: f64 = 0.12;
 /// What waves reach above and below the sea, m.
 const WAVES_M: f32 = 200.0;
 const WAVES_DOWN_M: f32 = 100.0;
-const FLOW: f32 = 0.2;
 /// How fast thick crust spreads, m2/yr: a plateau becomes 300 km wider in forty million years.
 const SPREAD: f64 = 150.0;
 
@@ -62,41 +61,59 @@ pub(crate) fn denude(
         return;
     }
     let w = g.width;
+    let runs = runs::of_rows(owner, w);
     let per_m3 = (f64::from(p.denudation) * years * 1e-15 * f64::from(UNITS_PER_M) / f64::from(RISE)) as f32;
     let taken = |h: f32, factor: f32| {
         let p = h.max(0.0);
         (factor * p * p * p) as i32
     };
     // What each plate would lose, and the sea beside its shelves.
-    let row = |y: usize| {
-        let (heights, owners) = (&height[y * w..][..w], &owner[y * w..][..w]);
+    let row = |flags: &mut [Vec<bool>; 4], y: usize| {
+        let heights = &height[y * w..][..w];
         let mut lost = vec![0i64; plates];
-        for run in runs::of_row(owners) {
+        for run in &runs[y] {
             let sum: i64 = heights[run.range()].iter().map(|&h| i64::from(taken(h, per_m3))).sum();
             lost[usize::from(run.owner)] += sum;
         }
-        let beside =
-            [g.row(y as isize - 1), g.row(y as isize + 1)].map(|r| r.map_or(heights, |r| &height[r * w..][..w]));
-        let shelf = |row: &[f32], x: usize| row[x] > SHELF_M;
-        let beside_in_row =
-            |x: usize| [-1, 1].into_iter().filter_map(|d| g.column(x as isize + d)).any(|x| shelf(heights, x));
-        let coast = |&x: &usize| !shelf(heights, x) && (shelf(beside[0], x) || shelf(beside[1], x) || beside_in_row(x));
-        let coasts: Vec<u32> = (0..w).filter(coast).map(|x| (y * w + x) as u32).collect();
-        (lost, coasts)
+        let [north, here, south, edge] = flags;
+        let shelf = |flags: &mut [bool], y: usize| {
+            flags.iter_mut().zip(&height[y * w..][..w]).for_each(|(f, &h)| *f = h > SHELF_M);
+        };
+        shelf(here, y);
+        for (flags, dy) in [(&mut *north, -1), (&mut *south, 1)] {
+            shelf(flags, g.row(y as isize + dy).unwrap_or(y));
+        }
+        let at = |x: isize| g.column(x).is_some_and(|x| here[x]);
+        for x in 0..w {
+            edge[x] = north[x] | south[x];
+        }
+        edge[0] |= at(-1);
+        edge[w - 1] |= at(w as isize);
+        for x in 1..w {
+            edge[x] |= here[x - 1];
+            edge[x - 1] |= here[x];
+        }
+        edge.iter_mut().zip(&*here).for_each(|(e, &h)| *e &= !h);
+        let mut edges: Vec<u32> = Vec::new();
+        for (i, part) in edge.chunks(64).enumerate().filter(|(_, p)| p.iter().fold(false, |any, &e| any | e)) {
+            edges.extend((0..part.len()).filter(|&x| part[x]).map(|x| (y * w + 64 * i + x) as u32));
+        }
+        (lost, edges)
     };
+    let flags: [Vec<bool>; 4] = std::array::from_fn(|_| vec![false; w]);
     let rows: Vec<(Vec<i64>, Vec<u32>)> =
-        (0..g.height).into_par_iter().with_min_len(rows_at_once(w)).map(row).collect();
+        (0..g.height).into_par_iter().with_min_len(rows_at_once(w)).map_with(flags, row).collect();
     let mut lost = vec![0i64; plates];
-    let mut coasts = vec![0i64; plates];
+    let mut edges = vec![0i64; plates];
     for (row, cells) in &rows {
         lost.iter_mut().zip(row).for_each(|(l, r)| *l += r);
-        cells.iter().for_each(|&c| coasts[usize::from(owner[c as usize])] += 1);
+        cells.iter().for_each(|&c| edges[usize::from(owner[c as usize])] += 1);
     }
     // What finds no room stays where it is.
     let delta = DELTA_M * years * 1e-6 * f64::from(UNITS_PER_M);
     let factor: Vec<f32> = lost
         .iter()
-        .zip(&coasts)
+        .zip(&edges)
         .map(|(&l, &n)| per_m3 * (delta * n as f64 / l.max(1) as f64).min(1.0) as f32)
         .collect();
     let carried: Vec<Vec<i64>> = crust
@@ -105,7 +122,7 @@ pub(crate) fn denude(
         .with_min_len(rows_at_once(w))
         .map(|(y, crust)| {
             let mut carried = vec![0i64; plates];
-            for run in runs::of_row(&owner[y * w..][..w]) {
+            for run in &runs[y] {
                 let factor = factor[usize::from(run.owner)];
                 let heights = &height[y * w..][run.range()];
                 let sum: i64 = crust[run.range()]
@@ -126,10 +143,10 @@ pub(crate) fn denude(
     carried.iter().for_each(|row| left.iter_mut().zip(row).for_each(|(l, r)| *l += r));
     for &cell in rows.iter().flat_map(|r| &r.1) {
         let plate = usize::from(owner[cell as usize]);
-        let share = left[plate] / coasts[plate];
+        let share = left[plate] / edges[plate];
         crust[cell as usize] += share as i32;
         left[plate] -= share;
-        coasts[plate] -= 1;
+        edges[plate] -= 1;
     }
 }
 
@@ -183,11 +200,10 @@ fn flux(r: Rates, a: (f32, i32), b: (f32, i32)) -> i32 {
     let waves = if a.0 > 0.0 && b.0 > 0.0 { 0.0 } else { r.waves };
     let reached = |h: f32| h.clamp(-WAVES_DOWN_M, WAVES_M);
     let levelling = r.rivers * (pa - pb) + waves * (reached(a.0) - reached(b.0));
-    let thick = |c: i32| (metres(c) - r.max_crust).max(0.0);
     let spreads = |c: i32| {
         let over = (metres(c) - 0.7 * r.max_crust).max(0.0);
         over * over * (1.0 / (0.6 * r.max_crust))
     };
-    let flow = FLOW * (thick(a.1) - thick(b.1)) + r.spread * (spreads(a.1) - spreads(b.1));
+    let flow = r.spread * (spreads(a.1) - spreads(b.1));
     ((levelling * (1.0 / RISE) + flow) * UNITS_PER_M as f32) as i32
 }

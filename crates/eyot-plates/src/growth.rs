@@ -70,13 +70,30 @@ fn fronts(g: &Geometry, count: usize, seed: u64) -> Vec<u8> {
 
 /// Bends borders by fractal noise: rifts are as uneven as the coasts that they leave, and no front of growth is.
 fn fray(g: &Geometry, owner: Vec<u8>, seed: u64) -> Vec<u8> {
-    let bend = |key: u64| Fractal { scale: 0.3, octaves: 6, gain: 0.5, warp: 0.0 }.field(g, mix64(seed ^ key));
+    let inside = |i: isize, n: usize, edge: Edge| if edge == Edge::Wrap { i } else { i.clamp(0, n as isize - 1) };
+    // Noise this smooth needs no value for each cell.
+    let apart = (g.width.min(g.height) / 128).max(1);
+    let coarse = Geometry { width: g.width.div_ceil(apart), height: g.height.div_ceil(apart), ..*g };
+    let bend = |key: u64| Fractal { scale: 0.3, octaves: 6, gain: 0.5, warp: 0.0 }.field(&coarse, mix64(seed ^ key));
     let (east, south) = (bend(0xf4a1), bend(0xf4a2));
     let most = FRAY * g.width.min(g.height) as f32;
+    let scale = (coarse.width as f32 / g.width as f32, coarse.height as f32 / g.height as f32);
+    let between = |field: &[f32], x: isize, y: isize| {
+        let (x, y) = ((x as f32 + 0.5) * scale.0 - 0.5, (y as f32 + 0.5) * scale.1 - 0.5);
+        let (west, north) = (x.floor(), y.floor());
+        let at = |dx: isize, dy: isize| {
+            let x = inside(west as isize + dx, coarse.width, g.rim.0);
+            let y = inside(north as isize + dy, coarse.height, g.rim.1);
+            coarse.cell(x, y).map_or(0.0, |c| field[c])
+        };
+        let (u, v) = (x - west, y - north);
+        let along = |dy: isize| at(0, dy) + u * (at(1, dy) - at(0, dy));
+        along(0) + v * (along(1) - along(0))
+    };
     let from = |cell: usize| {
         let (x, y) = g.place(cell);
-        let (dx, dy) = ((most * east[cell]).round() as isize, (most * south[cell]).round() as isize);
-        let inside = |i: isize, n: usize, edge: Edge| if edge == Edge::Wrap { i } else { i.clamp(0, n as isize - 1) };
+        let (dx, dy) =
+            ((most * between(&east, x, y)).round() as isize, (most * between(&south, x, y)).round() as isize);
         let to = (inside(x + dx, g.width, g.rim.0), inside(y + dy, g.height, g.rim.1));
         owner[g.cell(to.0, to.1).unwrap_or(cell)]
     };

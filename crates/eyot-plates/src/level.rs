@@ -20,9 +20,9 @@ const FARTHEST: f64 = 0.02;
 const FASTEST_AIM: f64 = 0.005;
 
 /// Rises of the level, m, for which the land that is left is counted.
-const RISES_M: [f32; 9] = [-25.0, -12.0, -5.0, -2.0, 0.0, 2.0, 5.0, 12.0, 25.0];
+const RISES_M: [f32; 5] = [-25.0, -6.0, 0.0, 6.0, 25.0];
 /// Where among them there is no rise.
-const NO_RISE: usize = 4;
+const NO_RISE: usize = 2;
 
 /// Cells that would stand above the sea after each of [`RISES_M`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -29,6 +29,8 @@ use std::f64::consts::PI;
 
 /// Rivers and waves work in every so many steps, for as many steps.
 const EROSION_EVERY: u64 = 4;
+/// Crust is carried from the land to the shelves in every so many steps, for as many: a multiple of the above.
+const DENUDATION_EVERY: u64 = 8;
 /// Borders are tidied in every so many steps.
 const TIDY_EVERY: u64 = 4;
 /// A part that is cut off is a plate of its own from this share of the world on.
@@ -450,8 +452,10 @@ impl Plates {
     fn erode(&mut self) {
         let p = &self.parameters;
         let years = f64::from(p.years_per_step) * EROSION_EVERY as f64;
-        let n = self.plates.len();
-        erosion::denude(&self.g, p, years, n, &self.maps.owner, &self.height, &mut self.maps.crust);
+        if self.clock.steps.is_multiple_of(DENUDATION_EVERY) {
+            let years = f64::from(p.years_per_step) * DENUDATION_EVERY as f64;
+            erosion::denude(&self.g, p, years, self.plates.len(), &self.maps.owner, &self.height, &mut self.maps.crust);
+        }
         let passes = erosion::passes(&self.g, p, years);
         for pass in 0..passes {
             if pass > 0 {

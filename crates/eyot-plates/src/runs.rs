@@ -23,7 +23,7 @@ pub(crate) fn of_rows(owner: &[u8], width: usize) -> Vec<Vec<Run>> {
     owner.par_chunks(width).with_min_len(rows_at_once(width)).map(of_row).collect()
 }
 
-pub(crate) fn of_row(row: &[u8]) -> Vec<Run> {
+fn of_row(row: &[u8]) -> Vec<Run> {
     let mut runs = Vec::with_capacity(16);
     let mut start = 0;
     while start < row.len() {

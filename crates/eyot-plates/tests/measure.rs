@@ -75,3 +75,29 @@ fn dump() {
         println!("seed {seed}: {:?}, level {}", t.elapsed(), plates.numbers()[4]);
     }
 }
+#[test]
+fn speed() {
+    let g = Grid::new(512, 512, 4e7 / 512.0, Rim::WRAP, &Limits::default()).unwrap();
+    let time = |p: Tectonics, what: &str| {
+        let mut best = f64::INFINITY;
+        for _ in 0..4 {
+            let mut plates = Plates::new(&g, 1, p.clone(), Start::Noise).unwrap();
+            let t = std::time::Instant::now();
+            for _ in 0..150 {
+                plates.step();
+            }
+            best = best.min(t.elapsed().as_secs_f64() / 150.0 * 1e3);
+        }
+        println!("{what}: {best:.3} ms a step");
+    };
+    let d = Tectonics::default();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| {
+        time(d.clone(), "all");
+        time(Tectonics { denudation: 0.0, ..d.clone() }, "no denudation");
+        time(Tectonics { speed: 0.0, ..d.clone() }, "standing");
+        time(Tectonics { speed: 0.0, denudation: 0.0, ..d.clone() }, "standing, no denudation");
+        time(Tectonics { cycle: 10.0, ..d.clone() }, "15 restarts");
+        time(Tectonics { arcs: 0.0, ..d.clone() }, "no arcs");
+    });
+}
