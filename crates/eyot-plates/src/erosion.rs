@@ -42,8 +42,10 @@ struct Rates {
     max_crust: f32,
 }
 
-/// What a cell at the edge of a shelf can be given at most, m of crust per million years.
-const DELTA_M: f64 = 500.0;
+/// What a cell at the edge of a shelf can be given at most, m of crust per million years and at once.
+const DELTA_M: (f64, f64) = (500.0, 4000.0);
+/// Share of its height that land can lose at once.
+const MOST_LOST: f32 = 0.25;
 /// Height of the edge of the shelves, m.
 const SHELF_M: f32 = -130.0;
 
@@ -63,9 +65,10 @@ pub(crate) fn denude(
     let w = g.width;
     let runs = runs::of_rows(owner, w);
     let per_m3 = (f64::from(p.denudation) * years * 1e-15 * f64::from(UNITS_PER_M) / f64::from(RISE)) as f32;
+    let most = MOST_LOST * UNITS_PER_M as f32 / RISE;
     let taken = |h: f32, factor: f32| {
         let p = h.max(0.0);
-        (factor * p * p * p) as i32
+        (factor * p * p * p).min(most * p) as i32
     };
     // What each plate would lose, and the sea beside its shelves.
     let row = |flags: &mut [Vec<bool>; 4], y: usize| {
@@ -110,12 +113,9 @@ pub(crate) fn denude(
         cells.iter().for_each(|&c| edges[usize::from(owner[c as usize])] += 1);
     }
     // What finds no room stays where it is.
-    let delta = DELTA_M * years * 1e-6 * f64::from(UNITS_PER_M);
-    let factor: Vec<f32> = lost
-        .iter()
-        .zip(&edges)
-        .map(|(&l, &n)| per_m3 * (delta * n as f64 / l.max(1) as f64).min(1.0) as f32)
-        .collect();
+    let delta = (DELTA_M.0 * years * 1e-6).min(DELTA_M.1) * f64::from(UNITS_PER_M);
+    let factor: Vec<f32> =
+        lost.iter().zip(&edges).map(|(&l, &n)| per_m3 * (delta * n as f64 / l.max(1) as f64).min(1.0) as f32).collect();
     let carried: Vec<Vec<i64>> = crust
         .par_chunks_mut(w)
         .enumerate()
@@ -206,4 +206,48 @@ fn flux(r: Rates, a: (f32, i32), b: (f32, i32)) -> i32 {
     };
     let flow = r.spread * (spreads(a.1) - spreads(b.1));
     ((levelling * (1.0 / RISE) + flow) * UNITS_PER_M as f32) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crust::units;
+    use crate::isostasy::height_m;
+    use eyot_core::{Grid, Limits, Rim};
+
+    /// A ridge between two shelves: what it loses the edges of the shelves gain, however long the step and fast the rivers are.
+    #[test]
+    fn denudation_feeds_the_shelves_and_loses_nothing() {
+        let g = Geometry::new(&Grid::new(64, 16, 78_125.0, Rim::WRAP, &Limits::default()).unwrap());
+        let level = 4900.0;
+        let thick = |x: usize| {
+            if (20..24).contains(&x) {
+                60e3
+            } else if (12..32).contains(&x) {
+                30e3
+            } else {
+                7e3
+            }
+        };
+        let crust: Vec<i32> = (0..64 * 16).map(|c| units(thick(c % 64))).collect();
+        let height: Vec<f32> = crust.iter().map(|&c| height_m(metres(c), 90.0, level)).collect();
+        assert!(height[22] > 3000.0 && (-2000.0..SHELF_M).contains(&height[14]), "{} {}", height[22], height[14]);
+        let owner = vec![0u8; crust.len()];
+        let mut last = 0;
+        for (denudation, years) in [(0.5, 1e5), (1.5, 8e6), (1000.0, 8e7)] {
+            let p = Tectonics { denudation, ..Tectonics::default() };
+            let mut after = crust.clone();
+            denude(&g, &p, years, 1, &owner, &height, &mut after);
+            let sum = |c: &[i32]| c.iter().map(|&c| i64::from(c)).sum::<i64>();
+            assert_eq!(sum(&after), sum(&crust));
+            let (lost, gained) = (crust[22] - after[22], after[19] - crust[19]);
+            assert!(lost > last && gained > 0 && after[18] == crust[18], "{lost} {gained}");
+            assert!(after.iter().all(|&c| c > 0) && lost < crust[22] / 3, "{lost}");
+            last = lost;
+        }
+        let none = Tectonics { denudation: 0.0, ..Tectonics::default() };
+        let mut after = crust.clone();
+        denude(&g, &none, 8e6, 1, &owner, &height, &mut after);
+        assert_eq!(after, crust);
+    }
 }

@@ -20,15 +20,32 @@ const FARTHEST: f64 = 0.02;
 const FASTEST_AIM: f64 = 0.005;
 
 /// Rises of the level, m, for which the land that is left is counted.
-const RISES_M: [f32; 5] = [-25.0, -6.0, 0.0, 6.0, 25.0];
+const RISES_M: [f32; 9] = [-25.0, -12.0, -5.0, -2.0, 0.0, 2.0, 5.0, 12.0, 25.0];
 /// Where among them there is no rise.
-const NO_RISE: usize = 2;
+const NO_RISE: usize = 4;
+/// None of them brings ground that is farther from the sea to it, m.
+const NEAR_M: f32 = 40.0;
 
 /// Cells that would stand above the sea after each of [`RISES_M`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) struct Coast([u64; RISES_M.len()]);
 
 impl Coast {
+    fn of(height: &[f32]) -> Self {
+        let above = |part: &[f32], bottom: f32| u64::from(part.iter().map(|&h| u32::from(h > bottom)).sum::<u32>());
+        let mut counts = [0; RISES_M.len()];
+        // Most ground is far from the sea.
+        for part in height.chunks(64) {
+            if part.iter().fold(false, |near, h| near | (h.abs() < NEAR_M)) {
+                counts.iter_mut().zip(RISES_M).for_each(|(c, rise)| *c += above(part, height_above(rise)));
+            } else {
+                let land = above(part, 0.0);
+                counts.iter_mut().for_each(|c| *c += land);
+            }
+        }
+        Self(counts)
+    }
+
     /// Cells above the sea.
     pub(crate) fn land(&self) -> u64 {
         self.0[NO_RISE]
@@ -45,10 +62,7 @@ pub(crate) fn heights(width: usize, crust: &[i32], age: &mut [f32], myr: f32, le
                 *a += myr;
                 *h = height_m(metres(*c), *a, level);
             }
-            Coast(RISES_M.map(|rise| {
-                let bottom = height_above(rise);
-                u64::from(height.iter().map(|&h| u32::from(h > bottom)).sum::<u32>())
-            }))
+            Coast::of(height)
         })
         .reduce(Coast::default, |a, b| Coast(std::array::from_fn(|i| a.0[i] + b.0[i])))
 }
@@ -83,4 +97,53 @@ pub(crate) fn at_once(coast: Coast, height: &[f32], aim: f64) -> Option<f64> {
     let wanted = if land < least { least.ceil() } else { most.floor() }.clamp(0.0, cells - 1.0) as usize;
     let mut dry: Vec<f32> = height.iter().map(|&h| dry_m(h)).collect();
     Some(f64::from(*dry.select_nth_unstable_by(wanted, |a, b| b.total_cmp(a)).1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coast(height: &[f32]) -> Coast {
+        let all = Coast(RISES_M.map(|r| height.iter().filter(|&&h| h > height_above(r)).count() as u64));
+        assert_eq!(Coast::of(height), all);
+        all
+    }
+
+    #[test]
+    fn the_level_finds_the_share_also_where_heights_crowd() {
+        // A ramp, and one with most cells within two metres of the sea.
+        for crowd in [0.0, 0.8] {
+            let ramp = |i: usize| -400.0 + 0.8 * i as f32;
+            let height = (0..1000).map(|i| if i as f32 / 1000.0 < crowd { 0.004 * i as f32 - 1.6 } else { ramp(i) });
+            let height: Vec<f32> = height.collect();
+            let land = |level: f64| -> (Vec<f32>, f64) {
+                let h: Vec<f32> = height.iter().map(|h| h - level as f32).collect();
+                let land = coast(&h).land() as f64 / 1000.0;
+                (h, land)
+            };
+            let wanted = land(0.0).1 - 0.1;
+            let mut level = 0.0;
+            for _ in 0..8 {
+                let (h, before) = land(level);
+                level += correction(coast(&h), 1000, wanted);
+                let after = land(level).1;
+                assert!((after - wanted).abs() <= (before - wanted).abs() + 0.01, "{crowd}: from {before} to {after}");
+            }
+            assert!((land(level).1 - wanted).abs() < 0.01, "{crowd}: {} of {wanted}", land(level).1);
+        }
+        assert_eq!(correction(coast(&[5000.0; 8]), 8, 0.5), FASTEST_M);
+        assert_eq!(correction(coast(&[-5000.0; 8]), 8, 0.5), -FASTEST_M);
+    }
+
+    #[test]
+    fn too_far_is_mended_at_once_and_the_aim_waits() {
+        let height: Vec<f32> = (0..1000).map(|i| 3.0 * (i as f32 - 600.0)).collect();
+        assert_eq!(at_once(coast(&height), &height, 0.39), None);
+        for aim in [0.3, 0.6] {
+            let rise = at_once(coast(&height), &height, aim).unwrap();
+            let left = height.iter().filter(|&&h| f64::from(dry_m(h)) > rise).count() as f64 / 1000.0;
+            assert!((left - aim).abs() <= FARTHEST + 1e-9 && (left - aim).abs() > 0.015, "{aim}: {left}");
+        }
+        assert!((aim(0.3, 0.302, 0.4) - 0.305).abs() < 1e-12 && aim(0.3, 0.27, 0.4) == 0.3);
+    }
 }
