@@ -6,7 +6,7 @@
 //! 2. waves, where one is sea at least: `q += coast dt / cell^2 (s_a - s_b) / A`, with the height `s` no less than -100 m, no more than
 //!    200 m
 //! 3. spreading of thick crust: `q += min(150 m2/yr dt / cell^2, 0.1) (s_a - s_b)`, with
-//!    `s = max(crust - 0.7 max_crust, 0)^2 / (0.6 max_crust)`
+//!    `s = max(crust - 0.8 max_crust, 0)^2 / (0.4 max_crust)`
 //! 4. denudation: `dh/dt = -denudation (p / 1 km)^3`, and what it takes from the land of a plate the edges of its shelves get, all the
 //!    same: the first cells below -130 m
 //!
@@ -201,8 +201,8 @@ fn flux(r: Rates, a: (f32, i32), b: (f32, i32)) -> i32 {
     let reached = |h: f32| h.clamp(-WAVES_DOWN_M, WAVES_M);
     let levelling = r.rivers * (pa - pb) + waves * (reached(a.0) - reached(b.0));
     let spreads = |c: i32| {
-        let over = (metres(c) - 0.7 * r.max_crust).max(0.0);
-        over * over * (1.0 / (0.6 * r.max_crust))
+        let over = (metres(c) - 0.8 * r.max_crust).max(0.0);
+        over * over * (1.0 / (0.4 * r.max_crust))
     };
     let flow = r.spread * (spreads(a.1) - spreads(b.1));
     ((levelling * (1.0 / RISE) + flow) * UNITS_PER_M as f32) as i32
@@ -234,7 +234,7 @@ mod tests {
         assert!(height[22] > 3000.0 && (-2000.0..SHELF_M).contains(&height[14]), "{} {}", height[22], height[14]);
         let owner = vec![0u8; crust.len()];
         let mut last = 0;
-        for (denudation, years) in [(0.5, 1e5), (1.5, 8e6), (1000.0, 8e7)] {
+        for (denudation, years) in [(0.2, 1e5), (0.6, 8e6), (1000.0, 8e7)] {
             let p = Tectonics { denudation, ..Tectonics::default() };
             let mut after = crust.clone();
             denude(&g, &p, years, 1, &owner, &height, &mut after);

@@ -101,7 +101,7 @@ impl Default for Tectonics {
             arcs: 0.15,
             arc_distance: 250_000.0,
             erosion: 30.0,
-            denudation: 1.5,
+            denudation: 0.6,
             coast: 30.0,
             cycle: 300.0,
             cycles: 0,

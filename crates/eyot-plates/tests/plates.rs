@@ -123,6 +123,61 @@ fn hypsometry_has_two_peaks() {
     }
 }
 
+/// Lengths of straight pieces of coast along rows and columns, cells.
+fn straight_coasts(height: &[f32], w: usize) -> Vec<usize> {
+    let land = |x: usize, y: usize| height[y * w + x] > 0.0;
+    let h = height.len() / w;
+    let mut lengths = Vec::new();
+    let mut line = |sides: &mut dyn Iterator<Item = (bool, bool)>| {
+        let mut last = None;
+        for (a, b) in sides {
+            let side = (a != b).then_some(a);
+            match lengths.last_mut() {
+                Some(n) if side.is_some() && side == last => *n += 1,
+                _ if side.is_some() => lengths.push(1),
+                _ => {}
+            }
+            last = side;
+        }
+    };
+    (0..h - 1).for_each(|y| line(&mut (0..w).map(|x| (land(x, y), land(x, y + 1)))));
+    (0..w - 1).for_each(|x| line(&mut (0..h).map(|y| (land(x, y), land(x + 1, y)))));
+    lengths
+}
+
+/// After a supercontinent has broken up: ranges that are high and rare, no coasts drawn with a ruler, and little land at the poles, none of
+/// it from the start.
+#[test]
+fn a_broken_continent_looks_like_one() {
+    let g = grid(256, 128, CYLINDER);
+    let p = Tectonics { count: 12, gather: 0.9, breakup: 0.7, cycle: 0.0, ..Tectonics::default() };
+    let worlds: Vec<Plates> = (1..7u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut world = new(&g, seed, &p);
+            let h = world.height();
+            let at_pole = |c: &usize| !(8 * 256..120 * 256).contains(c) && h[*c] > 0.0;
+            assert_eq!((0..h.len()).filter(at_pole).count(), 0, "seed {seed} begins at a pole");
+            (0..250).for_each(|_| world.step());
+            world
+        })
+        .collect();
+    let mut straight = 0.0;
+    let mut highest = Vec::new();
+    for (world, seed) in worlds.iter().zip(1..) {
+        let lengths = straight_coasts(world.height(), 256);
+        let all: usize = lengths.iter().sum();
+        straight += lengths.iter().filter(|&&n| n >= 8).sum::<usize>() as f64 / all as f64 / 6.0;
+        assert!(lengths.iter().all(|&n| n < 30), "seed {seed}: a coast of {:?} cells", lengths.iter().max());
+        let share = |m: f32| world.height().iter().filter(|h| **h > m).count() as f64 / (256.0 * 128.0 * 0.3);
+        assert!((0.002..0.25).contains(&share(2000.0)) && share(4000.0) < 0.03, "seed {seed}: {}", share(2000.0));
+        highest.push(world.height().iter().fold(0f32, |a, &b| a.max(b)));
+    }
+    assert!(straight < 0.04, "{straight}");
+    highest.sort_by(f32::total_cmp);
+    assert!(highest[2] > 3000.0 && highest[5] < 8000.0, "{highest:?}");
+}
+
 #[test]
 fn crust_is_accounted_for() {
     let mut p = new(&grid(96, 64, Rim::WRAP), 5, &Tectonics::default());
