@@ -202,6 +202,17 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
         1e-6 * r.cell_steps_per_second,
         1e-6 * r.cell_steps_per_second_median
     ))?;
+    if let Some(d) = &r.drift {
+        print::line(&format!(
+            "  {:>10.3} ms a step between turns of the plates, {:.3} ms one with a turn (medians, {} turns), {:.3} ms the longest; a step \
+             of plates alone {:.3} ms",
+            1e3 * d.seconds_between_turns,
+            1e3 * d.seconds_of_turn,
+            d.turns,
+            1e3 * d.seconds_longest_step,
+            1e3 * d.seconds_of_plates
+        ))?;
+    }
     let moved = r.bytes_moved_per_cell_step.map_or_else(|| "not known how many".to_owned(), |n| n.to_string());
     print::line(&format!(
         "  {:>10.1} bytes held per cell, {moved} bytes read and written per cell and step",

@@ -24,7 +24,7 @@ use crate::layer::{Beyond, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use crate::limits::Limits;
 use crate::plan::{Pass, Plan};
-use crate::process::{self, Moment, Scheduled, Span, acts, plan_step};
+use crate::process::{self, Moment, Scheduled, Span, acts, may_fail, plan_step};
 use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Tally, TallyUnit};
 use crate::schedule::{Buffer, Schedule};
 use crate::world::World;
@@ -56,9 +56,10 @@ impl Default for CpuEngine {
 /// Memory of a simulation at its peak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Need {
-    /// Fields of the grid's size: layers, scratch layers, second copies, and copies to go back to where something acts.
+    /// Fields of the grid's size: layers, scratch layers, second copies, and copies to go back to where something acts that
+    /// can fail.
     pub fields: usize,
-    /// What the greediest action holds beside them, bytes per cell.
+    /// What actions hold beside them, some of it between their turns, too; bytes per cell.
     pub action_bytes_per_cell: usize,
 }
 
@@ -68,11 +69,10 @@ impl Need {
         let mut plan = Plan::default();
         let mut moment = Moment { grid: *grid, step: 0, turn: 0, sea_level_m: 0.0 };
         plan_step(processes, 0, &mut moment, &mut plan);
-        let actions = processes.iter().filter_map(|s| s.process.action());
-        let action = actions.map(|a| a.bytes_per_cell()).max();
-        let copies = if action.is_some() { layers } else { 0 };
+        let actions: Vec<_> = processes.iter().filter_map(|s| s.process.action()).collect();
+        let copies = if actions.iter().any(|a| !a.cannot_fail()) { layers } else { 0 };
         let fields = layers + plan.scratch_layers().len() + plan.doubled_layers().len() + copies;
-        Self { fields, action_bytes_per_cell: action.unwrap_or(0) }
+        Self { fields, action_bytes_per_cell: actions.iter().map(|a| a.bytes_per_cell()).sum() }
     }
 
     /// All of it on a grid, bytes.
@@ -149,7 +149,8 @@ impl CpuEngine {
         outcome
     }
 
-    /// One step in which some process acts on the whole world. On an error the world is as it was before the step.
+    /// One step in which some process acts on the whole world. On an error the world is as it was before the step, unless the error
+    /// is of an action that should not fail.
     fn acting_step(
         &self,
         arena: &mut Arena,
@@ -159,14 +160,11 @@ impl CpuEngine {
         control: &Control<'_>,
     ) -> Result<()> {
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-        let mut before: Option<Saved> = None;
+        let before = may_fail(processes, local_step).then(|| arena.save(world));
         let mut plan = Plan::default();
         let outcome = processes.iter().filter(|s| s.is_due(local_step)).try_for_each(|s| {
             s.plan(local_step, &mut moment, &mut plan);
             if let Some(action) = s.process.action() {
-                if before.is_none() {
-                    before = Some(arena.save(world));
-                }
                 arena.run(self, &std::mem::take(&mut plan), &world.ledger)?;
                 arena.lend(world, |world| action.act(&moment, world, control))?;
             }
