@@ -24,12 +24,13 @@ use crate::layer::{Beyond, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use crate::limits::Limits;
 use crate::plan::{Pass, Plan};
-use crate::process::{self, Moment, Scheduled, Span, acts, may_fail, plan_step};
+use crate::process::{self, Moment, Scheduled, Span, may_fail, plan_step};
 use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Tally, TallyUnit};
 use crate::schedule::{Buffer, Schedule};
 use crate::world::World;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Columns kept valid beyond each end of a row: rules may be evaluated at column -1 and look [`MAX_REACH`] further.
 const HALO: usize = MAX_REACH + 1;
@@ -108,26 +109,19 @@ impl CpuEngine {
         let mut outcome = control.check();
         while done < span.steps && outcome.is_ok() {
             let at = span.from + done;
-            if acts(processes, at) {
-                outcome = self.acting_step(&mut arena, world, processes, at, control);
-                if outcome.is_ok() {
-                    done += 1;
+            let most = chain.min(span.steps - done);
+            // A step that may have to be taken back is no link of a chain.
+            let before = may_fail(processes, at).then(|| arena.save(world));
+            let most = if before.is_some() { 1 } else { most };
+            let steps = (1..most).find(|i| may_fail(processes, at + i)).unwrap_or(most);
+            outcome = self.steps(&mut arena, world, processes, at..at + steps, control);
+            match (&outcome, before) {
+                (Ok(()), _) => {
+                    done += steps;
                     outcome = control.tick(done, span.steps);
                 }
-                continue;
-            }
-            let most = chain.min(span.steps - done);
-            let steps = (1..most).find(|i| acts(processes, at + i)).unwrap_or(most);
-            let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-            let mut plan = Plan::default();
-            for i in 0..steps {
-                plan_step(processes, at + i, &mut moment, &mut plan);
-            }
-            outcome = arena.run(self, &plan, &world.ledger);
-            if outcome.is_ok() {
-                (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
-                done += steps;
-                outcome = control.tick(done, span.steps);
+                (Err(_), Some(saved)) => arena.restore(world, saved),
+                (Err(_), None) => {}
             }
         }
         arena.give_back(world);
@@ -149,38 +143,32 @@ impl CpuEngine {
         outcome
     }
 
-    /// One step in which some process acts on the whole world. On an error the world is as it was before the step, unless the error
-    /// is of an action that should not fail.
-    fn acting_step(
+    /// Some steps as one chain, which only actions interrupt. On an error the passes before it have been done and the clock has not
+    /// moved; who acts and may fail therefore needs a copy to go back to.
+    fn steps(
         &self,
         arena: &mut Arena,
         world: &mut World,
         processes: &[Scheduled],
-        local_step: u64,
+        steps: Range<u64>,
         control: &Control<'_>,
     ) -> Result<()> {
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-        let before = may_fail(processes, local_step).then(|| arena.save(world));
         let mut plan = Plan::default();
-        let outcome = processes.iter().filter(|s| s.is_due(local_step)).try_for_each(|s| {
-            s.plan(local_step, &mut moment, &mut plan);
-            if let Some(action) = s.process.action() {
-                arena.run(self, &std::mem::take(&mut plan), &world.ledger)?;
-                arena.lend(world, |world| action.act(&moment, world, control))?;
-            }
-            s.process.advance(&mut moment);
-            Ok(())
-        });
-        // Nothing can stop the passes after the last action.
-        match outcome.and_then(|()| arena.run(self, &plan, &world.ledger)) {
-            Ok(()) => (world.step, world.sea_level_m) = (moment.step + 1, moment.sea_level_m),
-            Err(e) => {
-                if let Some(saved) = before {
-                    arena.restore(world, saved);
+        for step in steps {
+            for s in processes.iter().filter(|s| s.is_due(step)) {
+                s.plan(step, &mut moment, &mut plan);
+                if let Some(action) = s.process.action() {
+                    arena.run(self, &std::mem::take(&mut plan), &world.ledger)?;
+                    arena.lend(world, |world| action.act(&moment, world, control))?;
                 }
-                return Err(e);
+                s.process.advance(&mut moment);
             }
+            moment.step += 1;
         }
+        // Nothing can stop the passes after the last action.
+        arena.run(self, &plan, &world.ledger)?;
+        (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
         Ok(())
     }
 
@@ -537,7 +525,7 @@ impl Sweep<'_> {
     }
 
     /// Sweeps the rows `range(p)` of the passes as a wave that starts at row `start`.
-    fn wave(&self, passes: std::ops::Range<usize>, start: isize, range: impl Fn(usize) -> (isize, isize)) {
+    fn wave(&self, passes: Range<usize>, start: isize, range: impl Fn(usize) -> (isize, isize)) {
         let rows: Vec<(usize, isize, isize, isize)> = passes
             .map(|p| {
                 let (low, high) = range(p);

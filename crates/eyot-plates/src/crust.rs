@@ -20,10 +20,10 @@ pub(crate) fn units(metres: f32) -> i32 {
     (metres * UNITS_PER_M as f32) as i32
 }
 
-/// The whole units that are nearest.
+/// The whole units that are nearest to a thickness, which is never negative.
 #[inline]
 pub(crate) fn nearest_units(metres: f32) -> i32 {
-    (metres * UNITS_PER_M as f32).round() as i32
+    (metres * UNITS_PER_M as f32 + 0.5) as i32
 }
 
 /// Metres in `units`, exactly.

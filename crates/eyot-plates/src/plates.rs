@@ -500,18 +500,15 @@ impl Plates {
                 changed.copy_from_slice(old);
                 change(y, changed);
                 let mut sums = (0, 0);
+                // Without a branch, so that many cells go at a time.
                 for (((old, &new), crust), age) in old.iter_mut().zip(&*changed).zip(crust).zip(age) {
                     // Less than a height far above the sea can hold, so it came by rounding.
-                    if (new - *old).abs() < 2e-3 {
-                        continue;
-                    }
-                    if new.is_finite() {
-                        let thick = nearest_units(crust_m(new, *age, level).min(HIGHEST_M));
-                        let grown = i64::from(thick) - i64::from(*crust);
-                        sums = (sums.0 + grown.max(0), sums.1 + (-grown).max(0));
-                        *crust = thick;
-                    }
-                    *old = new;
+                    let same = (new - *old).abs() < 2e-3;
+                    let thick = nearest_units(crust_m(new, *age, level).min(HIGHEST_M));
+                    let grown = if same | !new.is_finite() { 0 } else { thick - *crust };
+                    *crust += grown;
+                    *old = if same { *old } else { new };
+                    sums = (sums.0 + i64::from(grown.max(0)), sums.1 + i64::from((-grown).max(0)));
                 }
                 sums
             })
