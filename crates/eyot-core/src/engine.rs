@@ -160,7 +160,7 @@ impl CpuEngine {
                 s.plan(step, &mut moment, &mut plan);
                 if let Some(action) = s.process.action() {
                     arena.run(self, &std::mem::take(&mut plan), &world.ledger)?;
-                    arena.lend(world, |world| action.act(&moment, world, control))?;
+                    arena.lend(world, &s.process.layers(), |world| action.act(&moment, world, control))?;
                 }
                 s.process.advance(&mut moment);
             }
@@ -354,8 +354,14 @@ impl Arena {
         }
     }
 
-    /// Lends the world its layers while `f` works on it.
-    fn lend(&mut self, world: &mut World, f: impl FnOnce(&mut World) -> Result<()>) -> Result<()> {
+    /// Lends the world its layers while `f` works on it, which changes none but those in `changes`.
+    fn lend(
+        &mut self,
+        world: &mut World,
+        changes: &[(LayerSpec, f32)],
+        f: impl FnOnce(&mut World) -> Result<()>,
+    ) -> Result<()> {
+        let staggers: Vec<usize> = self.world_fields().map(Field::stagger).collect();
         self.put_back(world);
         self.settle(world);
         let outcome = f(world);
@@ -365,7 +371,17 @@ impl Arena {
                 .iter()
                 .all(|l| (l.field.width(), l.field.height()) == (self.grid.width, self.grid.height));
         assert!(sound, "an action changed what layers there are, or their size");
-        self.take(world);
+        for (l, layer) in world.layers_mut().iter_mut().enumerate() {
+            let mut field = std::mem::replace(&mut layer.field, Field::new(0, 0, 0.0));
+            if field.stagger() != staggers[l] {
+                field = field.restaggered(staggers[l]);
+            }
+            // The padding of the others is what it was, and there are too many rows to look at for nothing.
+            if changes.iter().any(|(spec, _)| spec.name == self.specs[l].name) {
+                self.finish(&self.specs[l], &mut field);
+            }
+            self.fields[l][self.current[l]] = Some(field);
+        }
         outcome
     }
 
