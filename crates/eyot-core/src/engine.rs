@@ -159,6 +159,7 @@ impl CpuEngine {
         control: &Control<'_>,
     ) -> Result<()> {
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let control = &control.within(self.limits);
         let mut before: Option<Saved> = None;
         let mut plan = Plan::default();
         let outcome = processes.iter().filter(|s| s.is_due(local_step)).try_for_each(|s| {

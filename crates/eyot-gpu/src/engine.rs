@@ -442,6 +442,7 @@ impl GpuEngine {
         self.options.limits.check_bytes("a copy of the world to go back to", 2 * held)?;
         let before = world.clone();
         // The world's own copies must all be of the same moment again.
+        let control = &control.within(self.options.limits);
         let outcome = self.act(world, processes, at, control).and_then(|()| self.bring_back(world));
         if outcome.is_err() {
             *world = before;
