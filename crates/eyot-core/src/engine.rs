@@ -154,6 +154,7 @@ impl CpuEngine {
         control: &Control<'_>,
     ) -> Result<()> {
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let control = &control.within(self.limits);
         let mut plan = Plan::default();
         for step in steps {
             for s in processes.iter().filter(|s| s.is_due(step)) {

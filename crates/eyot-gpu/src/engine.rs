@@ -478,6 +478,7 @@ impl GpuEngine {
         at: u64,
         control: &Control<'_>,
     ) -> Result<()> {
+        let control = &control.within(self.options.limits);
         if !may_fail(processes, at) {
             return self.act(world, processes, at, control);
         }

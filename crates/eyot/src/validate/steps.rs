@@ -14,6 +14,7 @@ use eyot_core::LayerSpec;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use serde_json::{Value, json};
 use std::collections::HashSet;
+use std::sync::Arc;
 
 impl Validator<'_> {
     pub(super) fn steps(&mut self, doc: &Node, seed: u64) -> Vec<Step> {
@@ -353,8 +354,9 @@ impl Validator<'_> {
                         self.layers.push(spec.name.into_owned());
                     }
                 }
-                let terms = self.terms(&actor, &parameters, texts, acts)?;
-                Some(ProcessUse { actor, parameters, terms, every: schedule.every, enabled: schedule.enabled })
+                let scope = Arc::new(self.scope().0);
+                let terms = self.terms(&actor, &parameters, texts, &scope, acts)?;
+                Some(ProcessUse { actor, parameters, terms, scope, every: schedule.every, enabled: schedule.enabled })
             }
             Err(e) => {
                 self.out.push(Diagnostic::at(node.span.clone(), format!("`{name}`: {e}"), "here"));
