@@ -8,6 +8,10 @@ use crate::geometry::Geometry;
 
 /// Rounds in which thick crust flows after each shift.
 const ROUNDS: usize = 12;
+/// Of these, how many it flows over continents only.
+const ON_LAND: usize = 8;
+/// What is still so much thicker than it may be sinks.
+const SINKS: f32 = 1.1;
 
 /// Additions to the thickness of cells, units.
 #[derive(Default)]
@@ -23,16 +27,16 @@ impl Changes {
     /// Applies them, lets what is thicker than `max_crust` m flow to the sides, and returns what sank because a column was still too
     /// high, units.
     pub(crate) fn apply(self, g: &Geometry, crust: &mut [i32], max_crust: f32) -> i64 {
-        let (full, highest) = (units(max_crust), units(HIGHEST_M));
+        let (full, highest) = (units(max_crust), units((SINKS * max_crust).min(HIGHEST_M)));
         for &(cell, units) in &self.0 {
             crust[cell as usize] += units;
         }
         let mut over: Vec<u32> = self.0.iter().map(|c| c.0).filter(|&c| crust[c as usize] > full).collect();
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             over.sort_unstable();
             over.dedup();
             over.retain(|&c| crust[c as usize] > full);
-            over = flow(g, crust, full, &over);
+            over = flow(g, crust, full, &over, round >= ON_LAND);
         }
         let mut sunk = 0;
         for cell in self.0.iter().map(|c| c.0).chain(over) {
@@ -45,12 +49,12 @@ impl Changes {
 }
 
 /// Every cell in `over` gives a part of what it has above `full` to its neighbours, all at once; returns who may be too thick then.
-fn flow(g: &Geometry, crust: &mut [i32], full: i32, over: &[u32]) -> Vec<u32> {
+fn flow(g: &Geometry, crust: &mut [i32], full: i32, over: &[u32], into_sea: bool) -> Vec<u32> {
     let mut moves: Vec<(u32, i32)> = Vec::with_capacity(9 * over.len());
     for &cell in over {
         // An eighth to each neighbour would only swap a full cell with those around it.
         let share = (crust[cell as usize] - full) / 10;
-        let to = g.ring(cell as usize).filter(|&n| is_continental(crust[n]));
+        let to = g.ring(cell as usize).filter(|&n| into_sea || is_continental(crust[n]));
         let before = moves.len();
         moves.extend(to.map(|n| (n as u32, share)));
         let given = share * (moves.len() - before) as i32;

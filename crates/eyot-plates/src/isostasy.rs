@@ -75,10 +75,22 @@ pub fn height_m(crust_m: f32, age_myr: f32, level: f32) -> f32 {
     if dry < 0.0 { dry * L } else { dry }
 }
 
+/// The height of ground that a rise of the level by so much would bring to the sea, m: what is under water stands higher without.
+#[inline(always)]
+pub(crate) fn height_above(rise: f32) -> f32 {
+    if rise < 0.0 { rise * L } else { rise }
+}
+
+/// By how much ground at this height would stand above the level without water on it, m.
+#[inline(always)]
+pub(crate) fn dry_m(height: f32) -> f32 {
+    if height < 0.0 { height / L } else { height }
+}
+
 /// Thickness, m, that stands at `height`; not below 0.
 #[inline(always)]
 pub fn crust_m(height: f32, age_myr: f32, level: f32) -> f32 {
-    let buoyancy = level + if height < 0.0 { height / L } else { height };
+    let buoyancy = level + dry_m(height);
     let theta = theta(age_myr);
     let per_m = theta / (AGELESS_M - OCEANIC_M);
     // Each of the three pieces, of which one is right: so there is no branch.

@@ -60,6 +60,10 @@ pub struct Tectonics {
     /// Levelling of the land by rivers, as a diffusivity. 0 where other processes erode. Too much wears mountains down.
     #[schemars(range(min = 0.0, max = 10000.0), extend("unit" = "m2/yr"))]
     pub erosion: f32,
+    /// How fast rivers lower land of 1000 m and carry it to the edges of the shelves; it grows with the cube of the height. 0 where
+    /// other processes erode.
+    #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "m/Myr"))]
+    pub denudation: f32,
     /// Levelling between land and sea by waves, which takes the lowest 200 m of narrow islands first.
     #[schemars(range(min = 0.0, max = 10000.0), extend("unit" = "m2/yr"))]
     pub coast: f32,
@@ -97,6 +101,7 @@ impl Default for Tectonics {
             arcs: 0.15,
             arc_distance: 250_000.0,
             erosion: 30.0,
+            denudation: 1.5,
             coast: 30.0,
             cycle: 300.0,
             cycles: 0,

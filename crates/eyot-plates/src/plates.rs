@@ -10,7 +10,7 @@ use crate::erosion;
 use crate::geometry::{Geometry, rows_at_once};
 use crate::growth::unit;
 use crate::isostasy::crust_m;
-use crate::level::{correction, heights};
+use crate::level::{aim, at_once, correction, heights};
 use crate::meeting::{Contact, Kind, Polarity};
 use crate::motion;
 use crate::pairs::Pairs;
@@ -31,6 +31,8 @@ use std::f64::consts::PI;
 
 /// Rivers and waves work in every so many steps, for as many steps.
 const EROSION_EVERY: u64 = 4;
+/// Crust is carried from the land to the shelves in every so many steps, for as many: a multiple of the above.
+const DENUDATION_EVERY: u64 = 8;
 /// Borders are tidied in every so many steps.
 const TIDY_EVERY: u64 = 4;
 /// A part that is cut off is a plate of its own from this share of the world on.
@@ -47,6 +49,8 @@ const LARGEST_PLATE: f64 = 0.7;
 const MOST_SUTURES: usize = 8;
 /// How much more a plate must bring to a border than the other one to turn its polarity, cells.
 const TURN: (f64, f64) = (1.5, 6.0);
+/// Cosine of the angle to a border from which on a plate sinks there and does not slide along it.
+pub(crate) const SLIDES: f64 = 0.35;
 /// What is left of the memory of a border after a step.
 const BORDER_MEMORY: f64 = 0.95;
 
@@ -63,6 +67,8 @@ pub(crate) struct Clock {
     pub(crate) level: f64,
     /// What it rises by before the next heights, m.
     pub(crate) rise: f64,
+    /// Share of land that the level aims at, on its way to the asked one.
+    pub(crate) aim: f64,
     /// Restarts asked for when the last one was made.
     pub(crate) restarts: u32,
     /// True once the last cycle is over.
@@ -143,6 +149,7 @@ impl Plates {
                 since_myr: 0.0,
                 level: crust.level,
                 rise: 0.0,
+                aim: 0.0,
                 restarts: parameters.restarts,
                 at_rest: false,
             },
@@ -153,7 +160,9 @@ impl Plates {
             parameters,
         };
         plates.budget.start = plates.crust_units();
-        heights(g.width, &plates.maps.crust, &mut plates.maps.age, 0.0, plates.clock.level, &mut plates.height);
+        let Self { maps, height, clock, .. } = &mut plates;
+        let coast = heights(g.width, &maps.crust, &mut maps.age, 0.0, clock.level, height);
+        clock.aim = coast.land() as f64 / g.cells() as f64;
         plates.restart();
         Ok(plates)
     }
@@ -177,8 +186,13 @@ impl Plates {
         let myr = self.parameters.myr_per_step();
         let Self { g, maps, height, clock, .. } = self;
         clock.level += clock.rise;
-        let coast = heights(g.width, &maps.crust, &mut maps.age, myr as f32, clock.level, height);
-        clock.rise = correction(coast, g.cells(), f64::from(self.parameters.land));
+        let mut coast = heights(g.width, &maps.crust, &mut maps.age, myr as f32, clock.level, height);
+        if let Some(rise) = at_once(coast, height, clock.aim) {
+            clock.level += rise;
+            coast = heights(g.width, &maps.crust, &mut maps.age, 0.0, clock.level, height);
+        }
+        clock.aim = aim(clock.aim, coast.land() as f64 / g.cells() as f64, f64::from(self.parameters.land));
+        clock.rise = correction(coast, g.cells(), clock.aim);
         clock.since_myr += myr;
         if !clock.at_rest {
             self.end_cycle();
@@ -222,7 +236,8 @@ impl Plates {
         std::mem::swap(&mut self.maps, &mut self.spare);
         let Borders { gaps, contacts } = borders;
         let mut changes = Changes::default();
-        self.budget.ridges += ridge::fill(&self.g, &self.maps, &gaps, shifts, self.parameters.stretch, &mut changes);
+        self.budget.ridges +=
+            ridge::fill(&self.g, &self.maps, &gaps, (&self.plates, shifts), self.parameters.stretch, &mut changes);
         self.settle(&contacts, areas, &mut changes);
         self.budget.delaminated += changes.apply(&self.g, &mut self.maps.crust, self.parameters.max_crust);
         self.turn_polarity();
@@ -276,10 +291,14 @@ impl Plates {
                 }
                 Kind::Sinks => {
                     let (scraped, sunk) = scrape(c.crust);
-                    changes.add(cell, scraped);
+                    if scraped > 0 && is_continental(crust[cell]) {
+                        fold(&self.g, crust, cell, scraped, slab, (0, reach), max_crust, changes);
+                    } else {
+                        changes.add(cell, scraped);
+                    }
                     self.budget.subducted += i64::from(sunk);
                     // Where a continent was scraped off the slab it is the upper plate's own floor that sank.
-                    if !c.continental.1 {
+                    if !c.continental.1 && self.converges(c, slab) {
                         self.budget.arcs += arcs.erupt(cell, sunk, slab, (c.over, over), changes);
                         let heavy = f64::from((c.age / 80.0).min(1.0));
                         let side = f64::from(areas[usize::from(c.under)].max(1)).sqrt();
@@ -290,6 +309,17 @@ impl Plates {
             }
         }
         self.feel(&fronts, &at_rim, &pull, areas);
+    }
+
+    /// True if the lower plate comes towards the upper one, and does not slide along it.
+    fn converges(&self, c: &Contact, slab: (f64, f64)) -> bool {
+        let (mut x, mut y) = (0.0, 0.0);
+        for (dx, dy) in [(-2, -2), (0, -2), (2, -2), (-2, 0), (2, 0), (-2, 2), (0, 2), (2, 2)] {
+            let below = self.g.beside(c.cell as usize, dx, dy).is_some_and(|n| self.maps.owner[n] == c.under);
+            let way = f64::from(u8::from(below));
+            (x, y) = (x + way * dx as f64, y + way * dy as f64);
+        }
+        slab.0 * x + slab.1 * y < -SLIDES * x.hypot(y)
     }
 
     fn rim(&self, dx: i8) -> Edge {
@@ -387,11 +417,15 @@ impl Plates {
         let rows = [0, h - 1].into_iter().flat_map(|y| (0..w).map(move |x| (1, y * w + x)));
         let columns = [0, w - 1].into_iter().flat_map(|x| (0..h).map(move |y| (0, y * w + x)));
         let closed = [self.g.rim.0, self.g.rim.1].map(|e| e == Edge::Closed);
-        self.plates.iter_mut().for_each(|p| p.held = [false; 2]);
+        let mut touching = vec![[0u32; 2]; self.plates.len()];
         for (axis, cell) in rows.chain(columns) {
             if closed[axis] && is_continental(self.maps.crust[cell]) {
-                self.plates[usize::from(self.maps.owner[cell])].held[axis] = true;
+                touching[usize::from(self.maps.owner[cell])][axis] += 1;
             }
+        }
+        for (plate, [columns, rows]) in self.plates.iter_mut().zip(touching) {
+            // From a corner a plate moves on along the rim that it touches more.
+            plate.held = [columns > rows, rows > 0 && rows >= columns];
         }
     }
 
@@ -430,6 +464,10 @@ impl Plates {
     fn erode(&mut self) {
         let p = &self.parameters;
         let years = f64::from(p.years_per_step) * EROSION_EVERY as f64;
+        if self.clock.steps.is_multiple_of(DENUDATION_EVERY) {
+            let years = f64::from(p.years_per_step) * DENUDATION_EVERY as f64;
+            erosion::denude(&self.g, p, years, self.plates.len(), &self.maps.owner, &self.height, &mut self.maps.crust);
+        }
         let passes = erosion::passes(&self.g, p, years);
         for pass in 0..passes {
             if pass > 0 {
@@ -495,11 +533,12 @@ impl Plates {
         let (level, width) = (self.clock.level as f32, self.g.width);
         let rows = self.height.par_chunks_mut(width).zip(self.maps.crust.par_chunks_mut(width));
         let rows = rows.zip(self.maps.age.par_chunks(width)).enumerate().with_min_len(rows_at_once(width));
-        let (deposited, removed) = rows
+        let sum = |a: [i64; 3], b: [i64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let [deposited, removed, gained] = rows
             .map_with(vec![0.0; width], |changed, (y, ((old, crust), age))| {
                 changed.copy_from_slice(old);
                 change(y, changed);
-                let mut sums = (0, 0);
+                let mut sums = [0; 3];
                 // Without a branch, so that many cells go at a time.
                 for (((old, &new), crust), age) in old.iter_mut().zip(&*changed).zip(crust).zip(age) {
                     // Less than a height far above the sea can hold, so it came by rounding.
@@ -507,14 +546,18 @@ impl Plates {
                     let thick = nearest_units(crust_m(new, *age, level).min(HIGHEST_M));
                     let grown = if same | !new.is_finite() { 0 } else { thick - *crust };
                     *crust += grown;
+                    let land = i32::from(new > 0.0) - i32::from(*old > 0.0);
                     *old = if same { *old } else { new };
-                    sums = (sums.0 + i64::from(grown.max(0)), sums.1 + i64::from((-grown).max(0)));
+                    let here = [grown.max(0), (-grown).max(0), if same { 0 } else { land }];
+                    sums = sum(sums, here.map(i64::from));
                 }
                 sums
             })
-            .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+            .reduce(|| [0; 3], sum);
         self.budget.deposited += deposited;
         self.budget.removed += removed;
+        // The sea does not answer at once.
+        self.clock.aim += gained as f64 / self.g.cells() as f64;
     }
 
     /// Changes the parameters from the next step on.

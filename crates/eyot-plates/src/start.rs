@@ -40,13 +40,12 @@ pub(crate) fn from_noise(g: &Geometry, seed: u64, land: f64, gather: f32) -> Cru
     let ages = Fractal { scale: 0.5, octaves: 3, gain: 0.4, warp: 0.3 }.field(g, mix64(seed ^ 0xa9e));
     if gather > 0.0 {
         let middle = (g.width as f64 / 2.0, g.height as f64 / 2.0);
+        let half = half_axes(g, land * SHELVES);
         for (cell, v) in shape.iter_mut().enumerate() {
             let (x, y) = g.way(middle, ((cell % g.width) as f64, (cell / g.width) as f64));
-            let (x, y) = (x * g.cell_m.0, y * g.cell_m.1);
-            // In units of the radius that a round continent of the asked area would have.
-            let area = g.cells() as f64 * g.cell_area_m2() * land * SHELVES;
-            let far = ((x * x + y * y) / (area / std::f64::consts::PI)).sqrt() as f32;
-            *v = *v * (1.0 - 0.6 * gather) - gather * far;
+            // In units of the half axes of an ellipse of the asked area.
+            let far = (x * x / (half.0 * half.0) + y * y / (half.1 * half.1)).sqrt() as f32;
+            *v = *v * (1.0 - 0.45 * gather) - gather * far;
         }
     }
     fade_at_rims(g, &mut shape);
@@ -71,6 +70,19 @@ pub(crate) fn from_noise(g: &Geometry, seed: u64, land: f64, gather: f32) -> Cru
     let stand: Vec<f32> = thickness.iter().zip(&age).map(|(&t, &a)| buoyancy(crate::crust::metres(t), a)).collect();
     let level = f64::from(quantile(&stand, 1.0 - land));
     Crust { thickness, age, level }
+}
+
+/// Half axes, cells, of the roundest ellipse of a share of the grid that keeps away from rims that are no rings.
+fn half_axes(g: &Geometry, share: f64) -> (f64, f64) {
+    let area = g.cells() as f64 * g.cell_area_m2() * share / std::f64::consts::PI;
+    let most = |n: usize, cell_m: f64, edge: Edge| {
+        if edge == Edge::Wrap { f64::INFINITY } else { 0.36 * n as f64 * cell_m }
+    };
+    let (x, y) = (most(g.width, g.cell_m.0, g.rim.0), most(g.height, g.cell_m.1, g.rim.1));
+    // The one that is short makes the other one long.
+    let a = area.sqrt().min(x);
+    let b = (area / a).min(y);
+    ((area / b) / g.cell_m.0, b / g.cell_m.1)
 }
 
 /// Keeps continents away from rims that are no rings: what leaves such a rim has a straight coast.

@@ -13,7 +13,7 @@ use crate::subduction::Volcanoes;
 use eyot_core::{Error, Grid, Result};
 
 /// Numbers before those of the plates.
-const HEAD: usize = 8;
+const HEAD: usize = 9;
 
 impl Plates {
     /// Everything that is not a map.
@@ -26,6 +26,7 @@ impl Plates {
             c.since_myr,
             c.level,
             c.rise,
+            c.aim,
             f64::from(c.restarts),
             f64::from(u8::from(c.at_rest)),
         ];
@@ -71,8 +72,9 @@ impl Plates {
             since_myr: numbers[3],
             level: numbers[4],
             rise: numbers[5],
-            restarts: numbers[6] as u32,
-            at_rest: numbers[7] != 0.0,
+            aim: numbers[6],
+            restarts: numbers[7] as u32,
+            at_rest: numbers[8] != 0.0,
         };
         let mut world = Self {
             g,

@@ -5,7 +5,7 @@
 //! upper plate, so they stand still on it and make chains of islands, not walls; the thicker the crust the less is added.
 
 use crate::changes::Changes;
-use crate::crust::{CONTINENTAL_M, OCEANIC_M, metres, units};
+use crate::crust::{OCEANIC_M, is_continental, metres, units};
 use crate::geometry::Geometry;
 use crate::growth::unit;
 use crate::plate::Plate;
@@ -86,12 +86,15 @@ impl Arcs<'_> {
         if amount < 1.0 {
             return 0;
         }
+        // Islands stay low; ranges rise where the continent goes on beyond them.
+        let beyond = self.g.cell(x + away(slab.0, self.g.cell_m.0), y + away(slab.1, self.g.cell_m.1));
+        let inland = beyond.is_some_and(|b| is_continental(self.crust[b]));
+        let full = if inland { FULL_RANGE_M } else { FULL_ARC_M };
         let mut erupted = 0;
         // A volcano is wider than a cell: half on it, the rest on its sides.
         let spread = std::iter::once((centre, 0.5)).chain(self.g.sides(centre).map(|c| (c, 0.125)));
         for (to, part) in spread.filter(|&(c, _)| self.owner[c] == over.0) {
             let thick = metres(self.crust[to]);
-            let full = if thick < CONTINENTAL_M { FULL_ARC_M } else { FULL_RANGE_M };
             let units = (amount * part * (1.0 - thick / full).max(0.0)) as i32;
             changes.add(to, units);
             erupted += i64::from(units);

@@ -29,48 +29,56 @@ fn continental(p: &Plates) -> f64 {
     p.crust_m().filter(|&c| c >= CONTINENTAL_M).count() as f64 / p.height().len() as f64
 }
 
+/// Level of the sea in buoyancy, m.
+fn level(p: &Plates) -> f64 {
+    p.numbers()[4]
+}
+
 /// Everything that a state is.
 fn state(p: &Plates) -> (Vec<u32>, Vec<u8>, Vec<u32>, Vec<u64>) {
     let bits = |v: &[f32]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     (bits(p.height()), p.owner().to_vec(), bits(p.age_myr()), p.numbers().iter().map(|n| n.to_bits()).collect())
 }
 
-/// 200 seeds, all rims, 2 to 30 plates: no crash, nothing lost, no world that stands still before its cycle ends.
+/// 200 seeds, all rims, 2 to 30 plates, over more than a whole cycle: no crash, nothing lost, no world that stands still before its cycle
+/// ends, land within 3 points of the asked share after every single step, and heights with two peaks.
 #[test]
-fn two_hundred_seeds_neither_crash_nor_stall() {
-    let shares: Vec<f64> = (0..200u64)
-        .into_par_iter()
-        .map(|seed| {
-            let rim = [Rim::WRAP, CYLINDER, Rim::CLOSED, Rim::OPEN][seed as usize % 4];
-            let p = Tectonics {
-                count: 2 + (seed % 29) as u32,
-                land: 0.1 + 0.1 * (seed % 6) as f32,
-                ..Tectonics::default()
-            };
-            let (w, h) = [(64, 32), (48, 48), (37, 53), (80, 20)][seed as usize / 4 % 4];
-            // A quarter of the Earth's girth, so that plates cross a cell every few steps.
-            let small = Grid::new(w, h, 1e7 / w as f64, rim, &Limits::default()).unwrap();
-            let mut plates = new(&small, seed, &p);
-            // Where plates have come to a halt, a new cycle begins: sea floor is made in each third of the time.
-            for third in 0..3 {
-                let before = plates.budget().ridges;
-                for _ in 0..35 {
-                    plates.step();
-                    assert!(plates.crust_m().all(|c| c >= 0.0), "seed {seed}");
-                }
-                let made = plates.budget().ridges - before;
-                assert!(made > 0, "seed {seed} stands still in third {third}");
+fn two_hundred_seeds_neither_crash_nor_stall_and_keep_their_land() {
+    (0..200u64).into_par_iter().for_each(|seed| {
+        let rim = [Rim::WRAP, CYLINDER, Rim::CLOSED, Rim::OPEN][seed as usize % 4];
+        let p =
+            Tectonics { count: 2 + (seed % 29) as u32, land: 0.1 + 0.1 * (seed % 6) as f32, ..Tectonics::default() };
+        let (w, h) = [(64, 32), (48, 48), (37, 53), (80, 20), (128, 64)][seed as usize / 4 % 5];
+        // A quarter of the Earth's girth, so that plates cross a cell every few steps.
+        let small = Grid::new(w, h, 1e7 / w as f64, rim, &Limits::default()).unwrap();
+        let mut plates = new(&small, seed, &p);
+        // Where plates have come to a halt, a new cycle begins: sea floor is made in each part of the time.
+        for part in 0..6 {
+            let before = plates.budget().ridges;
+            for step in 0..52 {
+                plates.step();
+                assert!(plates.crust_m().all(|c| c >= 0.0), "seed {seed}");
+                // Over open rims continents leave for good.
+                let off = land(&plates) - f64::from(p.land);
+                assert!(rim == Rim::OPEN || off.abs() < 0.03, "seed {seed}: {off} in step {step} of part {part}");
             }
-            assert_eq!(plates.crust_units(), plates.budget().net(), "seed {seed}");
-            assert!(plates.crust_m().all(|c| (0.0..=100_000.0).contains(&c)), "seed {seed}");
-            assert!(plates.height().iter().all(|h| h.is_finite()), "seed {seed}");
-            // Over open rims continents leave for good.
-            if rim == Rim::OPEN { 0.0 } else { (land(&plates) - f64::from(p.land)).abs() }
-        })
-        .collect();
-    let worst = shares.iter().fold(0.0, |a: f64, &b| a.max(b));
-    let seed = shares.iter().position(|&s| s == worst);
-    assert!(worst < 0.06, "seed {seed:?}: {worst}");
+            assert!(plates.budget().ridges > before, "seed {seed} stands still in part {part}");
+        }
+        assert!(plates.cycle_and_steps().0 > 1, "a whole cycle");
+        assert_eq!(plates.crust_units(), plates.budget().net(), "seed {seed}");
+        assert!(plates.crust_m().all(|c| (0.0..=100_000.0).contains(&c)), "seed {seed}");
+        assert!(plates.height().iter().all(|h| h.is_finite()), "seed {seed}");
+        if rim != Rim::OPEN {
+            // The level does not hide that the continents are gone.
+            let kept = continental(&plates) / f64::from(p.land);
+            assert!(kept > 0.85, "seed {seed}: {kept}");
+            if w * h > 4000 {
+                let h = hypsometry(plates.height().iter().copied());
+                let (sea, ground) = h.peaks_m.unwrap_or_else(|| panic!("seed {seed}: {:?}", h.shares));
+                assert!(sea < -2000.0 && (-500.0..1500.0).contains(&ground), "seed {seed}: {sea} {ground}");
+            }
+        }
+    });
 }
 
 #[test]
@@ -90,8 +98,11 @@ fn land_keeps_its_share() {
         let mut p = new(&g, seed, &Tectonics { land: wanted, ..Tectonics::default() });
         let mut worst = 0.0f64;
         for _ in 0..310 {
+            let before = level(&p);
             p.step();
             worst = worst.max((land(&p) - f64::from(wanted)).abs());
+            // The coast is steady.
+            assert!((level(&p) - before).abs() < 25.001, "seed {seed}: {before} to {}", level(&p));
         }
         assert!(worst < 0.03, "seed {seed}: {worst}");
         assert!(p.cycle_and_steps().0 > 1, "a whole cycle");
@@ -130,7 +141,7 @@ fn crust_is_accounted_for() {
 #[test]
 fn what_others_did_survives_a_step() {
     let g = grid(128, 64, CYLINDER);
-    let p = Tectonics { erosion: 0.0, coast: 0.0, ..Tectonics::default() };
+    let p = Tectonics { erosion: 0.0, coast: 0.0, denudation: 0.0, ..Tectonics::default() };
     let mut plates = run(&g, 8, &p, 20);
     let before = *plates.budget();
     let mut height = plates.height().to_vec();
@@ -279,6 +290,7 @@ fn every_parameter_does_what_it_says() {
     higher("stretch", with(&|t| t.stretch = 0.0), with(&|t| t.stretch = 0.45), &shelf);
     higher("arcs", with(&|t| t.arcs = 0.0), with(&|t| t.arcs = 0.5), &budget(|b| b.arcs));
     higher("erosion", with(&|t| t.erosion = 1000.0), with(&|t| t.erosion = 0.0), &thick);
+    higher("denudation", with(&|t| t.denudation = 20.0), with(&|t| t.denudation = 0.0), &highest);
     let coasts = |p: &Plates| p.height().iter().filter(|h| (0.0..100.0).contains(*h)).count() as f64;
     assert_ne!(mean(&with(&|t| t.coast = 0.0), coasts), mean(&with(&|t| t.coast = 2000.0), coasts));
     let cycles = |p: &Plates| p.cycle_and_steps().0 as f64;
@@ -322,6 +334,60 @@ fn parameters_are_live() {
     assert_eq!((p.cycle_and_steps().0, p.list().len()), (2, 5));
     (0..80).for_each(|_| p.step());
     assert!((land(&p) - 0.36).abs() < 0.03, "{}", land(&p));
+}
+
+/// A wish for more or less land, or land that others raised, is answered within some dozens of steps, and by no flood.
+#[test]
+fn the_sea_goes_where_it_is_asked_to_without_haste() {
+    let g = grid(96, 48, CYLINDER);
+    let mut p = run(&g, 2, &Tectonics::default(), 30);
+    for wanted in [0.38, 0.15, 0.3] {
+        p.set_parameters(&g, Tectonics { land: wanted, ..Tectonics::default() }).unwrap();
+        for _ in 0..90 {
+            let (before, level_before) = (land(&p), level(&p));
+            p.step();
+            assert!((land(&p) - before).abs() < 0.03, "{wanted}: from {before} to {}", land(&p));
+            assert!((level(&p) - level_before).abs() < 25.001, "{wanted}: {level_before} to {}", level(&p));
+        }
+        assert!((land(&p) - f64::from(wanted)).abs() < 0.02, "{wanted}: {}", land(&p));
+    }
+    let raised: Vec<f32> = (0..96 * 48).map(|c| if c % 96 < 10 { 800.0 } else { p.height()[c] }).collect();
+    p.set_height(&raised).unwrap();
+    let (high, level_before) = (land(&p), level(&p));
+    p.step();
+    assert!(high > 0.36 && land(&p) > high - 0.03 && (level(&p) - level_before).abs() < 25.001, "{high} {}", land(&p));
+    (0..80).for_each(|_| p.step());
+    assert!((land(&p) - 0.3).abs() < 0.02, "{}", land(&p));
+}
+
+/// New cycles asked for by hand in every third step, and all numbers of plates, leave a world that works.
+#[test]
+fn restarts_by_hand_and_any_number_of_plates_work() {
+    let g = grid(96, 48, CYLINDER);
+    let mut p = run(&g, 5, &Tectonics::default(), 5);
+    for (restarts, count) in (1..).zip([2, 30, 3, 60, 2, 10, 30, 2]) {
+        p.set_parameters(
+            &g,
+            Tectonics { restarts, count, speed: 0.03 + 0.01 * restarts as f32, ..Tectonics::default() },
+        )
+        .unwrap();
+        p.step();
+        assert_eq!(p.cycle_and_steps().0, u64::from(restarts) + 1);
+        // Slivers join their neighbours at once.
+        let plates = p.list().len();
+        assert!(plates <= count as usize && plates as f64 >= 0.9 * f64::from(count), "{plates} of {count}");
+        (0..2).for_each(|_| p.step());
+        assert_eq!(p.crust_units(), p.budget().net());
+        assert!((land(&p) - 0.3).abs() < 0.03, "{}", land(&p));
+    }
+    for count in [2, 30] {
+        let t = Tectonics { count, cycle: 40.0, ..Tectonics::default() };
+        let p = run(&g, 6, &t, 205);
+        assert!(p.cycle_and_steps().0 >= 6 && p.list().len() >= 2, "{count}: {:?}", p.cycle_and_steps());
+        assert!((land(&p) - 0.3).abs() < 0.03 && continental(&p) > 0.25, "{count}: {} {}", land(&p), continental(&p));
+        let h = hypsometry(p.height().iter().copied());
+        assert!(h.peaks_m.is_some(), "{count}: {:?}", h.shares);
+    }
 }
 
 #[test]

@@ -125,7 +125,7 @@ fn a_given_land_gets_the_crust_that_carries_it() {
     let land =
         Field::from_fn(96, 48, |x, y| if (20..60).contains(&x) && (10..40).contains(&y) { 700.0 } else { -4500.0 });
     w.put(&HEIGHT, land.clone()).unwrap();
-    let p = Tectonics { land: 0.26, speed: 0.0, erosion: 0.0, coast: 0.0, ..Tectonics::default() };
+    let p = Tectonics { land: 0.26, speed: 0.0, erosion: 0.0, coast: 0.0, denudation: 0.0, ..Tectonics::default() };
     let p = vec![Scheduled { name: "plates", process: Box::new(Drift::new(p)), every: 1 }];
     eyot_core::process::prepare(&mut w, &p, &Limits::default()).unwrap();
     assert!(w.layer("height").unwrap().field == land);

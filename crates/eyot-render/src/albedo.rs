@@ -32,6 +32,11 @@ const SNOW: V3 = [0.800, 0.830, 0.870];
 
 /// Snow lies above this height, m; tropical islands stay below it.
 const SNOW_LINE_M: f32 = 3000.0;
+/// The same where cells are many kilometres wide: no cell is as steep as rock is, and heights are means over whole ranges.
+const COARSE_SNOW_LINE_M: f32 = 5000.0;
+/// There, land dries, and is bare, from these heights on, m.
+const COARSE_DRY_M: f32 = 900.0;
+const COARSE_BARE_M: f32 = 2300.0;
 
 /// Linear RGB albedo of every cell, row by row from the north-west.
 ///
@@ -118,6 +123,8 @@ struct Scales {
     beach: f32,
     /// Slope where rock begins to show.
     rock: f32,
+    /// From 0 where a cell shows slopes to 1 where it holds whole valleys.
+    coarse: f32,
 }
 
 impl Scales {
@@ -131,7 +138,8 @@ impl Scales {
         let rock = if land.is_empty() { 0.9 } else { quantile(&land, 0.92).clamp(0.40, 1.3) };
         let relief = g.relief();
         let low = if g.sea { 0.0 } else { g.land_low };
-        Self { extent: g.extent(), low, relief, beach: (0.006 * relief).clamp(0.02, 4.0), rock }
+        let coarse = smoothstep(3_000.0, 20_000.0, g.cell[0].min(g.cell[1]));
+        Self { extent: g.extent(), low, relief, beach: (0.006 * relief).clamp(0.02, 4.0), rock, coarse }
     }
 }
 
@@ -150,18 +158,28 @@ fn land(s: &Site, k: &Scales, sea: bool) -> V3 {
             * smoothstep(0.55, 0.15, up)
             * smoothstep(0.45, 0.1, s.slope),
     );
+    let altitude = s.z - s.zero;
     let stone = mix(ROCK, DARK_ROCK, smoothstep(-0.3, 0.4, s.fine - 0.5 * s.broad));
     // Green climbs cliffs in the wet lowlands; heights are barer.
     let steep = s.slope / k.rock + 0.50 * s.fine + 0.30 * s.broad + 0.10 * s.bump + 0.30 * (up - 0.55);
     let scree = mix(SCREE, ROCK, smoothstep(-0.2, 0.3, s.fine));
     c = mix(c, scree, 0.65 * smoothstep(0.92, 1.12, steep) * smoothstep(0.35, 0.75, up));
     c = mix(c, stone, smoothstep(1.0, 1.28, steep));
+    if k.coarse > 0.0 {
+        let at = altitude + 700.0 * s.broad + 300.0 * s.fine;
+        c = mix(c, DRY_GRASS, 0.8 * k.coarse * smoothstep(COARSE_DRY_M - 500.0, COARSE_DRY_M + 700.0, at));
+        c = mix(c, mix(scree, stone, 0.6), k.coarse * smoothstep(COARSE_BARE_M - 900.0, COARSE_BARE_M + 900.0, at));
+    }
     if s.aridity > 0.0 {
         c = mix(c, arid(s, up, k.relief, s.slope / k.rock), s.aridity);
     }
     c = mix(c, mix(RIVER_BED, ROCK, smoothstep(-0.3, 0.3, s.fine)), 0.85 * smoothstep(0.12, 0.65, s.wetness));
-    let altitude = s.z - s.zero;
-    let snow = smoothstep(-150.0, 350.0, altitude - SNOW_LINE_M + 500.0 * s.broad + 180.0 * s.fine - 120.0 * s.bump);
+    let line = lerp(SNOW_LINE_M, COARSE_SNOW_LINE_M, k.coarse);
+    let snow = smoothstep(
+        -150.0 - 500.0 * k.coarse,
+        350.0 + 700.0 * k.coarse,
+        altitude - line + 500.0 * s.broad + 180.0 * s.fine - 120.0 * s.bump,
+    );
     c = mix(c, SNOW, snow * smoothstep(1.45, 1.05, steep));
     if sea {
         let band = k.beach * (1.0 + 1.2 * s.broad + 0.5 * s.fine);

@@ -43,6 +43,10 @@ fn the_world_has_wet_tropics_dry_belts_and_cold_poles() {
     assert!(share("zone", "river") > 0.001, "{:?}", p.zones["zone"]);
     let dry_land = |latitude: f64| belt(&p, latitude).land_rain_mm;
     assert!([22.5, -22.5].into_iter().filter_map(dry_land).any(|mm| mm < 500.0));
+    // Plates made the continents and went on while the weather ran.
+    let plates = eyot::plates::report(&world).unwrap().unwrap();
+    assert!(plates.steps == 265 + 9 && plates.plates.len() > 4, "{plates:?}");
+    assert!(plates.hypsometry.peaks_m.is_some(), "{:?}", plates.hypsometry);
     world.check_finite("the end").unwrap();
 }
 
