@@ -195,7 +195,15 @@ fn parameters(parameters: &[ParameterInfo], level: usize) -> Result<String> {
             Expression::Time => "; or an expression of time",
             Expression::Cells => "; or an expression",
         };
-        let default = if p.default.is_null() { String::new() } else { format!("`{}`", p.default) };
+        let tables = p.default_tables();
+        let default = match (p.default.is_null(), tables.is_empty()) {
+            (true, _) => String::new(),
+            (false, true) => format!("`{}`", p.default),
+            (false, false) => {
+                let text = |(name, entries): &(String, Vec<String>)| format!("{name} `{}`", entries.join(", "));
+                tables.iter().map(text).collect::<Vec<_>>().join("; ").trim().to_owned()
+            }
+        };
         writeln!(
             out,
             "| `{}` | {} | {} | {} |",

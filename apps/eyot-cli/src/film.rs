@@ -4,7 +4,7 @@ use crate::args::{Draws, Look, size};
 use crate::progress::{bar, time};
 use crate::{Failure, look, print, report};
 use clap::Args;
-use eyot::film::{FilmOptions, FilmPath, FilmProgress, Video, film_recording, film_run};
+use eyot::film::{FilmOptions, FilmPath, FilmProgress, Subject, Video};
 use eyot::{Cancel, Control, Limits, RunError, Scenery, View};
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
@@ -119,15 +119,14 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     let mut shown = Shown::new(args.quiet);
     let limits = Limits::default();
     let tell: &mut dyn FnMut(&FilmProgress) = &mut |p| shown.show(p);
-    let filmed = match opened {
-        None => film_recording(&args.from, &options, &out, &limits, &control, tell),
-        Some(opened) if args.run => {
-            // It reads the world, too.
-            drop(opened);
-            film_run(&args.from, &options, &out, &limits, &control, tell)
-        }
-        Some(opened) => eyot::film::film(&opened.world, &options, &out, &limits, &control, tell),
+    // A run reads its world itself.
+    let opened = opened.filter(|_| !args.run);
+    let subject = match &opened {
+        Some(opened) => Subject::World(&opened.world),
+        None if args.run => Subject::Run(&args.from),
+        None => Subject::Recording(&args.from),
     };
+    let filmed = eyot::film::film(subject, &options, &out, &limits, &control, tell);
     shown.end();
     let filmed = match filmed {
         Err(RunError::Stopped) => {

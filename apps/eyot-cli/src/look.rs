@@ -202,6 +202,16 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
         1e-6 * r.cell_steps_per_second,
         1e-6 * r.cell_steps_per_second_median
     ))?;
+    if let Some(d) = &r.drift {
+        print::line(&format!(
+            "  {:>10.3} ms a step between turns of the plates, and {:.3} ms for which the world stops at a turn (medians, {} turns); a step of \
+             plates alone takes {:.3} ms",
+            1e3 * d.seconds_between_turns,
+            1e3 * d.seconds_of_turn,
+            d.turns,
+            1e3 * d.seconds_of_plates
+        ))?;
+    }
     let moved = r.bytes_moved_per_cell_step.map_or_else(|| "not known how many".to_owned(), |n| n.to_string());
     print::line(&format!(
         "  {:>10.1} bytes held per cell, {moved} bytes read and written per cell and step",

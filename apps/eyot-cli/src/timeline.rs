@@ -2,7 +2,7 @@
 
 use crate::args::{Branch, Rewind, Timeline};
 use crate::{Failure, print, report};
-use eyot::timeline::{Branching, Frame};
+use eyot::timeline::{Branching, Damaged, Frame};
 use eyot::{Limits, Registry, shell_word};
 use serde_json::json;
 
@@ -14,12 +14,18 @@ pub(crate) fn list(args: &Timeline) -> Result<(), Failure> {
     if args.json {
         let object = json!({
             "every": record.every, "max_bytes": record.max_bytes, "bytes": bytes, "frames": frames,
+            "damaged": timeline.damaged(),
         });
         return print::line(&object.to_string());
     }
     print::line(&format!(
-        "{} frames, one each {} steps, {} of {}",
+        "{} frames{}, one each {} steps, {} of {}",
         frames.len(),
+        if timeline.damaged().is_empty() {
+            String::new()
+        } else {
+            format!(" and {} damaged", timeline.damaged().len())
+        },
         record.every,
         size(bytes),
         size(record.max_bytes)
@@ -29,6 +35,7 @@ pub(crate) fn list(args: &Timeline) -> Result<(), Failure> {
         let place = format!("{} after {}", f.recipe_step, f.step);
         print::line(&format!("  {:>5}  {:>10}  {place:<18}  {:>12}", f.frame, f.steps_done, size(f.bytes)))?;
     }
+    tell(timeline.damaged());
     Ok(())
 }
 
@@ -39,6 +46,7 @@ pub(crate) fn rewind(args: &Rewind) -> Result<(), Failure> {
     if args.json {
         return print::line(&json!(done).to_string());
     }
+    tell(&done.damaged);
     let dropped = match done.dropped {
         0 => String::new(),
         1 => "; one later frame was dropped".to_owned(),
@@ -55,12 +63,18 @@ pub(crate) fn rewind(args: &Rewind) -> Result<(), Failure> {
 pub(crate) fn branch(args: &Branch) -> Result<(), Failure> {
     let how = Branching { set: args.set.clone(), forget: args.forget };
     let (moment_of, registry) = (args.moment.get(), Registry::standard());
-    let frame = eyot::timeline::branch(&args.folder, moment_of, &args.out, &how, &registry, &Limits::default());
-    let frame = frame.map_err(|e| report::run(&e))?;
+    let done = eyot::timeline::branch(&args.folder, moment_of, &args.out, &how, &registry, &Limits::default());
+    let done = done.map_err(|e| report::run(&e))?;
     if args.json {
-        return print::line(&json!(frame).to_string());
+        return print::line(&json!(done).to_string());
     }
-    print::line(&format!("{}; continue with: eyot resume {}", moment(&frame), shell_word(&args.out)))
+    tell(&done.damaged);
+    print::line(&format!("{}; continue with: eyot resume {}", moment(&done.frame), shell_word(&args.out)))
+}
+
+/// Says which frames are lost.
+fn tell(damaged: &[Damaged]) {
+    damaged.iter().for_each(|d| print::note(&format!("warning: {d}")));
 }
 
 fn moment(frame: &Frame) -> String {

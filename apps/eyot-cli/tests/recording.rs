@@ -2,57 +2,21 @@
 
 mod common;
 
-use common::{assert_same, contents, eyot, said};
+use common::{SHORE, assert_same, contents, eyot, said};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
-
-/// Two simulations with a generator between, fluxes through an open rim, and layers that come late.
-const SHORE: &str = r#"
-name = "Shore"
-seed = 5
-sea_level = 40.0
-
-[grid]
-size = [90, 70]
-cell = [10.0, 12.0]
-rim = "open"
-
-[[step]]
-generate = "cone"
-height = 150.0
-
-[[step]]
-name = "rain"
-simulate = ["hydraulic", "thermal", "seabed"]
-steps = 900
-thermal.every = 3
-
-[[step]]
-generate = "fbm"
-amplitude = 5.0
-
-[[step]]
-name = "reefs"
-simulate = ["hydraulic", "reef"]
-steps = 500
-hydraulic.flux = "classic"
-
-[[export]]
-format = "r32"
-layers = ["height", "water", "limestone"]
-
-[view]
-enabled = false
-"#;
 
 /// Room for a dozen frames of some seventy.
 const RECORD: &[&str] = &["--record", "20", "--record-limit", "2500K", "--checkpoint-seconds", "0.3"];
 
 fn place() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("shore.toml"), SHORE).unwrap();
+    // A smaller and shorter one; the later steps first, as the others become what they were.
+    let sizes = [("[150, 110]", "[90, 70]"), ("steps = 900", "steps = 500"), ("steps = 1600", "steps = 900")];
+    let shore = sizes.iter().fold(SHORE.to_owned(), |text, (from, to)| text.replace(from, to));
+    std::fs::write(folder.path().join("shore.toml"), shore).unwrap();
     folder
 }
 
@@ -150,10 +114,10 @@ fn a_recorded_run_killed_at_any_moment_goes_on_to_the_same_bytes() {
 fn the_way_back_in_words() {
     let folder = place();
     let f = folder.path();
-    let short = ["--set", "rain.steps=30", "--set", "reefs.steps=20", "--quiet"];
+    let short = ["--set", "rain.steps=30", "--set", "pipes.steps=20", "--quiet"];
     said(f, &[&["run", "shore.toml", "--out", "out", "--record", "10"][..], &short].concat(), 0, &[]);
     let saved = contents_without_recording(&f.join("out"));
-    said(f, &["timeline", "out"], 0, &["6 frames, one each 10 steps", "2.0 GiB", "4 after 0"]);
+    said(f, &["timeline", "out"], 0, &["6 frames, one each 10 steps", "2.0 GiB", "5 after 0"]);
     let words = ["frame 2, 20 steps done", "3 later frames", "as it was", "eyot resume out"];
     said(f, &["rewind", "out", "--to", "25"], 0, &words);
     assert_eq!(frames(f, "out"), [0, 10, 20]);
@@ -185,7 +149,7 @@ fn the_way_back_in_words() {
                 "--set",
                 "rain.enabled=false",
                 "--set",
-                "reefs.enabled=false",
+                "pipes.enabled=false",
             ],
             "simulates nothing",
         ),
@@ -201,4 +165,23 @@ fn contents_without_recording(out: &Path) -> BTreeMap<String, Vec<u8>> {
     let saved = contents(out);
     std::fs::rename(&aside, out.join("timeline.zarr")).unwrap();
     saved
+}
+
+#[test]
+fn lost_frames_are_named_by_every_verb() {
+    let folder = place();
+    let f = folder.path();
+    let short = ["--set", "rain.steps=30", "--set", "pipes.steps=20", "--quiet"];
+    said(f, &[&["run", "shore.toml", "--out", "out", "--record", "10"][..], &short].concat(), 0, &[]);
+    std::fs::remove_file(f.join("out/timeline.zarr/.frames/2.eyot")).unwrap();
+    std::fs::write(f.join("out/timeline.zarr/height/c/1/0/0"), "damaged").unwrap();
+    let lost = "frame 2 of step 20 cannot be read";
+    said(f, &["timeline", "out"], 0, &["5 frames and 1 damaged", lost, "2.eyot", "frame 2 is missing"]);
+    said(f, &["branch", "out", "--frame", "2", "--out", "x"], 2, &[lost, "`eyot timeline` lists those that are whole"]);
+    let film = ["film", "out", "--recording", "--size", "64x40", "--video", "none", "--out", "film"];
+    said(f, &film, 0, &[lost, "frame 1 of step 10", "another frame is shown in its place", "6 pictures"]);
+    let words = [lost, "frame 1 of step 10", "height", "at frame 0, 0 steps done"];
+    said(f, &["branch", "out", "--to", "25", "--out", "branch"], 0, &words);
+    said(f, &["rewind", "out", "--to", "25"], 0, &words);
+    said(f, &["resume", "out", "--quiet"], 0, &[]);
 }

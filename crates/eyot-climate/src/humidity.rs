@@ -1,19 +1,22 @@
 //! Humidity: the air takes up water over the sea, carries it, and rains where it cools, rises and meets.
 //!
 //! # Equations
-//! `q` humidity (1: saturated at 30 degrees), `T` in degrees Celsius, `t` hours, `w` share through a face.
+//! `q` humidity (1: what a column of 30 degrees holds, 32.5 mm), `S` how full the soil is, `T` in degrees Celsius, `t` hours,
+//! `w` share through a face.
 //! 1. `q1 = q + sum over 4 faces of (w_in q_n - w_out q)`: what leaves one cell arrives in the other.
-//! 2. `W = ((T + 60) / 90)^5`: what air can hold, 0 below -60 degrees.
+//! 2. `W = ((T + 60) / 90)^4`: what a column of air can hold, 0 below -60 degrees.
 //! 3. uptake: `(1 - e^(-water_add t / 24)) (W - q1)` where positive, over the sea; a third of it over lakes, half of it
-//!    through sea ice.
-//! 4. rain: `(1 - e^(-t / 96)) q r` with `r = q / W` at most 1, and `1 - e^(-t / 6)` of what exceeds `W`;
-//!    `recycling T / 25` of it, the quotient within 0..=1, rises again over land.
+//!    through sea ice; over land `(1 - e^(-land_add t / 24)) S (W - q1) T / 10`, the quotient within 0..=1, from the soil.
+//! 4. rain: `(1 - e^(-t / 57)) q r` with `r = q / W` at most 1, and `1 - e^(-t / 6)` of what exceeds `W`.
 //! 5. drying: `(1 - e^(-land_dry t / 720)) (q - rain) (0.3 + 0.4 T / 30)` over land, the last bracket within 0..=0.7,
 //!    and the same with `ice_dry` and without it over ice; it is gone without rain.
 //! 6. `precipitation' = precipitation + 0.1 (R - precipitation)`, `R` the rain of (4) in mm a year.
+//! 7. `S' = S + (rain - uptake) / soil`, at most 1: what the soil cannot keep runs off.
+//! 8. storms: `q' = q + storms t sin(2 l)^4 laplace q`, `l` latitude.
 //!
 //! # Source
-//! Gerteis 2017. (2) follows the relation of Clausius and Clapeyron within 15 in 100 from -20 to 35 degrees.
+//! Gerteis 2017. (2) follows how the water over places of that temperature falls from the Earth's tropics, 50 mm, to places of
+//! -10 degrees, 7 mm: less than the pressure of saturation, since cold ground lies under warmer air. (7) is the bucket of Manabe 1969.
 //!
 //! # Differences
 //! - In the source rain is a share of the humidity, wherever it is. Here cold air holds less and so rains more:
@@ -21,23 +24,28 @@
 //!   deserts.
 //! - The source has signs that lose water on the way and a temperature factor of drying that multiplies zero. Both are
 //!   mended, and land dries by default.
-//! - Rain that rises again from plants and soil waters the middle of continents.
+//! - Soil keeps rain and gives it back when it is warm: that waters the middle of continents, and in summer.
+//! - Storms carry water from the sea over the land of the middle latitudes, where the mean wind alone would leave the lee
+//!   side of every continent dry.
 //!
 //! # Layers
 //! Reads `height`, `water`, `ice` (m), `temperature` (degrees Celsius), `wind_x`, `wind_y` (m/s); reads and writes
-//! `humidity` (1) and `precipitation` (mm a year).
+//! `humidity`, `soil` (1) and `precipitation` (mm a year).
 //!
 //! # Limits
-//! Stable for all values: no more leaves a cell than is there.
+//! Stable for all values: no more leaves a cell than is there. On fine grids storms carry less than asked for.
 //!
 //! # Conserves
-//! Water in the air with uptake, rain and drying in the ledger, as the depth it would have (`tests/conservation.rs`).
+//! Water in the air with uptake, rain and drying in the ledger, as the depth it would have, and water in the soil with what
+//! runs off (`tests/conservation.rs`).
 //! The rain of the map falls as `water.rain` in its own, slower time; see `water`.
 
-use crate::carry::{Carrier, mixing, shares};
+use crate::carry::{Carrier, mixing, shares, storms};
+use crate::level::out;
+use crate::sky::{edge_latitude, latitude, rows, storminess};
 use crate::ice::ICE;
 use crate::temperature::TEMPERATURE;
-use crate::units::{AIR_WATER, CELSIUS_AT_ZERO, MM_PER_HUMIDITY, RAIN_HOURS, hours_per_step};
+use crate::units::{AIR_WATER, CELSIUS_AT_ZERO, HOURS_PER_YEAR, RAIN_HOURS, hours_per_step};
 use crate::wind::{WIND_X, WIND_Y};
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
@@ -55,6 +63,17 @@ pub const HUMIDITY: LayerSpec =
 pub const PRECIPITATION: LayerSpec =
     LayerSpec::new("precipitation", "mm/a", "Rain and snow, as the depth that a year of it would make", (0.0, 1e8));
 
+/// Rain that waits in the soil.
+pub const SOIL: LayerSpec =
+    LayerSpec::new("soil", "1", "How full the soil is of rain that it keeps until it dries", (0.0, 1.0));
+
+const LEFT: Tally = Tally {
+    account: "humidity.left",
+    unit: TallyUnit::Thickness,
+    sign: -1,
+    meaning: "Water in the air that left over an open rim, less what came in",
+};
+
 /// The air takes up water over the sea, carries it, and rains where it cools, rises and meets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -68,25 +87,32 @@ pub struct Humidity {
     /// How fast ice dries the air.
     #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "1"))]
     pub ice_dry: f32,
-    /// Share of the rain over warm land that rises again; none does in frost. Much of it makes green continents and wet
-    /// summers.
-    #[schemars(range(min = 0.0, max = 0.95), extend("unit" = "1"))]
-    pub recycling: f32,
+    /// How fast air takes up water over wet soil, where the sea is 1; none does in frost. Much of it makes green
+    /// continents and wet summers.
+    #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "1"))]
+    pub land_add: f32,
+    /// Rain that the soil keeps for dry months: what runs off is lost to the air. 16 mm are for a year of 40 days what
+    /// 150 mm are for ours.
+    #[schemars(range(min = 0.1, max = 1000.0), extend("unit" = "mm"))]
+    pub soil: f32,
     /// Mixing by weather that is smaller than the belts and eddies of the wind. A twentieth of a difference mixes in a
     /// step at most.
     #[schemars(range(min = 0.0, max = 10000000.0), extend("unit" = "m2/s", "between_cells" = true))]
     pub mixing: f32,
+    /// Mixing by the storms of the middle latitudes, most at 45 degrees. Beyond what a step can mix, more changes nothing.
+    #[schemars(range(min = 0.0, max = 10000000.0), extend("unit" = "m2/s", "between_cells" = true))]
+    pub storms: f32,
 }
 
 impl Default for Humidity {
     fn default() -> Self {
-        Self { water_add: 1.0, land_dry: 0.5, ice_dry: 0.2, recycling: 0.65, mixing: 5e5 }
+        Self { water_add: 1.0, land_dry: 0.1, ice_dry: 0.2, land_add: 0.22, soil: 16.0, mixing: 5e5, storms: 1.1e6 }
     }
 }
 
 impl Process for Humidity {
     fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let own = [(HUMIDITY, 0.0), (PRECIPITATION, 0.0)];
+        let own = [(HUMIDITY, 0.2), (PRECIPITATION, 0.0), (SOIL, 1.0)];
         let others = [(HEIGHT, 0.0), (WATER, 0.0), (ICE, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)];
         others.into_iter().chain([(WIND_X, 0.0), (WIND_Y, 0.0)]).chain(own).collect()
     }
@@ -108,18 +134,77 @@ impl Process for Humidity {
             uptake: share(self.water_add, 24.0),
             rain,
             excess: share(1.0, 6.0),
-            rise: self.recycling,
+            land_uptake: share(self.land_add, 24.0),
+            soil: 1e-3 * self.soil / AIR_WATER,
+            per_soil: 1e3 * AIR_WATER / self.soil,
             dry: share(self.land_dry, 720.0),
             ice_dry: share(self.ice_dry, 720.0),
-            // A step's rain as millimetres a year: saturated air rains its humidity in 96 h.
-            per_year: MM_PER_HUMIDITY / (rain.max(1e-30)),
+            per_year: 1e3 * AIR_WATER * HOURS_PER_YEAR / hours,
             depth: AIR_WATER,
             sea: moment.sea_level_m as f32,
             share_x,
             share_y,
             mixing: mixing(&moment.grid, self.mixing),
         });
+        let (rows, half_row) = rows(&moment.grid);
+        let (passes, share) = storms(&moment.grid, self.storms);
+        for _ in 0..passes {
+            plan.push::<Storm>(StormParams { rows, half_row, share, depth: AIR_WATER });
+        }
     }
+}
+
+rule_params! {
+    /// Parameters of [`Storm`].
+    pub struct StormParams {
+        /// Rows of the grid, 1.
+        rows,
+        /// Latitude of half a row, rad.
+        half_row,
+        /// Share of a difference that mixes where there are most storms, 1.
+        share,
+        /// Depth of the water in air of humidity 1, m.
+        depth,
+    }
+}
+
+/// Equation (8).
+pub struct Storm;
+
+impl Rule for Storm {
+    const NAME: &'static str = "humidity_storm";
+    const READS: &'static [Read] = &[read("humidity", 1)];
+    const WRITES: &'static [&'static str] = &["humidity"];
+    const TALLIES: &'static [Tally] = &[LEFT];
+    type Params = StormParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 1];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &StormParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
+        let (east, south) = (storm_east(p, c, 0), storm_south(p, c, 0));
+        let gain = (storm_east(p, c, -1) - east) + (storm_south(p, c, -1) - south);
+        ([(c.here(0) + gain).flushed()], [R::of(0.0)])
+    }
+
+    #[inline(always)]
+    fn leaving<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 1]> {
+        Some([p.depth * out(side, |at| storm_east(p, c, at), |at| storm_south(p, c, at))])
+    }
+}
+
+/// What storms carry through the eastern face of the cell `at` columns east.
+#[inline(always)]
+fn storm_east<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, at: isize) -> R {
+    let storms = p.share * storminess(latitude(p.rows, p.half_row, c.y()));
+    storms * (c.at(0, at, 0) - c.at(0, at + 1, 0))
+}
+
+/// What storms carry through the southern face of the cell `at` rows south.
+#[inline(always)]
+fn storm_south<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, at: isize) -> R {
+    let storms = p.share * storminess(edge_latitude(p.rows, p.half_row, c.y() + R::of(at as f32)));
+    storms * (c.at(0, 0, at) - c.at(0, 0, at + 1))
 }
 
 rule_params! {
@@ -131,8 +216,12 @@ rule_params! {
         rain,
         /// Share of what exceeds saturation that rains in a step, 1.
         excess,
-        /// Share of the rain over warm land that rises again, 1.
-        rise,
+        /// Share of what the air lacks that it takes up over wet soil in a step, 1.
+        land_uptake,
+        /// Water that the soil keeps, in units of humidity.
+        soil,
+        /// One over it.
+        per_soil,
         /// Share that warm land dries in a step, 1.
         dry,
         /// Share that ice dries in a step, 1.
@@ -152,7 +241,7 @@ rule_params! {
     }
 }
 
-/// Equations (1) to (6).
+/// Equations (1) to (7).
 pub struct Moisten;
 
 #[inline(always)]
@@ -165,7 +254,7 @@ fn carrier<R: Real>(p: &MoistenParams<R>) -> Carrier<R> {
 pub fn capacity<R: Real>(celsius: R) -> R {
     let x = (celsius + R::of(60.0)).positive() * R::of(1.0 / 90.0);
     let x2 = x * x;
-    x2 * x2 * x
+    x2 * x2
 }
 
 impl Rule for Moisten {
@@ -179,8 +268,9 @@ impl Rule for Moisten {
         read("water", 0),
         read("ice", 0),
         read("precipitation", 0),
+        read("soil", 0),
     ];
-    const WRITES: &'static [&'static str] = &["humidity", "precipitation"];
+    const WRITES: &'static [&'static str] = &["humidity", "precipitation", "soil"];
     const TALLIES: &'static [Tally] = &[
         Tally {
             account: "humidity.taken_up",
@@ -200,19 +290,32 @@ impl Rule for Moisten {
             sign: -1,
             meaning: "Water that land and ice took from the air without rain",
         },
+        LEFT,
         Tally {
-            account: "humidity.left",
+            account: "soil.rained",
+            unit: TallyUnit::Thickness,
+            sign: 1,
+            meaning: "Rain that fell on soil",
+        },
+        Tally {
+            account: "soil.taken_up",
             unit: TallyUnit::Thickness,
             sign: -1,
-            meaning: "Water in the air that left over an open rim, less what came in",
+            meaning: "Water that the air took up over soil",
+        },
+        Tally {
+            account: "soil.ran_off",
+            unit: TallyUnit::Thickness,
+            sign: -1,
+            meaning: "Rain that the soil could not keep",
         },
     ];
     type Params = MoistenParams<()>;
-    type Out<R: Real> = [R; 2];
-    type Sums<R: Real> = [R; 4];
+    type Out<R: Real> = [R; 3];
+    type Sums<R: Real> = [R; 7];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &MoistenParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 4]) {
+    fn cell<R: Real>(p: &MoistenParams<R>, c: &impl Cell<R>) -> ([R; 3], [R; 7]) {
         let (zero, one) = (R::of(0.0), R::of(1.0));
         let (t, sea, frozen) = (c.here(3), c.here(4).lt(p.sea), c.here(6).gt(R::of(0.1)));
         let q = (c.here(0) + carrier(p).gain(c)).positive().named("(1) carried");
@@ -221,14 +324,17 @@ impl Rule for Moisten {
         let lake = c.here(5).gt(R::of(0.5)).pick(R::of(0.33), zero);
         let sea_share = frozen.pick(R::of(0.5), one);
         let wet = sea.pick(sea_share, frozen.pick(zero, lake));
-        let uptake = (wet * p.uptake * (holds - q).positive()).named("(3) uptake");
+        let lacks = (holds - q).positive();
+        let uptake = (wet * p.uptake * lacks).named("(3) uptake");
+
+        let kept = c.here(8);
+        let growing = (t * R::of(0.1)).clamp(zero, one);
+        let risen = (growing * kept * p.land_uptake * lacks).min(p.soil * kept);
+        let risen = sea.pick(zero, risen).named("(3) risen");
 
         let relative = (q / holds.max(R::of(1e-6))).min(one);
         let rain = p.rain * q * relative + p.excess * (q - holds).positive();
         let rain = rain.min(q).named("(4) rain");
-        let growing = (t * R::of(1.0 / 25.0)).clamp(zero, one);
-        let risen = sea.pick(zero, p.rise * growing * rain);
-
         let warm = (R::of(0.3) + R::of(0.4 / 30.0) * t).clamp(R::of(0.0), R::of(0.7));
         let dry = frozen.pick(p.ice_dry, sea.pick(zero, p.dry * warm)).named("(5) dry");
         let left = (q - rain).positive();
@@ -236,12 +342,24 @@ impl Rule for Moisten {
 
         let humidity = ((left - dried) + (uptake + risen)).flushed();
         let fallen = c.here(7) + R::of(0.1) * (p.per_year * rain - c.here(7));
-        let sums = [p.depth * (uptake + risen), p.depth * rain, p.depth * dried, zero];
-        ([humidity, fallen.flushed().named("(6) precipitation")], sums)
+        let on_soil = sea.pick(zero, rain);
+        let wetter = (p.soil * kept - risen).positive() + on_soil;
+        let soil = sea.pick(zero, wetter.min(p.soil) * p.per_soil).flushed().named("(7) soil");
+        let ran_off = wetter - p.soil * soil;
+        let sums = [
+            p.depth * (uptake + risen),
+            p.depth * rain,
+            p.depth * dried,
+            zero,
+            p.depth * on_soil,
+            p.depth * risen,
+            p.depth * ran_off,
+        ];
+        ([humidity, fallen.flushed().named("(6) precipitation"), soil], sums)
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &MoistenParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 4]> {
+    fn leaving<R: Real>(p: &MoistenParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 7]> {
         let (air, zero) = (carrier(p), R::of(0.0));
         let out = match side {
             Side::West => -air.east(c, -1),
@@ -249,6 +367,6 @@ impl Rule for Moisten {
             Side::North => -air.south(c, -1),
             Side::South => air.south(c, 0),
         };
-        Some([zero, zero, zero, p.depth * out])
+        Some([zero, zero, zero, p.depth * out, zero, zero, zero])
     }
 }

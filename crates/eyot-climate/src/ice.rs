@@ -2,11 +2,11 @@
 //!
 //! # Equations
 //! `i` thickness of ice as water, `d` water, head `H = max(g, sea) + i`, `T_f` the freezing point, on the sea
-//! 5 degrees lower for the heat from below, `h` hours of a step.
+//! 5 degrees lower for the heat from below, `y` years of a step.
 //! 1. `F = clamp(0.05 (H - H_n), -flow i_n, flow i)` through each face; `i1 = i - outflows + inflows`.
-//! 2. freezing: on land `min(d, 0.005 m freeze h (T_f - T))`, on the sea what is missing to `sea_ice` at most; 0 where
+//! 2. freezing: on land `min(d, 0.625 m freeze y (T_f - T))`, on the sea what is missing to `sea_ice` at most; 0 where
 //!    it is warmer.
-//! 3. melting: `min(i1, 0.005 m melt h (T - T_f))`; 0 where it is colder. On land it becomes water.
+//! 3. melting: `min(i1, 0.625 m melt y (T - T_f))`; 0 where it is colder. On land it becomes water.
 //! 4. On the sea ice thicker than `sea_ice` breaks off.
 //!
 //! # Source
@@ -29,7 +29,7 @@
 
 use crate::level::{flow, out};
 use crate::temperature::TEMPERATURE;
-use crate::units::{CELSIUS_AT_ZERO, hours_per_step};
+use crate::units::{CELSIUS_AT_ZERO, ground_years_per_step};
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, check_ranges};
@@ -80,7 +80,7 @@ impl Process for Ice {
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
-        let each_degree = 0.005 * hours_per_step(&moment.grid) as f32;
+        let each_degree = PER_DEGREE * ground_years_per_step(&moment.grid) as f32;
         plan.push::<Glacier>(GlacierParams {
             freezing_point: self.ice_temperature,
             freeze: each_degree * self.freeze,
@@ -110,6 +110,8 @@ rule_params! {
     }
 }
 
+/// What freezes and melts in a year for each degree, m.
+const PER_DEGREE: f32 = 0.625;
 /// Heat from below keeps the sea open in so much colder air, degrees.
 const SEA_WARMTH: f32 = 5.0;
 

@@ -64,9 +64,9 @@ use eyot_core::process::{Entry, Process};
 
 /// All processes that recipes can name, in the order in which they should act.
 pub const PROCESSES: &[Entry<dyn Process>] = &[
-    Entry::<dyn Process>::process::<Wind>("wind", about!("wind.rs"), &["gerteis2017", "bridson2007"]),
+    Entry::<dyn Process>::process::<Wind>("wind", about!("wind.rs"), &["gerteis2017", "bridson2007", "gill1980"]),
     Entry::<dyn Process>::process::<Temperature>("temperature", about!("temperature.rs"), &["gerteis2017"]),
-    Entry::<dyn Process>::process::<Humidity>("humidity", about!("humidity.rs"), &["gerteis2017"]),
+    Entry::<dyn Process>::process::<Humidity>("humidity", about!("humidity.rs"), &["gerteis2017", "manabe1969"]),
     Entry::<dyn Process>::process::<Water>("water", about!("water.rs"), &["gerteis2017", "holdridge1967"]),
     Entry::<dyn Process>::process::<Ice>("ice", about!("ice.rs"), &["gerteis2017", "hock2003"]),
     Entry::<dyn Process>::process::<Weathering>("weathering", about!("weathering.rs"), &["gerteis2017"]),

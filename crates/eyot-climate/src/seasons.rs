@@ -66,7 +66,7 @@ pub struct Climate {
 
 impl Default for Climate {
     fn default() -> Self {
-        Self { memory: 720.0, seasons: sky::Seasons::default() }
+        Self { memory: 1920.0, seasons: sky::Seasons::default() }
     }
 }
 

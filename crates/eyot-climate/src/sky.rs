@@ -13,17 +13,18 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 #[serde(default)]
 pub struct Seasons {
     /// Tilt of the axis: how far from the equator the noon sun wanders in a year. 0 makes no seasons.
-    #[schemars(range(min = 0.0, max = 90.0), extend("unit" = "degree"))]
+    #[schemars(range(min = 0.0, max = 90.0), extend("unit" = "degree", "shared" = true))]
     pub tilt: f32,
-    /// Length of a year. Ten days let one watch the seasons; land and sea store heat for a matching time. 0 stops the
-    /// sun at the northern spring.
-    #[schemars(range(min = 0.0, max = 1000000.0), extend("unit" = "h"))]
+    /// Length of a year. Forty days are as short as air can follow: it crosses a continent in ten, and in a shorter
+    /// year rain would come a season late. Land, sea and soil store for a matching time. 0 stops the sun at the northern
+    /// spring.
+    #[schemars(range(min = 0.0, max = 1000000.0), extend("unit" = "h", "shared" = true))]
     pub year: f32,
 }
 
 impl Default for Seasons {
     fn default() -> Self {
-        Self { tilt: 23.4, year: 240.0 }
+        Self { tilt: 23.4, year: 960.0 }
     }
 }
 
@@ -65,6 +66,23 @@ pub(crate) fn latitude<R: Real>(rows: R, half_row: R, y: R) -> R {
 #[inline(always)]
 pub(crate) fn edge_latitude<R: Real>(rows: R, half_row: R, y: R) -> R {
     ((rows - R::of(2.0)) - (y + y)) * half_row
+}
+
+/// How much colder the sun's way over the sky makes it, from 0 where it passes overhead at noon to 2 where it stays on the
+/// horizon, by the sine of the angle between: even within the tropics, steep in the middle latitudes.
+#[inline(always)]
+pub(crate) fn polewards<R: Real>(s: R) -> R {
+    let s2 = s * s;
+    s2 + s2 * s2
+}
+
+/// How much of the storms of the middle latitudes there is, 0..=1: most at 45 degrees, next to none within the tropics and
+/// around the poles.
+#[inline(always)]
+pub(crate) fn storminess<R: Real>(latitude: R) -> R {
+    let twice = R::of(2.0) * sine(latitude) * sine(R::of(std::f32::consts::FRAC_PI_2) - latitude.abs());
+    let square = twice * twice;
+    square * square
 }
 
 /// Sine of an angle within a quarter turn of 0, rad; error at most 4e-6. The general function takes four times as long.

@@ -3,7 +3,7 @@
 //! | abstract | physical | why |
 //! |---|---|---|
 //! | temperature `T`, -1..=1 | `12 + 24 T` degrees Celsius | the source's zones then end at 12, 18 and 24 degrees, as Holdridge's do |
-//! | humidity, 0..=1 | `2500 q` mm of rain a year from saturated air | its driest zones then end at 250 mm, its wettest begin at 2000 mm |
+//! | humidity, 0..=1 | `2500 q` mm of rain a year | its driest zones then end at 250 mm, its wettest begin at 2000 mm |
 //! | height, units | `1000 (g - 0.95)` m above the sea | 0.95 is the source's level of the sea |
 //! | wind, -1..=1 | `10 w` m/s | a fresh breeze |
 //!
@@ -16,7 +16,7 @@ use eyot_core::Grid;
 pub const CELSIUS_AT_ZERO: f32 = 12.0;
 /// Degrees Celsius of a unit of abstract temperature.
 pub const CELSIUS_PER_UNIT: f32 = 24.0;
-/// Rain of saturated air whose humidity is 1, mm a year.
+/// Rain of a unit of abstract humidity, mm a year.
 pub const MM_PER_HUMIDITY: f32 = 2500.0;
 /// Metres of a unit of abstract height.
 pub const METRES_PER_UNIT: f32 = 1000.0;
@@ -26,16 +26,17 @@ pub const SEA_UNITS: f32 = 0.95;
 pub const FULL_WIND: f32 = 10.0;
 /// Cells that the strongest wind crosses in a step. Four faces of them empty no cell.
 pub const FULL_WIND_CELLS: f32 = 0.2;
-/// Time in which saturated air rains as much as it holds, h.
-pub const RAIN_HOURS: f32 = 96.0;
+/// Time in which saturated air rains two thirds of what it holds, h.
+pub const RAIN_HOURS: f32 = 57.0;
 /// Hours in the year that rain is given for.
 pub const HOURS_PER_YEAR: f32 = 8766.0;
-/// Depth of the water in air whose humidity is 1, m.
-pub const AIR_WATER: f32 = 1e-3 * MM_PER_HUMIDITY * RAIN_HOURS / HOURS_PER_YEAR;
+/// Depth of the water in a column of air whose humidity is 1, m.
+pub const AIR_WATER: f32 = 0.0325;
 
-/// Years of rain, rivers, ice and sand in an hour of weather: what the ground does is 70 times faster, so that a world
-/// is done while one watches.
-pub const GROUND_YEARS_PER_HOUR: f32 = 0.008;
+/// Years of rain, rivers, ice and sand in an hour of weather: what the ground does is 18 times faster, so that rivers
+/// have found their way after some years of weather. Much faster, and water would stand wherever a river has to carry
+/// much of it.
+pub const GROUND_YEARS_PER_HOUR: f32 = 0.002;
 
 /// Degrees Celsius from an abstract temperature.
 pub fn celsius(abstract_temperature: f32) -> f32 {

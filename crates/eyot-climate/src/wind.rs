@@ -1,18 +1,23 @@
-//! Wind: belts by latitude, eddies that drift, and what mountains do to it.
+//! Wind: belts by latitude, eddies that drift, what mountains do to it, and monsoons.
 //!
 //! # Equations
-//! `l` latitude, turned by `follow` of the sun's; `W` = 10 m/s. On eastern faces `u` (to the east), on southern faces
-//! `v` (to the south):
-//! 1. belts: `u = -0.8 W cos(3.3 l)`, `v = 0.35 W sin(6 l)`: trade winds, westerlies and polar easterlies, that meet at
+//! `l` latitude, turned by `follow` of the sun's; `W` = 10 m/s; `T` temperature, `z` the surface within 12 km above the sea,
+//! `n` cell. On eastern faces `u` (to the east), on southern faces `v` (to the south):
+//! 1. belts: `u = -0.64 W cos(3.3 l)`, `v = 0.45 W sin(6 l)`: trade winds, westerlies and polar easterlies, that meet at
 //!    the equator and at 60 degrees and part at 30. `cells = "source"`: `u = -W cos(6.6 - 3.5 l)`, `v = W sin(3 l)`.
 //! 2. eddies: `u = W (p_SE - p_NE)`, `v = W (p_SW - p_SE)` from a stream function `p` at the corners of cells, which
 //!    drifts to the east in the north and to the west in the south. They part and gather no air.
-//! 3. pressure: `u = local_pressure 300 m/s (z_e - z_w) / l`, `z` the surface within 12 km above the sea: air is drawn
-//!    up slopes.
-//! 4. `w' = 0.5 w + 0.1 sum of 4 neighbours + 0.1 target`, the target being the weighted sum of (1) to (3), within -W..=W.
+//! 3. pressure: `u = local_pressure 30 m/s (z_e - z_w) / n`: air is drawn up slopes.
+//! 4. heat low: `h' = h + D t laplace h + (1 - e^(-t / 60 h)) (T + 5.4 z / km + 13 (s^2 + s^4) - h)`, `s = sin l`, `D` = 4.1e6
+//!    m2/s: how much warmer the air is than its latitude, as the air within a thousand kilometres feels it.
+//! 5. monsoon: `(u, v) = monsoon 1e6 m2/s (grad h + f k x grad h) / (1 + f^2)`, `f = bend sin(latitude)`: from cold to warm,
+//!    slowed by the ground and bent by the turning planet, so that summer's lows are circled and winter's highs are left.
+//! 6. `w' = 0.5 w + 0.1 sum of 4 neighbours + 0.1 target`, the target being the weighted sum of (1) to (3) and (5), within
+//!    -W..=W.
 //!
 //! # Source
 //! Gerteis 2017: belts, noise and pressure with a weight for each. The eddies after Bridson, Houriham and Nordenstam 2007.
+//! (5) is the balance of pressure, friction and Coriolis force of Gill 1980, with warmth in place of pressure.
 //!
 //! # Differences
 //! - The printed belts are not symmetric (`cos(11 (v + 0.1))`) and part at 60 degrees, where they would put the
@@ -20,24 +25,29 @@
 //! - Wind lives on faces, so that what it carries is conserved whatever it does, and no wind blows through a closed pole.
 //! - Noise that gathers air would gather its water: the eddies are the curl of a noise.
 //! - The weight of the eddies is 0.8 by default and not 1: at full weight they begin to hide the belts.
-//! - Pressure falls evenly with height, and not as its inverse, which is the same for mountains but needs no division.
-//! - The belts follow the sun, for monsoons and dry summers.
+//! - Pressure falls evenly with height, and not as its inverse, which is the same for mountains but needs no division; and
+//!   ten times less, so that mountains do not draw the water of whole continents.
+//! - The belts follow the sun, and land that is warmer or colder than its latitude makes monsoons, which the source lacks:
+//!   the east of continents gets its rain in summer and the dry cold of its middle in winter.
 //!
 //! # Layers
-//! Reads `height` (m); reads and writes `wind_x`, `wind_y` (m/s, on faces) and `turbulence` (1, at south-eastern corners).
+//! Reads `height` (m), `temperature` (degrees Celsius); reads and writes `wind_x`, `wind_y` (m/s, on faces), `heat_low`
+//! (degrees) and `turbulence` (1, at south-eastern corners).
 //!
 //! # Limits
-//! Stable for all values: (4) is a mean. `turbulence` is made from the world's seed if it is empty.
+//! Stable for all values: (4) and (6) are means. `turbulence` is made from the world's seed if it is empty. On more than
+//! 2300 columns the heat low is felt less far.
 
-use crate::sky::{Seasons, cosine, edge_latitude, latitude, rows};
+use crate::sky::{Seasons, cosine, edge_latitude, latitude, polewards, rows, sine};
+use crate::temperature::TEMPERATURE;
 use crate::turbulence;
-use crate::units::{FULL_WIND, FULL_WIND_CELLS, hours_per_step};
+use crate::units::{CELSIUS_AT_ZERO, FULL_WIND, FULL_WIND_CELLS, hours_per_step};
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{Grid, LayerSpec, Result, Stagger, World, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, Stagger, World, math, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +63,14 @@ pub const WIND_Y: LayerSpec =
 pub const TURBULENCE: LayerSpec =
     LayerSpec::new("turbulence", "1", "Stream function of the wind's eddies at the south-eastern corner", (-1e3, 1e3));
 
+/// Where warm air rises and cold air sinks.
+pub const HEAT_LOW: LayerSpec = LayerSpec::new(
+    "heat_low",
+    "°C",
+    "How much warmer the air is than others of its latitude, within a distance that winds feel",
+    (-1e3, 1e3),
+);
+
 /// Belts of wind by latitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -64,7 +82,7 @@ pub enum Cells {
     Source,
 }
 
-/// Belts of wind, drifting eddies, and mountains that draw air up.
+/// Belts of wind, drifting eddies, mountains that draw air up, and monsoons.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
@@ -78,6 +96,13 @@ pub struct Wind {
     /// Weight of the pressure that draws air up slopes. Much of it makes all wind end on the nearest ridge.
     #[schemars(range(min = -2.0, max = 2.0), extend("unit" = "1"))]
     pub local_pressure: f32,
+    /// Weight of the monsoon: air blows from cold to warm ground, land in summer and sea in winter.
+    #[schemars(range(min = 0.0, max = 5.0), extend("unit" = "1"))]
+    pub monsoon: f32,
+    /// How far the turning planet bends the monsoon: the Coriolis parameter at the pole over the friction of the ground.
+    /// 0 on a planet that does not turn.
+    #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "1"))]
+    pub bend: f32,
     /// Speed at which eddies drift, as a share of the strongest wind: to the east in the north and to the west in the
     /// south.
     #[schemars(range(min = -1.0, max = 1.0), extend("unit" = "1"))]
@@ -104,6 +129,8 @@ impl Default for Wind {
             global_wind: 1.0,
             distortion: 0.8,
             local_pressure: 1.0,
+            monsoon: 0.5,
+            bend: 4.0,
             wind_speed: 0.2,
             roughness: 0.6,
             turbulence: 4,
@@ -114,8 +141,28 @@ impl Default for Wind {
     }
 }
 
+/// Strength of the belts along x and along y, as shares of the strongest wind.
+const BELTS: (f32, f32) = (0.64, 0.45);
 /// Wind up a slope whose gradient is 1, m/s. Slopes of whole degrees of latitude are below a hundredth.
-const WIND_PER_GRADIENT: f32 = 300.0;
+const WIND_PER_GRADIENT: f32 = 30.0;
+/// Monsoon of a gradient of temperature without any bend, m2/s for each degree: 10 m/s for 10 degrees in 1000 km.
+const MONSOON_PER_GRADIENT: f32 = 1e6;
+/// Cooling with height that makes no monsoon, degrees/m: less than that of free air, since the ground of highlands is warmer.
+const LAPSE: f32 = 5.4e-3;
+/// How fast warmth at the ground is felt by the air around, m2/s; within [`RISE_HOURS`] 900 km.
+const SPREAD: f64 = 4.1e6;
+/// Time in which the air follows the ground, h.
+const RISE_HOURS: f64 = 60.0;
+/// Share that spreads between neighbours in a pass, 1; it ties the cells together that [`FAR`] would leave apart.
+const NEAR: f32 = 0.05;
+/// Share that spreads between next but one neighbours in a pass, 1.
+const FAR: f32 = 0.15;
+/// Passes in a step at most: on grids above 2300 columns warmth is felt less far.
+const MOST_PASSES: f64 = 8.0;
+/// Half the difference of temperature between equator and poles that drives the belts and no monsoon, degrees: less
+/// than the sun makes, since winds and seas carry warmth.
+const BELTS_CONTRAST: f32 = 13.0;
+
 impl Wind {
     /// Steps in which the eddies drift by a cell; `None` if they stand.
     fn steps_per_cell(&self) -> Option<u64> {
@@ -126,7 +173,7 @@ impl Wind {
 
 impl Process for Wind {
     fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (WIND_X, 0.0), (WIND_Y, 0.0), (TURBULENCE, 0.0)]
+        vec![(HEIGHT, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO), (WIND_X, 0.0), (WIND_Y, 0.0), (TURBULENCE, 0.0), (HEAT_LOW, 0.0)]
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -155,10 +202,25 @@ impl Process for Wind {
         let turn = self.follow * self.seasons.declination(moment);
         let full = FULL_WIND * self.global_wind;
         let (x, x_turn, x_start, y, y_turn) = match self.cells {
-            Cells::Earth => (0.8 * full, 3.3, 0.0, 0.35 * full, 6.0),
+            Cells::Earth => (BELTS.0 * full, 3.3, 0.0, BELTS.1 * full, 6.0),
             Cells::Source => (full, -11.0 / std::f32::consts::PI, 6.6, full, 3.0),
         };
         let slope = WIND_PER_GRADIENT * self.local_pressure;
+        let hours = hours_per_step(&moment.grid);
+        let cell = moment.grid.cell_x_m.min(moment.grid.cell_y_m);
+        plan.push::<Rise>(RiseParams {
+            rows,
+            half_row,
+            turn,
+            sea: moment.sea_level_m as f32,
+            rate: 1.0 - math::exp(-(hours / RISE_HOURS) as f32),
+        });
+        let spread = SPREAD * 3600.0 * hours / (cell * cell * f64::from(NEAR + 4.0 * FAR));
+        let passes = spread.ceil().clamp(1.0, MOST_PASSES);
+        let share = (spread / passes).min(1.0) as f32;
+        for _ in 0..passes as usize {
+            plan.push::<Spread>(SpreadParams { near: NEAR * share, far: FAR * share });
+        }
         plan.push::<Blow>(BlowParams {
             rows,
             half_row,
@@ -173,6 +235,9 @@ impl Process for Wind {
             east,
             slope_x: (f64::from(slope) / moment.grid.cell_x_m) as f32,
             slope_y: (f64::from(slope) / moment.grid.cell_y_m) as f32,
+            monsoon_x: (f64::from(MONSOON_PER_GRADIENT * self.monsoon) / moment.grid.cell_x_m) as f32,
+            monsoon_y: (f64::from(MONSOON_PER_GRADIENT * self.monsoon) / moment.grid.cell_y_m) as f32,
+            bend: self.bend,
             sea: moment.sea_level_m as f32,
             most: FULL_WIND,
         });
@@ -216,6 +281,74 @@ fn upstream<R: Real>(rows: R, east: R, c: &impl Cell<R>, slot: usize, dx: isize,
 }
 
 rule_params! {
+    /// Parameters of [`Rise`].
+    pub struct RiseParams {
+        /// Rows of the grid, 1.
+        rows,
+        /// Latitude of half a row, rad.
+        half_row,
+        /// Latitude to which the belts have followed the sun, rad.
+        turn,
+        /// Level of the sea, m.
+        sea,
+        /// Share of what it lacks that it gets in a step, 1.
+        rate,
+    }
+}
+
+/// Equation (4).
+pub struct Rise;
+
+impl Rule for Rise {
+    const NAME: &'static str = "wind_rise";
+    const READS: &'static [Read] = &[read("heat_low", 0), read("temperature", 0), read("height", 0)];
+    const WRITES: &'static [&'static str] = &["heat_low"];
+    type Params = RiseParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &RiseParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        let quarter = R::of(std::f32::consts::FRAC_PI_2);
+        let s = sine((latitude(p.rows, p.half_row, c.y()) - p.turn).clamp(-quarter, quarter));
+        let z = (c.here(2) - p.sea).clamp(R::of(0.0), R::of(12_000.0));
+        let warmer = c.here(1) + R::of(LAPSE) * z + R::of(BELTS_CONTRAST) * polewards(s);
+        let low = c.here(0);
+        ([low + p.rate * (warmer - low)], [])
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Spread`].
+    pub struct SpreadParams {
+        /// Share that spreads between neighbours, 1.
+        near,
+        /// Share that spreads between next but one neighbours, 1.
+        far,
+    }
+}
+
+/// Equation (4).
+pub struct Spread;
+
+impl Rule for Spread {
+    const NAME: &'static str = "wind_spread";
+    const READS: &'static [Read] = &[read("heat_low", 2)];
+    const WRITES: &'static [&'static str] = &["heat_low"];
+    type Params = SpreadParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        let low = c.at(0, 0, 0);
+        let around = |d: isize| (c.at(0, d, 0) + c.at(0, -d, 0)) + (c.at(0, 0, d) + c.at(0, 0, -d));
+        let (near, far) = (around(1) - R::of(4.0) * low, around(2) - R::of(4.0) * low);
+        ([low + (p.near * near + p.far * far)], [])
+    }
+}
+
+rule_params! {
     /// Parameters of [`Blow`].
     pub struct BlowParams {
         /// Rows of the grid, 1.
@@ -244,6 +377,12 @@ rule_params! {
         slope_x,
         /// Wind between rows for a difference in height, 1/s.
         slope_y,
+        /// Monsoon between columns for a difference of temperature, m/s for each degree.
+        monsoon_x,
+        /// The same between rows.
+        monsoon_y,
+        /// Coriolis parameter at the pole over friction, 1.
+        bend,
         /// Level of the sea, m.
         sea,
         /// Strongest wind, m/s.
@@ -251,17 +390,18 @@ rule_params! {
     }
 }
 
-/// Equations (1) to (4).
+/// Equations (1) to (3), (5) and (6).
 pub struct Blow;
 
 const HEIGHT_SLOT: usize = 0;
 const X: usize = 1;
 const Y: usize = 2;
 const EDDIES: usize = 3;
+const LOW: usize = 4;
 
 impl Rule for Blow {
     const NAME: &'static str = "wind_blow";
-    const READS: &'static [Read] = &[read("height", 1), read("wind_x", 1), read("wind_y", 1), read("turbulence", 2)];
+    const READS: &'static [Read] = &[read("height", 1), read("wind_x", 1), read("wind_y", 1), read("turbulence", 2), read("heat_low", 1)];
     const WRITES: &'static [&'static str] = &["wind_x", "wind_y"];
     type Params = BlowParams<()>;
     type Out<R: Real> = [R; 2];
@@ -282,10 +422,24 @@ impl Rule for Blow {
         let slope_x = (p.slope_x * (surface(p, c, 1, 0) - z)).named("(3) slope_x");
         let slope_y = (p.slope_y * (surface(p, c, 0, 1) - z)).named("(3) slope_y");
 
-        let x = settled(c, X, belts_x + eddies_x + slope_x, p.most);
-        let y = settled(c, Y, belts_y + eddies_y + slope_y, p.most);
+        let east = low(c, 1, 0) - low(c, 0, 0);
+        let east_down = ((low(c, 0, 1) + low(c, 1, 1)) - (low(c, 0, -1) + low(c, 1, -1))) * R::of(0.25);
+        let down = low(c, 0, 1) - low(c, 0, 0);
+        let down_east = ((low(c, 1, 0) + low(c, 1, 1)) - (low(c, -1, 0) + low(c, -1, 1))) * R::of(0.25);
+        let (f, f_edge) = (p.bend * sine(here + p.turn), p.bend * sine(south + p.turn));
+        let monsoon_x = (p.monsoon_x * east - f * (p.monsoon_y * east_down)) / (R::of(1.0) + f * f);
+        let monsoon_y = (p.monsoon_y * down + f_edge * (p.monsoon_x * down_east)) / (R::of(1.0) + f_edge * f_edge);
+        let (monsoon_x, monsoon_y) = (monsoon_x.named("(5) monsoon_x"), monsoon_y.named("(5) monsoon_y"));
+
+        let x = settled(c, X, belts_x + eddies_x + slope_x + monsoon_x, p.most);
+        let y = settled(c, Y, belts_y + eddies_y + slope_y + monsoon_y, p.most);
         ([x, y], [])
     }
+}
+
+#[inline(always)]
+fn low<R: Real>(c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    c.at(LOW, dx, dy)
 }
 
 #[inline(always)]
@@ -300,7 +454,7 @@ fn surface<R: Real>(p: &BlowParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -
     (c.at(HEIGHT_SLOT, dx, dy) - p.sea).clamp(R::of(0.0), R::of(12_000.0))
 }
 
-/// Equation (4).
+/// Equation (6).
 #[inline(always)]
 fn settled<R: Real>(c: &impl Cell<R>, slot: usize, target: R, most: R) -> R {
     let around = (c.at(slot, 1, 0) + c.at(slot, -1, 0)) + (c.at(slot, 0, 1) + c.at(slot, 0, -1));

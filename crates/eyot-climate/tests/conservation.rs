@@ -11,6 +11,9 @@ use eyot_core::{Rim, World};
 mod climate_variants;
 mod common;
 
+/// Depth of the water in full soil, m.
+const SOIL_M: f64 = 0.016;
+
 /// Fails unless the layer's change is what the ledger says, within `share` of all that was or moved.
 fn assert_closed(before: &World, after: &World, layer: &str, factor: f64, share: f64, place: &str) {
     let (a, b) = (factor * volume(before, layer), factor * volume(after, layer));
@@ -50,8 +53,8 @@ fn sand_with_erosion() {
 #[test]
 fn humidity_with_uptake_rain_and_drying() {
     check(
-        &[one(Humidity { water_add: 5.0, land_dry: 5.0, ..Default::default() })],
-        &[("humidity", f64::from(AIR_WATER))],
+        &[one(Humidity { water_add: 5.0, land_add: 2.0, land_dry: 5.0, ..Default::default() })],
+        &[("humidity", f64::from(AIR_WATER)), ("soil", SOIL_M)],
     );
 }
 
@@ -66,7 +69,7 @@ fn a_world_with_everything() {
         before.ensure(&spec, value);
     }
     run(&mut after, &processes, 1500);
-    for (layer, factor) in [("water", 1.0), ("ice", 1.0), ("sand", 1.0), ("humidity", f64::from(AIR_WATER))] {
+    for (layer, factor) in [("water", 1.0), ("ice", 1.0), ("sand", 1.0), ("humidity", f64::from(AIR_WATER)), ("soil", SOIL_M)] {
         assert_closed(&before, &after, layer, factor, 1e-5, "planet");
     }
     assert!(after.ledger.amount("water.melted") > 0.0 && after.ledger.amount("water.frozen") > 0.0);

@@ -12,7 +12,7 @@ mod common;
 
 /// Nothing but transport.
 fn air() -> Scheduled {
-    one(Humidity { water_add: 0.0, land_dry: 0.0, ice_dry: 0.0, recycling: 0.0, mixing: 0.0 })
+    one(Humidity { water_add: 0.0, land_dry: 0.0, land_add: 0.0, ice_dry: 0.0, mixing: 0.0, storms: 0.0, ..Default::default() })
 }
 
 /// Column of the middle of mass of a layer on a ring of `width`, by the phase of its first harmonic.
@@ -60,7 +60,7 @@ fn a_blob_keeps_its_mass_and_moves_with_the_wind() {
 /// In an even wind, temperature moves as matter does: as a property it needs no mass.
 #[test]
 fn warmth_moves_with_the_wind() {
-    let still = Temperature { response: 1e4, sea_slowness: 100.0, mixing: 0.0, ..Default::default() };
+    let still = Temperature { response: 1e4, sea_slowness: 100.0, mixing: 0.0, storms: 0.0, ..Default::default() };
     let processes = [one(still)];
     let mut world = planet(128, CYLINDER);
     fill(&mut world, &processes, "wind_x", |_, _| 10.0);
@@ -94,7 +94,7 @@ fn no_wind_crosses_a_closed_pole_and_none_is_too_strong() {
 /// Eddies neither gather nor part air: what flows into a cell flows out of it.
 #[test]
 fn eddies_have_no_divergence() {
-    let eddies = Wind { global_wind: 0.0, distortion: 0.3, local_pressure: 0.0, ..Default::default() };
+    let eddies = Wind { global_wind: 0.0, distortion: 0.3, local_pressure: 0.0, monsoon: 0.0, ..Default::default() };
     let processes = [one(eddies)];
     let mut world = planet(64, CYLINDER);
     run(&mut world, &processes, 30);

@@ -3,8 +3,9 @@
 use climate_variants::{one, world};
 use common::{CYLINDER, fill, mirrored_land, planet, random, run};
 use eyot_climate::*;
-use eyot_core::process::Scheduled;
-use eyot_core::{Field, Rim, World};
+use eyot_core::engine::CpuEngine;
+use eyot_core::process::{Scheduled, Span};
+use eyot_core::{Control, Field, Rim, World};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use serde_json::{Value, json};
@@ -22,34 +23,49 @@ fn world_with(change: impl Fn(&str, &mut Value)) -> Vec<Scheduled> {
     made.collect()
 }
 
-/// A world whose land and tilt are mirrored stays mirrored. Eddies are noise and left out.
+/// A world whose land, year and eddies are mirrored stays mirrored: the southern spring begins half a year later, and
+/// mirrored eddies turn and drift the other way.
 #[test]
 fn mirrored_worlds_stay_mirrored() {
-    let halves = |tilt: f32| {
+    const HALF_YEAR: u64 = 400;
+    let halves = |mirrored: bool| {
+        let mut w = planet(96, CYLINDER);
+        let hours = HALF_YEAR as f64 * units::hours_per_step(&w.grid);
         let processes = world_with(|name, p| {
-            if p.get("tilt").is_some() {
-                // A negative tilt is the same year half a turn later; the range knows positive ones alone.
-                p["tilt"] = json!(0.0);
+            if p.get("year").is_some() {
+                p["year"] = json!(2.0 * hours);
             }
             if name == "temperature" {
-                p["sun_angle"] = json!(tilt);
+                // Both begin in the same hour of the day, and one sun beside the seasons shows which way is north.
+                p["rotation_speed"] = json!(std::f64::consts::TAU * 40.0 / hours);
+                p["sun_angle"] = json!(if mirrored { -5.0 } else { 5.0 });
             }
-            if name == "wind" {
-                p["distortion"] = json!(0.0);
+            if name == "wind" && mirrored {
+                p["wind_speed"] = json!(-p["wind_speed"].as_f64().unwrap());
             }
         });
-        let mut w = planet(96, CYLINDER);
         let mut land = mirrored_land(96);
         // Only one half has this continent.
         fill(&mut w, &processes, "height", |x, y| {
-            let (dx, dy) = (x as f32 - 40.0, if tilt > 0.0 { y as f32 } else { 47.0 - y as f32 } - 12.0);
+            let (dx, dy) = (x as f32 - 40.0, if mirrored { 47.0 - y as f32 } else { y as f32 } - 12.0);
             land(x, y) + 2500.0 * (-(dx * dx + dy * dy) / 40.0).exp()
         });
-        run(&mut w, &processes, 600);
+        let eddy = |x: usize, y: usize| {
+            let (u, v) = (x as f32 / 96.0 * std::f32::consts::TAU, (y + 1) as f32 / 48.0 * std::f32::consts::TAU);
+            3.0 * v.sin() * ((3.0 * u).sin() + (5.0 * u + v).cos())
+        };
+        fill(&mut w, &processes, "turbulence", |x, y| match (mirrored, y) {
+            // Corners lie on edges of rows: those of the poles and the equator are still.
+            (_, 23 | 47) => 0.0,
+            (true, y) => -eddy(x, 46 - y),
+            (false, y) => eddy(x, y),
+        });
+        let span = Span { from: if mirrored { HALF_YEAR } else { 0 }, steps: 3 * HALF_YEAR };
+        CpuEngine::default().simulate(&mut w, &processes, span, &Control::none()).unwrap();
         w
     };
-    let (north, south) = (halves(20.0), halves(-20.0));
-    for l in north.layers().iter().filter(|l| l.spec.name != "turbulence") {
+    let (north, south) = (halves(false), halves(true));
+    for l in north.layers() {
         let other = south.get(&l.spec.name).unwrap();
         let (low, high) = l.field.min_max();
         let (mut worst, mut apart): (f32, usize) = (0.0, 0);
@@ -57,8 +73,10 @@ fn mirrored_worlds_stay_mirrored() {
             for x in 0..96 {
                 let (a, b) = match &*l.spec.name {
                     // Southern faces are the northern ones of the mirror, and flow the other way.
-                    "wind_y" | "flow_y" if y == 47 => continue,
-                    "wind_y" | "flow_y" => (l.field.get(x, y), -other.get(x, 46 - y)),
+                    "wind_y" | "flow_y" | "turbulence" if y == 47 => continue,
+                    "wind_y" | "flow_y" | "turbulence" => (l.field.get(x, y), -other.get(x, 46 - y)),
+                    // Swings are with the northern year.
+                    n if n.ends_with("_cos") || n.ends_with("_sin") => (l.field.get(x, y), -other.get(x, 47 - y)),
                     _ => (l.field.get(x, y), other.get(x, 47 - y)),
                 };
                 worst = worst.max((a - b).abs());
@@ -68,8 +86,11 @@ fn mirrored_worlds_stay_mirrored() {
         println!("{}: {worst} of {low}..{high}, {apart} cells apart", l.spec.name);
         assert!(apart <= 5, "{}: {apart} cells differ, by {worst} of {low}..{high}", l.spec.name);
     }
+    let swing = north.get("temperature_sin").unwrap();
+    let of = |y: usize| swing.row(y).iter().sum::<f32>() / 96.0;
+    assert!(of(8) > 3.0 && of(39) < -3.0, "seasons swing: {} {}", of(8), of(39));
     let t = north.get("temperature").unwrap();
-    assert!(t.row(6).iter().sum::<f32>() > t.row(41).iter().sum::<f32>() + 96.0, "the tilt warms one side");
+    assert!(t.row(6).iter().sum::<f32>() > t.row(41).iter().sum::<f32>() + 96.0, "the year is not the mirror's own");
 }
 
 /// Random values of all parameters within their ranges, on small planets.
@@ -147,11 +168,9 @@ fn threads_change_nothing_and_seeds_do() {
 /// Going on from where a simulation ended is the same as not having stopped.
 #[test]
 fn spans_change_nothing() {
-    use eyot_core::engine::CpuEngine;
-    use eyot_core::process::Span;
     let processes = world();
     let span = |w: &mut World, from: u64, steps: u64| {
-        CpuEngine::default().simulate(w, &processes, Span { from, steps }, &eyot_core::Control::none()).unwrap();
+        CpuEngine::default().simulate(w, &processes, Span { from, steps }, &Control::none()).unwrap();
     };
     let mut whole = planet(64, CYLINDER);
     fill(&mut whole, &processes, "height", mirrored_land(64));
@@ -200,6 +219,11 @@ fn it_gets_colder_with_height_and_latitude() {
     let still = Temperature {
         day_night: 0.0,
         mixing: 0.0,
+        storms: 0.0,
+        contrast: 1.0,
+        currents: 0.0,
+        wet_cooling: 0.0,
+        sun_strength: -0.17,
         seasons: sky::Seasons { tilt: 0.0, year: 0.0 },
         ..Default::default()
     };

@@ -1,6 +1,7 @@
 //! Cancellation and progress, handed down as arguments.
 
 use crate::error::{Error, Result};
+use crate::limits::Limits;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -21,9 +22,10 @@ impl Cancel {
     }
 }
 
-/// What long work needs from its caller: a way to stop and someone to tell how far it is.
+/// What long work needs from its caller: a way to stop, someone to tell how far it is, and how much memory it may take.
 pub struct Control<'a> {
     cancel: Cancel,
+    limits: Limits,
     progress: &'a (dyn Fn(u64, u64) + Sync),
     start: Instant,
 }
@@ -31,7 +33,18 @@ pub struct Control<'a> {
 impl<'a> Control<'a> {
     /// `progress(done, total)` is called now and then, from one thread at a time.
     pub fn new(cancel: Cancel, progress: &'a (dyn Fn(u64, u64) + Sync)) -> Self {
-        Self { cancel, progress, start: Instant::now() }
+        Self { cancel, limits: Limits::default(), progress, start: Instant::now() }
+    }
+
+    /// The same within other limits.
+    #[must_use]
+    pub fn within(&self, limits: Limits) -> Control<'_> {
+        Control { cancel: self.cancel.clone(), limits, progress: self.progress, start: self.start }
+    }
+
+    /// What the work must keep to; the default ones if nobody has said others.
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// Never stops, tells nobody.
@@ -51,7 +64,7 @@ impl<'a> Control<'a> {
     /// Does a part of longer work: the `i`-th of `n` that take about as long as each other.
     pub fn stage<T>(&self, i: u64, n: u64, work: impl FnOnce(&Control<'_>) -> T) -> T {
         let report = |done: u64, total: u64| (self.progress)(i * total + done, n * total);
-        work(&Control { cancel: self.cancel.clone(), progress: &report, start: self.start })
+        work(&Control { cancel: self.cancel.clone(), limits: self.limits, progress: &report, start: self.start })
     }
 
     /// Fails if a stop was asked for.

@@ -24,12 +24,13 @@ use crate::layer::{Beyond, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use crate::limits::Limits;
 use crate::plan::{Pass, Plan};
-use crate::process::{self, Moment, Scheduled, Span, acts, plan_step};
+use crate::process::{self, Moment, Scheduled, Span, may_fail, plan_step};
 use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Tally, TallyUnit};
 use crate::schedule::{Buffer, Schedule};
 use crate::world::World;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Columns kept valid beyond each end of a row: rules may be evaluated at column -1 and look [`MAX_REACH`] further.
 const HALO: usize = MAX_REACH + 1;
@@ -56,9 +57,10 @@ impl Default for CpuEngine {
 /// Memory of a simulation at its peak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Need {
-    /// Fields of the grid's size: layers, scratch layers, second copies, and copies to go back to where something acts.
+    /// Fields of the grid's size: layers, scratch layers, second copies, and copies to go back to where something acts that
+    /// can fail.
     pub fields: usize,
-    /// What the greediest action holds beside them, bytes per cell.
+    /// What actions hold beside them, some of it between their turns, too; bytes per cell.
     pub action_bytes_per_cell: usize,
 }
 
@@ -68,11 +70,10 @@ impl Need {
         let mut plan = Plan::default();
         let mut moment = Moment { grid: *grid, step: 0, turn: 0, sea_level_m: 0.0 };
         plan_step(processes, 0, &mut moment, &mut plan);
-        let actions = processes.iter().filter_map(|s| s.process.action());
-        let action = actions.map(|a| a.bytes_per_cell()).max();
-        let copies = if action.is_some() { layers } else { 0 };
+        let actions: Vec<_> = processes.iter().filter_map(|s| s.process.action()).collect();
+        let copies = if actions.iter().any(|a| !a.cannot_fail()) { layers } else { 0 };
         let fields = layers + plan.scratch_layers().len() + plan.doubled_layers().len() + copies;
-        Self { fields, action_bytes_per_cell: action.unwrap_or(0) }
+        Self { fields, action_bytes_per_cell: actions.iter().map(|a| a.bytes_per_cell()).sum() }
     }
 
     /// All of it on a grid, bytes.
@@ -108,26 +109,19 @@ impl CpuEngine {
         let mut outcome = control.check();
         while done < span.steps && outcome.is_ok() {
             let at = span.from + done;
-            if acts(processes, at) {
-                outcome = self.acting_step(&mut arena, world, processes, at, control);
-                if outcome.is_ok() {
-                    done += 1;
+            let most = chain.min(span.steps - done);
+            // A step that may have to be taken back is no link of a chain.
+            let before = may_fail(processes, at).then(|| arena.save(world));
+            let most = if before.is_some() { 1 } else { most };
+            let steps = (1..most).find(|i| may_fail(processes, at + i)).unwrap_or(most);
+            outcome = self.steps(&mut arena, world, processes, at..at + steps, control);
+            match (&outcome, before) {
+                (Ok(()), _) => {
+                    done += steps;
                     outcome = control.tick(done, span.steps);
                 }
-                continue;
-            }
-            let most = chain.min(span.steps - done);
-            let steps = (1..most).find(|i| acts(processes, at + i)).unwrap_or(most);
-            let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-            let mut plan = Plan::default();
-            for i in 0..steps {
-                plan_step(processes, at + i, &mut moment, &mut plan);
-            }
-            outcome = arena.run(self, &plan, &world.ledger);
-            if outcome.is_ok() {
-                (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
-                done += steps;
-                outcome = control.tick(done, span.steps);
+                (Err(_), Some(saved)) => arena.restore(world, saved),
+                (Err(_), None) => {}
             }
         }
         arena.give_back(world);
@@ -149,40 +143,33 @@ impl CpuEngine {
         outcome
     }
 
-    /// One step in which some process acts on the whole world. On an error the world is as it was before the step.
-    fn acting_step(
+    /// Some steps as one chain, which only actions interrupt. On an error the passes before it have been done and the clock has not
+    /// moved; who acts and may fail therefore needs a copy to go back to.
+    fn steps(
         &self,
         arena: &mut Arena,
         world: &mut World,
         processes: &[Scheduled],
-        local_step: u64,
+        steps: Range<u64>,
         control: &Control<'_>,
     ) -> Result<()> {
         let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-        let mut before: Option<Saved> = None;
+        let control = &control.within(self.limits);
         let mut plan = Plan::default();
-        let outcome = processes.iter().filter(|s| s.is_due(local_step)).try_for_each(|s| {
-            s.plan(local_step, &mut moment, &mut plan);
-            if let Some(action) = s.process.action() {
-                if before.is_none() {
-                    before = Some(arena.save(world));
+        for step in steps {
+            for s in processes.iter().filter(|s| s.is_due(step)) {
+                s.plan(step, &mut moment, &mut plan);
+                if let Some(action) = s.process.action() {
+                    arena.run(self, &std::mem::take(&mut plan), &world.ledger)?;
+                    arena.lend(world, &s.process.layers(), |world| action.act(&moment, world, control))?;
                 }
-                arena.run(self, &std::mem::take(&mut plan), &world.ledger)?;
-                arena.lend(world, |world| action.act(&moment, world, control))?;
+                s.process.advance(&mut moment);
             }
-            s.process.advance(&mut moment);
-            Ok(())
-        });
-        // Nothing can stop the passes after the last action.
-        match outcome.and_then(|()| arena.run(self, &plan, &world.ledger)) {
-            Ok(()) => (world.step, world.sea_level_m) = (moment.step + 1, moment.sea_level_m),
-            Err(e) => {
-                if let Some(saved) = before {
-                    arena.restore(world, saved);
-                }
-                return Err(e);
-            }
+            moment.step += 1;
         }
+        // Nothing can stop the passes after the last action.
+        arena.run(self, &plan, &world.ledger)?;
+        (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
         Ok(())
     }
 
@@ -368,8 +355,14 @@ impl Arena {
         }
     }
 
-    /// Lends the world its layers while `f` works on it.
-    fn lend(&mut self, world: &mut World, f: impl FnOnce(&mut World) -> Result<()>) -> Result<()> {
+    /// Lends the world its layers while `f` works on it, which changes none but those in `changes`.
+    fn lend(
+        &mut self,
+        world: &mut World,
+        changes: &[(LayerSpec, f32)],
+        f: impl FnOnce(&mut World) -> Result<()>,
+    ) -> Result<()> {
+        let staggers: Vec<usize> = self.world_fields().map(Field::stagger).collect();
         self.put_back(world);
         self.settle(world);
         let outcome = f(world);
@@ -379,7 +372,17 @@ impl Arena {
                 .iter()
                 .all(|l| (l.field.width(), l.field.height()) == (self.grid.width, self.grid.height));
         assert!(sound, "an action changed what layers there are, or their size");
-        self.take(world);
+        for (l, layer) in world.layers_mut().iter_mut().enumerate() {
+            let mut field = std::mem::replace(&mut layer.field, Field::new(0, 0, 0.0));
+            if field.stagger() != staggers[l] {
+                field = field.restaggered(staggers[l]);
+            }
+            // The padding of the others is what it was, and there are too many rows to look at for nothing.
+            if changes.iter().any(|(spec, _)| spec.name == self.specs[l].name) {
+                self.finish(&self.specs[l], &mut field);
+            }
+            self.fields[l][self.current[l]] = Some(field);
+        }
         outcome
     }
 
@@ -539,7 +542,7 @@ impl Sweep<'_> {
     }
 
     /// Sweeps the rows `range(p)` of the passes as a wave that starts at row `start`.
-    fn wave(&self, passes: std::ops::Range<usize>, start: isize, range: impl Fn(usize) -> (isize, isize)) {
+    fn wave(&self, passes: Range<usize>, start: isize, range: impl Fn(usize) -> (isize, isize)) {
         let rows: Vec<(usize, isize, isize, isize)> = passes
             .map(|p| {
                 let (low, high) = range(p);

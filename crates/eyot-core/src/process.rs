@@ -90,6 +90,12 @@ pub trait Action: Send + Sync {
     /// takes the whole step back.
     fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()>;
 
+    /// True if this neither fails nor looks for requests to stop on a world that [`Process::prepare`] accepted. Engines then keep
+    /// no copy of the world to go back to, which takes longer than quick actions do.
+    fn cannot_fail(&self) -> bool {
+        false
+    }
+
     /// The most that it holds for each cell while it acts, beside the world's layers, bytes. Runs are refused by this number
     /// before they begin, so it is measured and not guessed (`eyot-land/tests/memory.rs`).
     fn bytes_per_cell(&self) -> usize;
@@ -398,6 +404,12 @@ pub fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut Moment, 
 /// True if a process that is due in this step has an action.
 pub fn acts(processes: &[Scheduled], local_step: u64) -> bool {
     processes.iter().any(|s| s.is_due(local_step) && s.process.action().is_some())
+}
+
+/// True if a step may have to be taken back, because something that acts in it can fail.
+pub fn may_fail(processes: &[Scheduled], local_step: u64) -> bool {
+    let mut due = processes.iter().filter(|s| s.is_due(local_step));
+    due.any(|s| s.process.action().is_some_and(|a| !a.cannot_fail()))
 }
 
 /// What every engine does before the first step: finds what cannot work, and makes the layers that the processes need.

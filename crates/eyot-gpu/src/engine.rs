@@ -17,11 +17,11 @@ use crate::shader::{self, Setting};
 use eyot_core::control::Control;
 use eyot_core::graph::Graph;
 use eyot_core::plan::{Pass, Plan, RuleKind};
-use eyot_core::process::{self, Moment, Scheduled, Span, acts, plan_step};
+use eyot_core::process::{self, Moment, Scheduled, Span, acts, may_fail, plan_step};
 use eyot_core::rule::{Tally, TallyUnit};
 use eyot_core::{Edge, Error, Field, Grid, LayerSpec, Ledger, Limits, Stagger, World};
 use std::borrow::Cow;
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -115,6 +115,28 @@ struct Resident {
     graphs: HashMap<RuleKind, Arc<Graph>>,
     /// Step and sea level of the world's own copies.
     synced: (u64, f64),
+    held: Option<Held>,
+}
+
+/// What actions have changed since the world was brought back as a whole, as it was then: so that a lost device leaves no mixture.
+struct Held {
+    layers: Vec<(Cow<'static, str>, Field)>,
+    ledger: Ledger,
+    features: BTreeMap<String, Vec<f64>>,
+}
+
+impl Held {
+    /// Makes a world what it was, at that step and with that level of the sea.
+    fn put_back(self, world: &mut World, synced: (u64, f64)) {
+        for (name, field) in self.layers {
+            // Whoever removed a layer does not want it back.
+            if let Ok(layer) = world.layer_mut(&name) {
+                layer.field = field;
+            }
+        }
+        (world.ledger, world.features) = (self.ledger, self.features);
+        (world.step, world.sea_level_m) = synced;
+    }
 }
 
 /// A group that is ready to run.
@@ -276,7 +298,7 @@ impl GpuEngine {
     /// If the device was lost; `world` is then what it was when it was last brought back.
     pub fn bring_back(&mut self, world: &mut World) -> Result<()> {
         let Some(r) = &mut self.resident else { return Ok(()) };
-        let outcome = r.bring_back(&self.gpu, world, |_| true);
+        let outcome = r.bring_all_back(&self.gpu, world);
         if outcome.is_err() {
             self.fall_back(world);
         }
@@ -321,7 +343,10 @@ impl GpuEngine {
     /// Makes the world what it was when it was last brought back.
     fn fall_back(&mut self, world: &mut World) {
         if let Some(r) = self.resident.take() {
-            (world.step, world.sea_level_m) = r.synced;
+            match r.held {
+                Some(held) => held.put_back(world, r.synced),
+                None => (world.step, world.sea_level_m) = r.synced,
+            }
         }
         self.batch = Batch::default();
         self.pace.under_way.clear();
@@ -376,7 +401,7 @@ impl GpuEngine {
                 Ok(()) => {}
                 Err(Misfit::Failed(e)) => return Err(e),
                 Err(Misfit::Rebuild) => {
-                    self.rebuild(world, processes, Span { from: at, steps: span.steps - done })?;
+                    self.rebuild(world, processes, Span { from: at, steps: span.steps - done }, false)?;
                     continue;
                 }
             }
@@ -420,16 +445,32 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Brings the world back and to the card anew, with room for what lies ahead.
-    fn rebuild(&mut self, world: &mut World, processes: &[Scheduled], span: Span) -> Result<()> {
+    /// Brings the world back and to the card anew, with room for what lies ahead. In the middle of a step the world as it was when it
+    /// was last brought back is kept to fall back to.
+    fn rebuild(&mut self, world: &mut World, processes: &[Scheduled], span: Span, within_step: bool) -> Result<()> {
         self.finish()?;
-        self.bring_back(world)?;
+        let mut kept = None;
+        if let Some(r) = self.resident.as_mut().filter(|_| within_step) {
+            r.hold(world, |_| true)?;
+            r.bring_back(&self.gpu, world, |_| true)?;
+            kept = r.held.take().map(|held| (r.synced, held));
+        } else {
+            self.bring_back(world)?;
+        }
         let copies = self.resident.as_ref().map(Resident::copies).unwrap_or_default();
         self.release();
-        self.settle(world, processes, span, &copies)
+        let outcome = self.settle(world, processes, span, &copies);
+        match (kept, self.resident.as_mut()) {
+            (Some((synced, held)), Some(r)) => (r.synced, r.held) = (synced, Some(held)),
+            // Nothing is on the card that could fall back.
+            (Some((synced, held)), None) => held.put_back(world, synced),
+            (None, _) => {}
+        }
+        outcome
     }
 
-    /// One step in which some process acts on the whole world. On an error the world is as it was before the step.
+    /// One step in which some process acts on the whole world. On an error the world is as it was before the step, or, if nothing in
+    /// it should fail, when it was last brought back.
     fn acting_step(
         &mut self,
         world: &mut World,
@@ -437,6 +478,10 @@ impl GpuEngine {
         at: u64,
         control: &Control<'_>,
     ) -> Result<()> {
+        let control = &control.within(self.options.limits);
+        if !may_fail(processes, at) {
+            return self.act(world, processes, at, control);
+        }
         self.bring_back(world)?;
         let held: u128 = world.layers().iter().map(|l| l.field.bytes() as u128).sum();
         self.options.limits.check_bytes("a copy of the world to go back to", 2 * held)?;
@@ -462,6 +507,7 @@ impl GpuEngine {
                 let names: Vec<LayerSpec> = s.process.layers().into_iter().map(|(spec, _)| spec).collect();
                 let named = |spec: &LayerSpec| names.iter().any(|n| n.name == spec.name);
                 let r = self.resident.as_mut().ok_or_else(gone)?;
+                r.hold(world, named)?;
                 r.bring_back(&self.gpu, world, named)?;
                 action.act(&moment, world, control)?;
                 for l in (0..r.world_layers).filter(|&l| named(&r.specs[l])) {
@@ -484,7 +530,8 @@ impl GpuEngine {
             Ok(()) => {}
             Err(Misfit::Failed(e)) => return Err(e),
             Err(Misfit::Rebuild) => {
-                self.rebuild(world, processes, Span { from: at, steps: 64 })?;
+                // Where a step may fail there is a copy to go back to.
+                self.rebuild(world, processes, Span { from: at, steps: 64 }, !may_fail(processes, at))?;
                 if self.submit(plan, 0).is_err() {
                     return Err(GpuError::Fault("a plan does not fit the world that was made for it".into()));
                 }
@@ -753,6 +800,7 @@ impl Resident {
             kernels: HashMap::new(),
             graphs: HashMap::new(),
             synced: (world.step, world.sea_level_m),
+            held: None,
         };
         r.share(&engine.gpu);
         Ok(r)
@@ -765,6 +813,29 @@ impl Resident {
             self.arena.share(&mut encoder);
             gpu.queue.submit([encoder.finish()]);
         }
+    }
+
+    /// Brings everything back that is out of date.
+    fn bring_all_back(&mut self, gpu: &Gpu, world: &mut World) -> Result<()> {
+        self.bring_back(gpu, world, |_| true)?;
+        self.synced = (world.step, world.sea_level_m);
+        self.held = None;
+        Ok(())
+    }
+
+    /// Keeps what an action may change, ledger included, as it was when the world was last brought back.
+    fn hold(&mut self, world: &World, wanted: impl Fn(&LayerSpec) -> bool) -> Result<()> {
+        let held = self.held.get_or_insert_with(|| Held {
+            layers: Vec::new(),
+            ledger: world.ledger.clone(),
+            features: world.features.clone(),
+        });
+        for spec in self.specs[..self.world_layers].iter().filter(|s| wanted(s)) {
+            if held.layers.iter().all(|(kept, _)| *kept != spec.name) {
+                held.layers.push((spec.name.clone(), world.layer(&spec.name)?.field.clone()));
+            }
+        }
+        Ok(())
     }
 
     /// Brings the layers back that are out of date and `wanted`, and the ledger.
@@ -782,7 +853,6 @@ impl Resident {
         }
         let area = world.grid.cell_area_m2();
         self.accounts.iter_mut().zip(totals).for_each(|(account, total)| account.post(&mut world.ledger, total, area));
-        self.synced = (world.step, world.sea_level_m);
         Ok(())
     }
 

@@ -3,8 +3,8 @@
 use eyot_core::control::{Cancel, Control};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known;
-use eyot_core::process::{Scheduled, Site, Span};
-use eyot_core::{Error, Field, Grid, Limits, Rim, World};
+use eyot_core::process::{Action, Moment, Process, Scheduled, Site, Span};
+use eyot_core::{Error, Field, Grid, LayerSpec, Limits, Rim, World};
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::Hydraulic;
@@ -219,6 +219,88 @@ fn a_device_lost_on_the_way_leaves_the_last_sound_world() {
     other.simulate(&mut world, &processes, Span { from: 20, steps: 30 }, &Control::none()).unwrap();
     other.bring_back(&mut world).unwrap();
     assert!(largest_difference(&world, &whole) < 1e-3);
+}
+
+/// Lifts the land by a metre, counts how often, and may take the device away.
+struct Lift(Option<(wgpu::Device, f64)>);
+
+impl Process for Lift {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(known::HEIGHT, 0.0)]
+    }
+
+    fn action(&self) -> Option<&dyn Action> {
+        Some(self)
+    }
+}
+
+impl Action for Lift {
+    fn act(&self, moment: &Moment, world: &mut World, _: &Control<'_>) -> eyot_core::Result<()> {
+        world.layer_mut("height")?.field.map_in_place(|h| h + 1.0);
+        world.ledger.add("lift.rock", world.grid.cells() as f64, "m3", "Rock from below", 1);
+        world.features.entry("lift".into()).or_insert_with(|| vec![0.0])[0] += 1.0;
+        if let Some((device, turn)) = &self.0
+            && *turn == moment.turn as f64
+        {
+            device.destroy();
+        }
+        Ok(())
+    }
+
+    fn cannot_fail(&self) -> bool {
+        true
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        0
+    }
+}
+
+/// Whoever cannot fail acts on a world of which the card alone knows the rest.
+#[test]
+fn quick_actions_leave_the_world_on_the_card() {
+    let Some(mut engine) = engine(Options::default()) else { return };
+    let with = |lift| {
+        let mut processes = erosion();
+        processes.insert(1, Scheduled { name: "lift", process: Box::new(Lift(lift)), every: 4 });
+        processes
+    };
+    let (processes, start) = (with(None), mountain(40, Rim::CLOSED));
+    let (mut cpu, mut whole, mut parts) = (start.clone(), start.clone(), start.clone());
+    on_cpu(&mut cpu, &processes, 0, 30);
+    engine.simulate(&mut whole, &processes, Span { from: 0, steps: 30 }, &Control::none()).unwrap();
+    engine.bring_back(&mut whole).unwrap();
+    assert!(largest_difference(&whole, &cpu) < 1e-2, "{}", largest_difference(&whole, &cpu));
+    assert_eq!((whole.features["lift"][0], whole.ledger.amount("lift.rock")), (8.0, 8.0 * 1600.0));
+    assert!(whole.ledger.amount("water.rain") > 0.0);
+    engine.release();
+    for from in (0..30).step_by(3) {
+        engine.simulate(&mut parts, &processes, Span { from, steps: 3 }, &Control::none()).unwrap();
+        engine.bring_back(&mut parts).unwrap();
+    }
+    assert!(largest_difference(&parts, &whole) < 1e-3);
+    engine.release();
+
+    // Lost with some layers of the world newer than others; and in a step in whose middle the world moved to a larger place, since
+    // what is due then needs copies of layers that were not there.
+    for turn in [2.0, 0.0] {
+        let Some(mut engine) = self::engine(Options::default()) else { return };
+        let mut world = start.clone();
+        let none = Control::none();
+        if turn > 0.0 {
+            engine.simulate(&mut world, &processes, Span { from: 0, steps: 3 }, &none).unwrap();
+            engine.bring_back(&mut world).unwrap();
+        }
+        let sound = world.clone();
+        let lossy = with(Some((engine.gpu().device.clone(), turn)));
+        let outcome = engine.simulate(&mut world, &lossy, Span { from: sound.step, steps: 20 }, &none);
+        assert!(outcome.is_err(), "turn {turn}");
+        assert_eq!((world.step, world.features.clone()), (sound.step, sound.features.clone()), "turn {turn}");
+        for l in sound.layers() {
+            assert!(world.get(&l.spec.name) == Some(&l.field), "turn {turn}: {}", l.spec.name);
+        }
+        assert_eq!(world.ledger, sound.ledger, "turn {turn}");
+    }
 }
 
 /// The driver itself says that there is no memory left: at the beginning, and when layers are to come back.

@@ -117,3 +117,27 @@ fn texts_equal_the_reference() {
 fn texts_in_groups_equal_the_reference() {
     check(Options { most_passes: 8, ..Options::default() }, &[(27, 51)], 4);
 }
+
+/// As on the processor, 0/0 is not moved into the range of its layer.
+#[test]
+fn what_is_no_number_does_not_become_one() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut engine = GpuEngine::new(gpu, Options::default(), None).unwrap();
+    let mut scope = scope();
+    scope.layers[0].spec.range = (0.0, 1.0);
+    for value in ["none", "clamp(none, 0, 1)", "max(none, 0)"] {
+        let text = format!("hole = if(column == 3 and row == 2, 0, 1); none = hole / hole - 1 + loop; {value}");
+        let values = vec![("loop".to_owned(), text)];
+        let d = RuleDefinition { name: "r".into(), values, mask: None, parameters: Vec::new() };
+        let process = Box::new(Acting { rule: rule(&d, None, &scope).unwrap(), values: Vec::new() });
+        let processes = vec![Scheduled { name: "r", process, every: 1 }];
+        let mut world = random_world((21, 5), Rim::CLOSED, 1, &processes, &start).unwrap();
+        let span = Span { from: 0, steps: 1 };
+        let ended = engine.simulate(&mut world, &processes, span, &Control::none());
+        let ended =
+            ended.map_err(|e| e.to_string()).and_then(|()| engine.bring_back(&mut world).map_err(|e| e.to_string()));
+        engine.release();
+        let said = ended.expect_err(value);
+        assert!(said.contains("loop") && said.contains("column 3, row 2"), "{value}: {said}");
+    }
+}

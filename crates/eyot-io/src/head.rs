@@ -26,7 +26,7 @@ const MAX_HEADER_BYTES: u64 = 256 << 20;
 const FEATURE_PART: usize = 1 << 16;
 const AGAIN: &str = "run the recipe again";
 /// Far more steps than any recipe can ask for, and few enough for exact arithmetic with them.
-const MAX_STEP: u64 = 1 << 48;
+pub(crate) const MAX_STEP: u64 = 1 << 48;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Head {
@@ -262,9 +262,7 @@ impl HeadFile {
         let problem = format!("a checkpoint of this world has {expected} bytes, the file {}", self.file_bytes);
         Err(Error::format(path, problem, format!("it is truncated or damaged: {AGAIN}")))
     }
-}
 
-impl HeadFile {
     /// Reads the features; their size and that of the file have been checked.
     pub(crate) fn features(&mut self, path: &Path) -> Result<BTreeMap<String, Vec<f64>>> {
         let mut features = BTreeMap::new();

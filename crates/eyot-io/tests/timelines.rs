@@ -347,6 +347,13 @@ fn broken_and_hostile_recordings_are_refused() {
     let write = |file: &'static str, text: &'static str| -> Change<'static> {
         Box::new(move |p| fs::write(p.join(file), text).unwrap())
     };
+    let times = |steps: [i64; 3]| -> Change<'static> {
+        Box::new(move |p| {
+            let mut bytes = fs::read(p.join("time/c/0")).unwrap();
+            steps.iter().zip(bytes.chunks_exact_mut(8)).for_each(|(t, b)| b.copy_from_slice(&t.to_le_bytes()));
+            fs::write(p.join("time/c/0"), bytes).unwrap();
+        })
+    };
     let gone = |file: &'static str| -> Change<'static> { Box::new(move |p| fs::remove_file(p.join(file)).unwrap()) };
     let cases: Vec<(Change<'static>, &str)> = vec![
         (write("zarr.json", "{ \"zarr_format\": 3"), "not valid JSON"),
@@ -354,6 +361,15 @@ fn broken_and_hostile_recordings_are_refused() {
         (Box::new(|p| with_root(p, |r| r["consolidated_metadata"] = Value::Null)), "time"),
         (array("time", "shape", json!([u64::MAX])), "time"),
         (array("time", "shape", json!([1u64 << 40])), "frames"),
+        (piece("time", json!([1u64 << 20])), "pieces of 1024"),
+        (times([0, 20, 10]), "frame 1 is of step 20, frame 2 of step 10"),
+        (times([0, 10, 10]), "frame 1 is of step 10, frame 2 of step 10"),
+        (times([0, -5, 10]), "frame 1 is of step -5"),
+        (times([0, 10, 1 << 60]), "which no run comes to"),
+        (array("y", "shape", json!([12])), "12 cells along y, `height` has 9"),
+        (array("y", "dimension_names", json!(["x"])), "no such"),
+        (array("height", "dimension_names", json!(["y", "time", "x"])), "no such"),
+        (array("height", "shape", json!([2, 9, 140])), "3 frames"),
         (array("time", "shape", json!([4])), "steps that do not increase"),
         (array("time", "shape", json!([2, 2])), "time"),
         (array("time", "data_type", json!("float64")), "time"),
@@ -365,13 +381,13 @@ fn broken_and_hostile_recordings_are_refused() {
         (write(".frames/1.eyot", "garbage of some length that is no head"), "no Eyot checkpoint"),
         (gone("height/c/1/0/0"), "a chunk of frame 1 is missing"),
         (write("height/c/1/0/0", "garbage"), "height"),
-        (array("height", "shape", json!([3, 9, 141])), "no such"),
-        (array("height", "shape", json!([3, 1u64 << 40, 1u64 << 20])), "no such"),
+        (array("height", "shape", json!([3, 9, 141])), "cells along x"),
+        (array("height", "shape", json!([3, 1u64 << 40, 1u64 << 20])), "height"),
         (array("height", "shape", json!([])), "height"),
         (array("height", "shape", json!([1, 9, 140])), "no such"),
         (piece("height", json!([1, 1, 1])), "height"),
         (piece("height", json!([1u64 << 40, 512, 512])), "height"),
-        (array("flux_x", "shape", json!([3, 9, 140])), "no such"),
+        (array("flux_x", "shape", json!([3, 9, 140])), "cells along x"),
         (
             Box::new(|p| {
                 with_root(p, |r| drop(r["consolidated_metadata"]["metadata"].as_object_mut().unwrap().remove("height")))
@@ -395,7 +411,51 @@ fn broken_and_hostile_recordings_are_refused() {
     let (_folder, path) = place();
     drop(recorded(&path, PLENTY, [0]));
     let small = Limits { max_cells: 100, ..Limits::default() };
-    assert!(Timeline::open(&path, &small).unwrap().load(0).unwrap_err().to_string().contains("cells"));
+    assert!(Timeline::open(&path, &small).unwrap_err().to_string().contains("cells"));
     fs::write(path.join(".frames/thinning.json"), "{\"frames\": 9, \"keep\": [[5, 1]], \"dropped\": true}").unwrap();
     assert!(Timeline::open_to_write(&path, &Limits::default()).unwrap_err().to_string().contains("thinning.json"));
+}
+
+/// A frame without its head, one whose head is garbage and one without a chunk: the others can be read, copied, thinned out and
+/// gone on with.
+#[test]
+fn frames_that_are_lost_harm_no_others() {
+    let (folder, path) = place();
+    drop(recorded(&path, PLENTY, [0, 10, 20, 30, 40, 50]));
+    fs::remove_file(path.join(".frames/1.eyot")).unwrap();
+    fs::write(path.join(".frames/2.eyot"), "garbage of some length that is no head").unwrap();
+    fs::remove_file(path.join("height/c/4/0/0")).unwrap();
+    let assert_rest = |t: &Timeline, whole: &[usize]| {
+        for i in 0..t.frames().len() {
+            let loaded = t.load(i);
+            assert_eq!(loaded.is_ok(), whole.contains(&i), "frame {i}");
+            assert_eq!(t.look(i).is_ok(), loaded.is_ok(), "frame {i}");
+            if let Ok(saved) = loaded {
+                assert_eq!(saved.world, world(t.frames()[i].step));
+            }
+        }
+    };
+    let t = Timeline::open(&path, &Limits::default()).unwrap();
+    assert_eq!(steps(&t), [0, 10, 20, 30, 40, 50]);
+    assert_eq!(t.frames().iter().map(|f| f.is_there).collect::<Vec<_>>(), [true, false, true, true, true, true]);
+    assert_rest(&t, &[0, 3, 5]);
+    assert!(t.load(1).unwrap_err().to_string().contains("frame 1 is missing"));
+    let copy = t.copy(4, &folder.path().join("copy.zarr")).unwrap();
+    assert_rest(&copy, &[0, 3]);
+    let mut t = Timeline::open_to_write(&path, &Limits::default()).unwrap();
+    t.append(&world(60), "name = \"Test\"", &state(60)).unwrap();
+    assert_rest(&t, &[0, 3, 5, 6]);
+    // With no room left, the missing frame goes first, and what is damaged moves with its number.
+    let max_bytes = (320 << 10) + 6 * t.frames()[6].bytes;
+    t.set_record(Record { max_bytes, ..PLENTY }).unwrap();
+    let mut later = 60;
+    while steps(&t).contains(&10) {
+        later += 10;
+        t.append(&world(later), "name = \"Test\"", &state(later)).unwrap();
+    }
+    let again = Timeline::open(&path, &Limits::default()).unwrap();
+    assert_eq!(again.frames(), t.frames());
+    for (i, frame) in again.frames().iter().enumerate().filter(|(_, f)| ![20, 40].contains(&f.step)) {
+        assert_eq!(again.load(i).unwrap().world, world(frame.step), "frame {i} of step {}", frame.step);
+    }
 }

@@ -20,6 +20,12 @@ pub(crate) fn units(metres: f32) -> i32 {
     (metres * UNITS_PER_M as f32) as i32
 }
 
+/// The whole units that are nearest to a thickness, which is never negative.
+#[inline]
+pub(crate) fn nearest_units(metres: f32) -> i32 {
+    (metres * UNITS_PER_M as f32 + 0.5) as i32
+}
+
 /// Metres in `units`, exactly.
 #[inline]
 pub(crate) fn metres(units: i32) -> f32 {

@@ -88,19 +88,16 @@ pub(crate) fn dry_m(height: f32) -> f32 {
 }
 
 /// Thickness, m, that stands at `height`; not below 0.
+#[inline(always)]
 pub fn crust_m(height: f32, age_myr: f32, level: f32) -> f32 {
     let buoyancy = level + dry_m(height);
     let theta = theta(age_myr);
-    let ageless = buoyancy / A;
-    if ageless >= AGELESS_M {
-        return ageless;
-    }
-    let thin = (buoyancy - theta) / A;
-    if thin <= OCEANIC_M {
-        return thin.max(0.0);
-    }
     let per_m = theta / (AGELESS_M - OCEANIC_M);
-    (buoyancy - per_m * AGELESS_M) / (A - per_m)
+    // Each of the three pieces, of which one is right: so there is no branch.
+    let (ageless, thin) = (buoyancy / A, (buoyancy - theta) / A);
+    let between = (buoyancy - per_m * AGELESS_M) / (A - per_m);
+    let young = if thin <= OCEANIC_M { thin.max(0.0) } else { between };
+    if ageless >= AGELESS_M { ageless } else { young }
 }
 
 /// Rise of the land for each metre of crust, where age plays no part.

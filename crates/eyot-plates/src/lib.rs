@@ -11,11 +11,16 @@
 //! 4. `suture`, `parts`: continents grow together, cut-off parts go to a neighbour.
 //! 5. `erosion`, `isostasy`, `level`: the land is levelled, crust floats, and the sea finds the level that keeps the share of land.
 //! 6. `restart`: at the end of a cycle the world is divided anew, by `growth`.
+//!
+//! The process makes its next step ahead (`beside`) and adds what others did to the land meanwhile where the plate has carried it
+//! (`course`).
 
 mod analyse;
+mod beside;
 mod budget;
 mod changes;
 mod collision;
+mod course;
 pub mod crust;
 mod drift;
 mod erosion;
@@ -45,5 +50,5 @@ pub use budget::Budget;
 pub use parameters::Tectonics;
 pub use plate::PlateInfo;
 pub use plates::Plates;
-pub use process::{CRUST, CRUST_AGE, PLATE, PROCESSES, report};
+pub use process::{CRUST, CRUST_AGE, Drift, PLATE, PROCESSES, report};
 pub use start::Start;

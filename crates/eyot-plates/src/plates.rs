@@ -3,10 +3,11 @@
 use crate::budget::Budget;
 use crate::changes::Changes;
 use crate::collision::{brake, brake_at_rim, fold, reach};
-use crate::crust::{HIGHEST_M, is_continental, metres, units};
+use crate::course::Course;
+use crate::crust::{HIGHEST_M, is_continental, metres, nearest_units};
 use crate::drift::{Borders, Maps, drift};
 use crate::erosion;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, rows_at_once};
 use crate::growth::unit;
 use crate::isostasy::crust_m;
 use crate::level::{aim, at_once, correction, heights};
@@ -25,6 +26,7 @@ use crate::suture;
 use eyot_core::process::check_ranges;
 use eyot_core::rng::mix64;
 use eyot_core::{Edge, Error, Grid, Result};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Rivers and waves work in every so many steps, for as many steps.
@@ -104,6 +106,8 @@ pub struct Plates {
     pub(crate) clock: Clock,
     pub(crate) budget: Budget,
     pub(crate) volcanoes: Volcanoes,
+    /// How far the plates went in the last step; `None` if none went anywhere.
+    pub(crate) course: Option<Course>,
     /// The maps of the step before: memory to write the next into.
     pub(crate) spare: Maps,
 }
@@ -151,6 +155,7 @@ impl Plates {
             },
             budget: Budget::default(),
             volcanoes: Volcanoes::new(&g, seed),
+            course: None,
             spare: Maps::empty(g.cells()),
             parameters,
         };
@@ -164,6 +169,7 @@ impl Plates {
 
     /// One step of `years_per_step`.
     pub fn step(&mut self) {
+        self.course = None;
         if self.parameters.restarts != self.clock.restarts {
             self.clock.restarts = self.parameters.restarts;
             self.clock.at_rest = false;
@@ -202,6 +208,7 @@ impl Plates {
         for plate in &mut self.plates {
             plate.pull = plate.pull.map(|p| 0.9 * p);
         }
+        let mut ways = vec![(0, 0); self.plates.len()];
         for _ in 0..parts {
             let rows = runs::of_rows(&self.maps.owner, self.g.width);
             let areas = runs::areas(&rows, self.plates.len());
@@ -209,8 +216,13 @@ impl Plates {
             let shifts = motion::shift(&self.g, &mut self.plates, years, parts, &areas, &borders);
             if shifts.iter().any(|&s| s != (0, 0)) {
                 self.shift(&rows, &areas, &shifts);
+                let add = |way: &mut (isize, isize), s: &(i8, i8)| {
+                    *way = (way.0 + isize::from(s.0), way.1 + isize::from(s.1));
+                };
+                ways.iter_mut().zip(&shifts).for_each(|(way, s)| add(way, s));
             }
         }
+        self.course = Course::new(&self.g, &self.maps.owner, ways);
         if self.clock.steps.is_multiple_of(TIDY_EVERY) {
             self.tidy();
         }
@@ -510,24 +522,42 @@ impl Plates {
             let found = height.iter().filter(|h| h.is_finite()).count();
             return Err(Error::Shape { what: "finite heights for plates".into(), expected: self.g.cells(), found });
         }
-        let level = self.clock.level as f32;
-        let mut gained = 0i64;
-        for (i, (&new, old)) in height.iter().zip(&mut self.height).enumerate() {
-            // Less than a height far above the sea can hold, so it came by rounding.
-            if (new - *old).abs() < 2e-3 {
-                continue;
-            }
-            let crust = &mut self.maps.crust[i];
-            let thick = units(crust_m(new, self.maps.age[i], level).min(HIGHEST_M));
-            let grown = i64::from(thick) - i64::from(*crust);
-            self.budget.deposited += grown.max(0);
-            self.budget.removed += (-grown).max(0);
-            gained += i64::from(new > 0.0) - i64::from(*old > 0.0);
-            (*crust, *old) = (thick, new);
-        }
+        let width = self.g.width;
+        self.shape(&|row, new| new.copy_from_slice(&height[row * width..][..width]));
+        Ok(())
+    }
+
+    /// As [`Plates::set_height`], where `change` gets each row and its heights to change. Cells where they are no numbers then get no
+    /// other crust, but that height, for whoever looks for such.
+    pub(crate) fn shape(&mut self, change: &(impl Fn(usize, &mut [f32]) + Sync)) {
+        let (level, width) = (self.clock.level as f32, self.g.width);
+        let rows = self.height.par_chunks_mut(width).zip(self.maps.crust.par_chunks_mut(width));
+        let rows = rows.zip(self.maps.age.par_chunks(width)).enumerate().with_min_len(rows_at_once(width));
+        let sum = |a: [i64; 3], b: [i64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let [deposited, removed, gained] = rows
+            .map_with(vec![0.0; width], |changed, (y, ((old, crust), age))| {
+                changed.copy_from_slice(old);
+                change(y, changed);
+                let mut sums = [0; 3];
+                // Without a branch, so that many cells go at a time.
+                for (((old, &new), crust), age) in old.iter_mut().zip(&*changed).zip(crust).zip(age) {
+                    // Less than a height far above the sea can hold, so it came by rounding.
+                    let same = (new - *old).abs() < 2e-3;
+                    let thick = nearest_units(crust_m(new, *age, level).min(HIGHEST_M));
+                    let grown = if same | !new.is_finite() { 0 } else { thick - *crust };
+                    *crust += grown;
+                    let land = i32::from(new > 0.0) - i32::from(*old > 0.0);
+                    *old = if same { *old } else { new };
+                    let here = [grown.max(0), (-grown).max(0), if same { 0 } else { land }];
+                    sums = sum(sums, here.map(i64::from));
+                }
+                sums
+            })
+            .reduce(|| [0; 3], sum);
+        self.budget.deposited += deposited;
+        self.budget.removed += removed;
         // The sea does not answer at once.
         self.clock.aim += gained as f64 / self.g.cells() as f64;
-        Ok(())
     }
 
     /// Changes the parameters from the next step on.

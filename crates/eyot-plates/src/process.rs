@@ -1,7 +1,8 @@
 //! Plates that drift over the world: oceans open at ridges and close at trenches, and continents break apart and fold into ranges.
 //!
 //! Between its steps other processes may shape the land; what they did moves on with the plate. Run it in every n-th step
-//! (`every`): a million years are long for rivers, and a step costs little.
+//! (`every`): a million years are long for rivers. The world does not wait: each step begins when the one before it has been shown, on
+//! threads of its own, and what others did in the meantime is added to it, where the plate has carried it.
 //!
 //! # Equations
 //! 1. Plates: `dv/dt = (speed (heading + slab_pull pull) - v) / 20 Myr`. Each shifts by the whole cells in its way and keeps the rest.
@@ -25,6 +26,7 @@
 //! - Overlaps are counted for a whole cycle, so that an area can be their limit: within a step it never is.
 //! - One crust a cell, in whole units of 1/128 m: no mass gets lost or negative (`crust_is_accounted_for`).
 //! - Who overrides whom is decided for the border of a pair of plates, not for each cell: no combs.
+//! - Plates work beside the world and not within its step, and that changes no byte (`a_step_made_ahead_is_the_step`).
 //! - Land has the asked share all the time (`land_keeps_its_share`); the source lost a third of it.
 //! - Heights are metres and depend on thickness and age; the source shows thickness, with a bonus for the youngest.
 //! - The noise of the start repeats nowhere (`the_start_does_not_repeat`). Erosion has no noise and only moves crust.
@@ -45,12 +47,17 @@
 //! (`crust.*` in the ledger; `crust_is_accounted_for`).
 
 use crate::analyse::{Report, hypsometry};
+use crate::beside::{Beside, Made};
+use crate::crust::metres;
+use crate::geometry::rows_at_once;
 use crate::parameters::Tectonics;
 use crate::plates::{Plates, check};
 use crate::start::Start;
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Action, Entry, Moment, Process, SECONDS_PER_YEAR};
+use eyot_core::process::{Action, Entry, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from, schema_of};
 use eyot_core::{Control, Grid, LayerSpec, Result, World, about};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The plate that owns a cell.
 pub const PLATE: LayerSpec = LayerSpec::new("plate", "1", "Number of the plate that owns this cell", (0.0, 254.0));
@@ -60,41 +67,66 @@ pub const CRUST: LayerSpec = LayerSpec::new("crust", "m", "Thickness of the crus
 pub const CRUST_AGE: LayerSpec = LayerSpec::new("crust_age", "Myr", "Age of the crust", (0.0, 1e6));
 
 /// Name of the numbers of all plates in a world.
-const NUMBERS: &str = "plates";
+pub(crate) const NUMBERS: &str = "plates";
 
 /// All processes of this crate.
-pub const PROCESSES: &[Entry<dyn Process>] = &[Entry::<dyn Process>::process::<Tectonics>(
-    "plates",
-    about!("process.rs"),
-    &["airy1855", "dijkstra1959", "parsons1977", "perlin2002", "viitanen2012", "white1992"],
-)];
+pub const PROCESSES: &[Entry<dyn Process>] = &[Entry {
+    name: "plates",
+    schema: schema_of::<Tectonics>,
+    defaults: defaults_of::<Tectonics>,
+    make: |table| Ok(Box::new(Drift::new(parameters_from(table)?))),
+    about: about!("process.rs"),
+    cites: &["airy1855", "dijkstra1959", "parsons1977", "perlin2002", "viitanen2012", "white1992"],
+}];
 
-impl Process for Tectonics {
+/// Plates as a process of a world.
+pub struct Drift {
+    parameters: Tectonics,
+    beside: Beside,
+    /// The world's step of the last turn; `NEVER` before the first.
+    last: AtomicU64,
+}
+
+const NEVER: u64 = u64::MAX;
+
+impl Drift {
+    /// Plates with these parameters.
+    pub fn new(parameters: Tectonics) -> Self {
+        Self { parameters, beside: Beside::default(), last: AtomicU64::new(NEVER) }
+    }
+}
+
+impl Process for Drift {
     fn layers(&self) -> Vec<(LayerSpec, f32)> {
         vec![(HEIGHT, 0.0), (PLATE, 0.0), (CRUST, 0.0), (CRUST_AGE, 0.0)]
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {
-        check(self, grid)
+        check(&self.parameters, grid)
     }
 
-    /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise.
+    /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise. Begins the first
+    /// step.
     fn prepare(&self, world: &mut World) -> Result<()> {
-        if world.features.contains_key(NUMBERS) {
-            return Ok(());
+        if !world.features.contains_key(NUMBERS) {
+            let sea = world.sea_level_m as f32;
+            let height: Vec<f32> = world.layer("height")?.field.iter().map(|h| h - sea).collect();
+            let flat = height.iter().all(|&h| h == height[0]);
+            let start = if flat { Start::Noise } else { Start::Height(&height) };
+            let plates = Plates::new(&world.grid, world.seed, self.parameters.clone(), start)?;
+            plates.publish(world, sea, flat)?;
+            plates.budget().post(&mut world.ledger, world.grid.cell_area_m2());
         }
-        let sea = world.sea_level_m as f32;
-        let height: Vec<f32> = world.layer("height")?.field.iter().map(|h| h - sea).collect();
-        let flat = height.iter().all(|&h| h == height[0]);
-        let start = if flat { Start::Noise } else { Start::Height(&height) };
-        let plates = Plates::new(&world.grid, world.seed, self.clone(), start)?;
-        plates.publish(world, sea, flat)?;
-        plates.budget().post(&mut world.ledger, world.grid.cell_area_m2());
+        if self.beside.is_idle()
+            && let Some((plates, _)) = of_world(world, self.parameters.clone())?
+        {
+            self.beside.begin(&world.grid, numbers(world).to_vec(), plates, true);
+        }
         Ok(())
     }
 
     fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {
-        Some(f64::from(self.years_per_step) * SECONDS_PER_YEAR)
+        Some(f64::from(self.parameters.years_per_step) * SECONDS_PER_YEAR)
     }
 
     fn action(&self) -> Option<&dyn Action> {
@@ -102,28 +134,48 @@ impl Process for Tectonics {
     }
 }
 
-impl Action for Tectonics {
-    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
-        control.check()?;
-        let Some((mut plates, sea)) = of_world(world, self.clone())? else { return Ok(()) };
-        let height: Vec<f32> = world.layer("height")?.field.iter().map(|h| h - sea).collect();
-        plates.set_height(&height)?;
-        plates.step();
+impl Action for Drift {
+    fn act(&self, moment: &Moment, world: &mut World, _control: &Control<'_>) -> Result<()> {
+        let made = match self.beside.take(world) {
+            Some(made) => made,
+            None => {
+                let Some((plates, _)) = of_world(world, self.parameters.clone())? else { return Ok(()) };
+                Made::new(&world.grid, numbers(world).to_vec(), plates)
+            }
+        };
+        // The numbers end with the level of the sea.
+        let sea = numbers(world).last().map_or(0.0, |&s| s as f32);
+        let Made { mut plates, before } = made;
+        let own = *plates.budget();
+        plates.add_changes(&before, &world.layer("height")?.field, sea);
+        // Nobody does anything in the meantime, so there is nothing to be done beside.
+        let alone =
+            *plates.budget() == own && self.last.swap(moment.step, Ordering::Relaxed).wrapping_add(1) == moment.step;
         let mut budget = *plates.budget();
         budget.start = 0;
         budget.post(&mut world.ledger, moment.grid.cell_area_m2());
-        plates.publish(world, sea, true)
+        plates.publish(world, sea, true)?;
+        self.beside.begin(&world.grid, numbers(world).to_vec(), plates, !alone);
+        Ok(())
+    }
+
+    fn cannot_fail(&self) -> bool {
+        true
     }
 
     fn bytes_per_cell(&self) -> usize {
-        48
+        58
     }
 }
 
+/// What a world keeps of its plates beside layers; nothing if it has none.
+fn numbers(world: &World) -> &[f64] {
+    world.features.get(NUMBERS).map(Vec::as_slice).unwrap_or_default()
+}
 /// The plates of a world and the level of the sea, m, at which they were made; `None` if it has none.
 fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, f32)>> {
     // The numbers end with the level of the sea.
-    let Some((&sea, numbers)) = world.features.get(NUMBERS).and_then(|n| n.split_last()) else { return Ok(None) };
+    let Some((&sea, numbers)) = numbers(world).split_last() else { return Ok(None) };
     let layer = |spec: &LayerSpec| Ok::<_, eyot_core::Error>(world.layer(&spec.name)?.field.iter());
     let maps = (layer(&PLATE)?, layer(&CRUST)?, layer(&CRUST_AGE)?);
     Ok(Some((Plates::restore(&world.grid, world.seed, parameters, numbers, maps)?, sea as f32)))
@@ -143,18 +195,18 @@ pub fn report(world: &World) -> Result<Option<Report>> {
 impl Plates {
     /// Writes layers and numbers; the height only if `with_height`.
     fn publish(&self, world: &mut World, sea: f32, with_height: bool) -> Result<()> {
-        let width = self.g.width;
-        let mut put = |spec: &LayerSpec, value: &dyn Fn(usize) -> f32| -> Result<()> {
-            for (y, row) in world.layer_mut(&spec.name)?.field.rows_mut().enumerate() {
-                row.iter_mut().enumerate().for_each(|(x, v)| *v = value(y * width + x));
-            }
+        let mut put = |spec: &LayerSpec, row_of: &(dyn Fn(std::ops::Range<usize>, &mut [f32]) + Sync)| -> Result<()> {
+            let width = self.g.width;
+            let rows: Vec<&mut [f32]> = world.layer_mut(&spec.name)?.field.rows_mut().collect();
+            let rows = rows.into_par_iter().enumerate().with_min_len(rows_at_once(width));
+            rows.for_each(|(y, row)| row_of(y * width..(y + 1) * width, row));
             Ok(())
         };
-        put(&PLATE, &|c| f32::from(self.maps.owner[c]))?;
-        put(&CRUST, &|c| self.thickness_m(c))?;
-        put(&CRUST_AGE, &|c| self.maps.age[c])?;
+        put(&PLATE, &|cells, row| row.iter_mut().zip(&self.maps.owner[cells]).for_each(|(v, &o)| *v = f32::from(o)))?;
+        put(&CRUST, &|cells, row| row.iter_mut().zip(&self.maps.crust[cells]).for_each(|(v, &c)| *v = metres(c)))?;
+        put(&CRUST_AGE, &|cells, row| row.copy_from_slice(&self.maps.age[cells]))?;
         if with_height {
-            put(&HEIGHT, &|c| self.height[c] + sea)?;
+            put(&HEIGHT, &|cells, row| row.iter_mut().zip(&self.height[cells]).for_each(|(v, &h)| *v = h + sea))?;
         }
         let mut numbers = self.numbers();
         numbers.push(f64::from(sea));

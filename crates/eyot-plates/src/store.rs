@@ -1,7 +1,7 @@
 //! The state of plates as layers and numbers, so that a checkpoint holds all of it.
 
 use crate::budget::Budget;
-use crate::crust::{HIGHEST_M, metres, units};
+use crate::crust::{HIGHEST_M, units};
 use crate::drift::Maps;
 use crate::geometry::Geometry;
 use crate::level::heights;
@@ -89,15 +89,16 @@ impl Plates {
             clock,
             budget: Budget::default(),
             volcanoes: Volcanoes::new(&g, seed),
+            course: None,
             spare: Maps::empty(g.cells()),
         };
-        world.budget.start = world.crust_units();
-        heights(g.width, &world.maps.crust, &mut world.maps.age, 0.0, world.clock.level, &mut world.height);
+        world.forget();
         Ok(world)
     }
 
-    /// Thickness of a cell as a layer holds it, m.
-    pub(crate) fn thickness_m(&self, cell: usize) -> f32 {
-        metres(self.maps.crust[cell])
+    /// Forgets what [`Plates::restore`] could not know: where crust came from, and heights finer than whole units of crust.
+    pub(crate) fn forget(&mut self) {
+        self.budget = Budget { start: self.crust_units(), ..Budget::default() };
+        heights(self.g.width, &self.maps.crust, &mut self.maps.age, 0.0, self.clock.level, &mut self.height);
     }
 }

@@ -3,7 +3,7 @@
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Action, Moment, Process, Scheduled, Span};
 use eyot_core::{Cancel, Control, Edge, Field, Grid, LayerSpec, Limits, Result, Rim, World, layer::known::HEIGHT};
-use eyot_plates::{Tectonics, report};
+use eyot_plates::{Drift, Tectonics, report};
 
 fn world() -> World {
     let rim = Rim { x: Edge::Wrap, y: Edge::Closed };
@@ -38,7 +38,11 @@ impl Action for Wear {
 fn processes(every: u64) -> Vec<Scheduled> {
     vec![
         Scheduled { name: "wear", process: Box::new(Wear), every: 1 },
-        Scheduled { name: "plates", process: Box::new(Tectonics { cycle: 30.0, ..Tectonics::default() }), every },
+        Scheduled {
+            name: "plates",
+            process: Box::new(Drift::new(Tectonics { cycle: 30.0, ..Tectonics::default() })),
+            every,
+        },
     ]
 }
 
@@ -122,7 +126,7 @@ fn a_given_land_gets_the_crust_that_carries_it() {
         Field::from_fn(96, 48, |x, y| if (20..60).contains(&x) && (10..40).contains(&y) { 700.0 } else { -4500.0 });
     w.put(&HEIGHT, land.clone()).unwrap();
     let p = Tectonics { land: 0.26, speed: 0.0, erosion: 0.0, coast: 0.0, denudation: 0.0, ..Tectonics::default() };
-    let p = vec![Scheduled { name: "plates", process: Box::new(p), every: 1 }];
+    let p = vec![Scheduled { name: "plates", process: Box::new(Drift::new(p)), every: 1 }];
     eyot_core::process::prepare(&mut w, &p, &Limits::default()).unwrap();
     assert!(w.layer("height").unwrap().field == land);
     CpuEngine::default().simulate(&mut w, &p, Span { from: 0, steps: 1 }, &Control::none()).unwrap();
@@ -130,4 +134,90 @@ fn a_given_land_gets_the_crust_that_carries_it() {
         w.layer("height").unwrap().field.iter().zip(land.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(moved < 50.0, "{moved}: a million years make the floor sink, and the level look for the asked share");
     balance(&w);
+}
+
+/// Whoever makes the step, and on which threads: beside the world, waited for, by the same process on another world, or anew.
+#[test]
+fn a_step_made_ahead_is_the_step() {
+    let mut straight = world();
+    simulate(&mut straight, 0, 40);
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut other = world();
+        pool.install(|| simulate(&mut other, 0, 40));
+        assert!(other == straight, "{threads} threads");
+    }
+    // Set back with a step at hand that is ten turns on, and given another world with as many turns behind it.
+    let processes = processes(2);
+    let go = |world: &mut World, from, steps| {
+        CpuEngine::default().simulate(world, &processes, Span { from, steps }, &Control::none()).unwrap();
+    };
+    let (mut first, mut elsewhere) = (world(), World::new(world().grid, 12));
+    go(&mut first, 0, 20);
+    let kept = first.clone();
+    go(&mut first, 20, 20);
+    go(&mut elsewhere, 0, 20);
+    let mut again = kept;
+    go(&mut again, 20, 20);
+    assert!(first == straight && again == straight);
+    let mut alone = World::new(world().grid, 12);
+    simulate(&mut alone, 0, 20);
+    assert!(elsewhere == alone);
+}
+
+/// Raises a patch of the land once.
+struct Pile;
+
+impl Process for Pile {
+    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        vec![(HEIGHT, 0.0)]
+    }
+
+    fn action(&self) -> Option<&dyn Action> {
+        Some(self)
+    }
+}
+
+impl Action for Pile {
+    fn act(&self, moment: &Moment, world: &mut World, _: &Control<'_>) -> Result<()> {
+        if moment.turn == 20 {
+            let field = &mut world.layer_mut("height")?.field;
+            (0..96 * 48)
+                .filter(|c| c % 13 == 0)
+                .for_each(|c| field.set(c % 96, c / 96, field.get(c % 96, c / 96) + 80.0));
+        }
+        Ok(())
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        0
+    }
+}
+
+/// While the step is made that will carry it, land is raised: it is found on its plate, where that has gone.
+#[test]
+fn what_others_do_meanwhile_moves_on_with_the_plate() {
+    let p = Tectonics { erosion: 0.0, coast: 0.0, ..Tectonics::default() };
+    let after = |piled: bool| {
+        let mut w = world();
+        let mut scheduled = vec![Scheduled { name: "plates", process: Box::new(Drift::new(p.clone())), every: 4 }];
+        if piled {
+            scheduled.push(Scheduled { name: "pile", process: Box::new(Pile), every: 1 });
+        }
+        let heights = |w: &World| w.layer("height").unwrap().field.to_vec();
+        CpuEngine::default().simulate(&mut w, &scheduled, Span { from: 0, steps: 21 }, &Control::none()).unwrap();
+        let raised = heights(&w);
+        CpuEngine::default().simulate(&mut w, &scheduled, Span { from: 21, steps: 4 }, &Control::none()).unwrap();
+        balance(&w);
+        (raised, heights(&w))
+    };
+    let ((before, natural), (raised, carried)) = (after(false), after(true));
+    let lifted =
+        |a: &[f32], b: &[f32]| -> Vec<usize> { (0..a.len()).filter(|&c| (b[c] - a[c] - 80.0).abs() < 1.0).collect() };
+    let (put, found) = (lifted(&before, &raised), lifted(&natural, &carried));
+    assert_eq!(put.len(), (96 * 48_usize).div_ceil(13));
+    assert!(found.len() > put.len() * 9 / 10, "{} of {} are there", found.len(), put.len());
+    // Some plates have gone a cell further, some have not.
+    let moved = found.iter().filter(|c| *c % 13 != 0).count();
+    assert!(moved > put.len() / 10, "{moved} have moved");
 }

@@ -178,12 +178,13 @@ impl Action for Colonies {
                 self.forcing.get_or_init(|| made).clone()
             }
         };
-        let mut plot = self.corals.plot_in(world, moment.sea_level_m, forcing)?;
-        let census = plot.month()?;
+        let mut plot = self.corals.plot_in(world, moment.sea_level_m, forcing, control)?;
+        control.check()?;
+        let census = plot.month_under(control)?;
         if self.corals.build {
-            build(&plot, world, self.corals.rubble_range)?;
+            build(&plot, world, self.corals.rubble_range, control)?;
         }
-        cover(&plot, &mut world.layer_mut(&CORAL_COVER.name)?.field);
+        cover(&plot, &mut world.layer_mut(&CORAL_COVER.name)?.field, control)?;
         let names: Vec<&str> = self.corals.community.species.iter().map(|s| s.name.as_str()).collect();
         let row = census.columns(&names).into_iter().map(|(_, v)| v);
         world.features.entry(CENSUS.to_owned()).or_default().extend(row);
@@ -289,14 +290,14 @@ impl Corals {
     /// # Errors
     /// If the world's numbers are not those of such a reef, or it does not fit into memory.
     pub fn plot(&self, world: &World) -> Result<Plot> {
-        self.plot_in(world, world.sea_level_m, self.forcing(world)?)
+        self.plot_in(world, world.sea_level_m, self.forcing(world)?, &Control::none())
     }
 
-    fn plot_in(&self, world: &World, sea_level_m: f64, forcing: Forcing) -> Result<Plot> {
+    fn plot_in(&self, world: &World, sea_level_m: f64, forcing: Forcing, control: &Control<'_>) -> Result<Plot> {
         let (community, site) = (self.community.clone(), self.site(world, sea_level_m)?);
         match world.features.get(FEATURE) {
-            Some(numbers) => Plot::restore(community, site, forcing, world.seed, Limits::default(), numbers),
-            None => Plot::new(community, site, forcing, world.seed),
+            Some(numbers) => Plot::restore(community, site, forcing, world.seed, *control.limits(), numbers),
+            None => Plot::under(community, site, forcing, world.seed, control),
         }
     }
 
@@ -325,10 +326,10 @@ fn wrong(field: &str, reason: String) -> Error {
 }
 
 /// Equation (4).
-fn build(plot: &Plot, world: &mut World, range_m: f32) -> Result<()> {
+fn build(plot: &Plot, world: &mut World, range_m: f32, control: &Control<'_>) -> Result<()> {
     let grid = world.grid;
     let mut gain = Field::new(grid.width, grid.height, 0.0);
-    plot.deposit(grid.cell_x_m, f64::from(range_m), &mut gain);
+    plot.deposit(grid.cell_x_m, f64::from(range_m), &mut gain, control)?;
     // What rounding leaves of it, so that the ledger closes.
     let built = add(&mut world.layer_mut("height")?.field, &gain);
     add(&mut world.layer_mut("limestone")?.field, &gain);
@@ -351,11 +352,12 @@ fn add(layer: &mut Field, gain: &Field) -> f64 {
 }
 
 /// Share of each cell under living colonies, as discs of their mean radius: their area counts where it lies, in sixteenths of a cell.
-fn cover(plot: &Plot, layer: &mut Field) {
+fn cover(plot: &Plot, layer: &mut Field, control: &Control<'_>) -> Result<()> {
     let (w, h) = (layer.width(), layer.height());
     let cell = (plot.site().width_m / w as f64) as f32;
     layer.rows_mut().for_each(|row| row.fill(0.0));
     for c in plot.colonies() {
+        control.check()?;
         let reach = |v: f32, n: usize| {
             let at = |v: f32| (v / cell).floor().clamp(0.0, n as f32 - 1.0) as usize;
             at(v - c.radius)..=at(v + c.radius)
@@ -379,4 +381,5 @@ fn cover(plot: &Plot, layer: &mut Field) {
             }
         }
     }
+    Ok(())
 }

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{bare, cool, quiet};
-use eyot_core::{Field, Limits};
+use eyot_core::{Cancel, Control, Error, Field, Limits};
 use eyot_reef::community::{Census, Community, Forcing, Ground, Heat, Place, Plot, Site, Temperatures};
 use proptest::prelude::*;
 
@@ -230,6 +230,27 @@ fn floods_of_individuals_are_refused_before_memory_is_taken() {
     let mut plot = Plot::new(Community::default(), Site::of_ground(land), cool(), 1).unwrap();
     assert_eq!((plot.colonies().len(), plot.algae().len()), (0, 0));
     assert_eq!((0..24).map(|_| plot.month().unwrap().colonies()).sum::<u64>(), 0);
+}
+
+/// The limit of the run binds first settlers and recruits, and a request to stop is heard in the midst of both.
+#[test]
+fn settling_keeps_to_limits_and_hears_a_stop() {
+    let flat = || Site::flat(40.0, 40.0);
+    let none = Control::none();
+    let small = none.within(Limits { max_bytes: 1 << 16, ..Limits::default() });
+    let made = Plot::under(Community::default(), flat(), cool(), 1, &small);
+    assert!(matches!(made.err(), Some(Error::Limit { what, .. }) if what.contains("individuals")));
+    let cancel = Cancel::default();
+    let control = Control::new(cancel.clone(), &|_, _| {});
+    let mut plot = Plot::under(Community::default(), flat(), cool(), 1, &control).unwrap();
+    assert_eq!(
+        plot.month_under(&control).unwrap(),
+        Plot::new(Community::default(), flat(), cool(), 1).unwrap().month().unwrap()
+    );
+    cancel.raise();
+    assert!(matches!(plot.month_under(&control), Err(Error::Cancelled(_))));
+    assert!(matches!(Plot::under(Community::default(), flat(), cool(), 1, &control).err(), Some(Error::Cancelled(_))));
+    assert!(plot.deposit(1.0, 3.0, &mut Field::new(40, 40, 0.0), &control).is_err());
 }
 
 proptest! {

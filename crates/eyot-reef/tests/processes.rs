@@ -5,6 +5,7 @@
 mod common;
 
 use common::{bare, cool, quiet};
+use eyot_core::Control;
 use eyot_reef::community::{Community, Forcing, Heat, Plot, Temperatures, grazing_probability};
 
 const LOBATA: usize = 0;
@@ -469,12 +470,12 @@ fn skeletons_weigh_what_they_grow() {
     // The terrain gets what the census says.
     let census = plot.month().unwrap();
     let mut limestone = eyot_core::Field::new(5, 5, 0.0);
-    plot.deposit(2.0, 0.0, &mut limestone);
+    plot.deposit(2.0, 0.0, &mut limestone, &Control::none()).unwrap();
     let mass = census.species[LOBATA].calcified_kg;
     assert!((limestone.sum() * 4.0 - mass / (2930.0 * 0.5)).abs() < 1e-9 && limestone.get(2, 2) > 0.0);
     // Waves spread it, and nothing leaves the plot.
     let mut spread = eyot_core::Field::new(40, 40, 0.0);
-    plot.deposit(0.25, 6.0, &mut spread);
+    plot.deposit(0.25, 6.0, &mut spread, &Control::none()).unwrap();
     assert!((spread.sum() / 16.0 / (mass / (2930.0 * 0.5)) - 1.0).abs() < 1e-5);
     assert!(spread.get(20, 20) > spread.get(20, 0) && spread.get(20, 0) > 0.0 && spread.get(0, 0) == 0.0);
     assert!((census.limestone_m * 100.0 - mass / (2930.0 * 0.5)).abs() < 1e-12);

@@ -8,7 +8,12 @@ use crate::math::{V3, direction, dot, unit};
 pub(crate) struct Hillshade {
     lights: [(V3, f32); 4],
     exaggeration: f32,
+    /// Steepest slope that is drawn, rise over run; slopes come near to it.
+    steepest: f32,
 }
+
+/// Exaggeration from which on slopes are no longer those of ground that one could stand on.
+const OF_PLANETS: f32 = 12.0;
 
 impl Hillshade {
     pub(crate) fn new(azimuth_deg: f32, elevation_deg: f32, exaggeration: f32) -> Self {
@@ -21,12 +26,15 @@ impl Hillshade {
                 ([0.0, 0.0, 1.0], 0.22),
             ],
             exaggeration,
+            // A range that is a cell wide would be a black line on a map of a planet.
+            steepest: if exaggeration > OF_PLANETS { 1.2 } else { f32::INFINITY },
         }
     }
 
     /// Brightness of a slope (rise per metre eastward and southward), about 0..1.
     pub(crate) fn at(&self, slope: [f32; 2]) -> f32 {
-        let n = unit([-slope[0] * self.exaggeration, -slope[1] * self.exaggeration, 1.0]);
+        let [east, south] = slope.map(|s| s * self.exaggeration);
+        let n = unit([-east, -south, (1.0 + (east * east + south * south) / self.steepest.powi(2)).sqrt()]);
         0.05 + self.lights.iter().map(|(l, weight)| weight * dot(n, *l).max(0.0)).sum::<f32>()
     }
 
@@ -57,6 +65,6 @@ pub(crate) fn automatic_exaggeration(g: &Ground) -> f32 {
     if land.is_empty() {
         return 1.0;
     }
-    let most = 12.0f32.max(g.cell[0].max(g.cell[1]) / 500.0);
+    let most = OF_PLANETS.max(g.cell[0].max(g.cell[1]) / 500.0);
     (0.55 / quantile(&land, 0.75).max(1e-6)).clamp(0.7, most)
 }

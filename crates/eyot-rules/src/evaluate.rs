@@ -98,7 +98,16 @@ impl<'a, R: Real, C: Cell<R>> Evaluation<'a, R, C> {
             Form::Whole(n, a) => power(self.real(a, at), *n),
             Form::Apply(Does::If, of) => self.holds(&of[0], at).pick(self.real(&of[1], at), self.real(&of[2], at)),
             Form::Apply(does, of) => {
-                let values: Vec<R> = of.iter().map(|f| self.real(f, at)).collect();
+                let value = |f: &Form| self.real(f, at);
+                let values: Vec<R> = match does {
+                    // Whichever stands first gives way to what is no number, so those that are always numbers come first.
+                    Does::Min | Does::Max => {
+                        let (sure, others): (Vec<&Form>, Vec<&Form>) =
+                            of.iter().partition(|f| matches!(f, Form::Number(_) | Form::Param(_)));
+                        sure.into_iter().chain(others).map(value).collect()
+                    }
+                    _ => of.iter().map(value).collect(),
+                };
                 apply(*does, &values)
             }
             Form::Around(kind, params, a) => self.around(*kind, params.map(|i| self.params.get(i).copied()), a, at),
@@ -174,6 +183,11 @@ fn power<R: Real>(a: R, n: u32) -> R {
     }
 }
 
+/// At least `low`, at most `high`. In this order what is no number stays so: a mistake must not turn into a plausible value.
+pub(crate) fn between<R: Real>(v: R, low: R, high: R) -> R {
+    high.min(low.max(v))
+}
+
 fn apply<R: Real>(does: Does, v: &[R]) -> R {
     let (zero, one, half) = (R::of(0.0), R::of(1.0), R::of(0.5));
     match does {
@@ -195,7 +209,7 @@ fn apply<R: Real>(does: Does, v: &[R]) -> R {
         Does::Mod => v[0] - v[1] * (v[0] / v[1]).floor(),
         Does::Min => v[1..].iter().fold(v[0], |a, b| a.min(*b)),
         Does::Max => v[1..].iter().fold(v[0], |a, b| a.max(*b)),
-        Does::Clamp => v[0].clamp(v[1], v[2]),
+        Does::Clamp => between(v[0], v[1], v[2]),
         Does::Mix => v[0] + (v[1] - v[0]) * v[2],
         Does::Step => v[1].lt(v[0]).pick(zero, one),
         Does::Smoothstep => eyot_core::math::smoothstep(v[0], v[1], v[2]),

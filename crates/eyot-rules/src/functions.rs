@@ -166,7 +166,53 @@ pub(crate) fn function(name: &str) -> Option<&'static Function> {
     ALL.iter().find(|f| f.name == name)
 }
 
-/// True for a name that no layer and no parameter may have.
-pub fn is_taken(name: &str) -> bool {
-    NAMES.iter().any(|n| n.name == name) || ["and", "or", "not", "true", "false"].contains(&name)
+/// Words that stand between values.
+const WORDS: [&str; 5] = ["and", "or", "not", "true", "false"];
+
+/// Names that mean nothing yet and are kept for what may come: choices and loops, constants, coordinates, time.
+const RESERVED: [&str; 27] = [
+    "else",
+    "then",
+    "where",
+    "let",
+    "for",
+    "in",
+    "return",
+    "e",
+    "tau",
+    "inf",
+    "nan",
+    "z",
+    "lat",
+    "lon",
+    "latitude",
+    "longitude",
+    "t",
+    "dt",
+    "time",
+    "second",
+    "minute",
+    "hour",
+    "day",
+    "week",
+    "month",
+    "year",
+    "season",
+];
+
+/// What a name means in expressions, as the end of a sentence that begins with it; no part and no parameter may have it.
+pub fn meaning(name: &str) -> Option<&'static str> {
+    if function(name).is_some() {
+        return Some("is a function in expressions");
+    }
+    if let Some(known) = NAMES.iter().find(|n| n.name == name) {
+        return Some(if known.name == "pi" { "is a number in expressions" } else { "is known in expressions" });
+    }
+    WORDS.contains(&name).then_some("is a word of expressions")
+}
+
+/// Why no layer and no rule may have a name, as [`meaning`]. Files keep the names of layers, so some are kept for later.
+pub fn taken(name: &str) -> Option<&'static str> {
+    let later = || RESERVED.contains(&name).then_some("is kept for expressions of later versions");
+    meaning(name).or_else(later)
 }

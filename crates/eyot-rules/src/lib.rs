@@ -25,6 +25,7 @@ pub use meaning::{Known, Scope};
 pub use mistake::{Mistake, Part, Problem};
 pub use rule::{Acting, DeclaredLayer, LayerDefinition, RuleDefinition, TextRule, layer, rule};
 pub use term::{Obstacle, Replaced, Term, TermDefinition, Terms, numbers, of_schema, term};
+pub use unit::check as check_unit;
 
 /// Longest text of an expression, bytes.
 pub const MAX_BYTES: usize = 4096;

@@ -192,7 +192,7 @@ pub(crate) fn check(
     let mut checker = Checker { scope, parameters, stream, uses, parts: Vec::new() };
     for (name, span, value) in &tree.names {
         let here = parameters.iter().any(|(p, _)| p == name) || checker.parts.iter().any(|p| p.name == *name);
-        if here || crate::functions::is_taken(name) || function(name).is_some() || scope.layer(name).is_some() {
+        if here || crate::functions::meaning(name).is_some() || scope.layer(name).is_some() {
             let message = format!("`{name}` is the name of something else");
             return Err(Mistake::at(span, message, "taken").help("choose another name for this part"));
         }

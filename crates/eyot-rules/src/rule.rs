@@ -1,6 +1,6 @@
 //! Layers and rules: from texts to programs, and from programs to processes.
 
-use crate::evaluate::Evaluation;
+use crate::evaluate::{Evaluation, between};
 use crate::meaning::{Formula, Given, Scope, Uses, Wanted, check};
 use crate::mistake::{Mistake, Part, Problem};
 use crate::unit::Measure;
@@ -253,7 +253,7 @@ fn ready(name: &str, writes: Vec<Write>, mask: Option<Formula>, uses: Uses, coun
         for w in &writes {
             let raw = Evaluation::new(&w.formula, params, cell).number().flushed();
             let (low, high) = (Real::of(w.spec.range.0), Real::of(w.spec.range.1));
-            let mut value = if w.clamped() { raw.clamp(low, high) } else { raw };
+            let mut value = if w.clamped() { between(raw, low, high) } else { raw };
             let mut beyond = is_beyond(raw, low, high);
             if let Some(old) = w.old.map(|slot| cell.here(slot)) {
                 if let Some(mask) = &mask {
@@ -278,11 +278,10 @@ fn ready(name: &str, writes: Vec<Write>, mask: Option<Formula>, uses: Uses, coun
     Ok(Ready { program: Program::new(graph, tallies)?, params: uses.params })
 }
 
-/// 1 where a value is not within a range, also where it is no number.
+/// 1 where a value is not within a range. What is no number ends the run, so nobody counts it.
 fn is_beyond<R: Real>(v: R, low: R, high: R) -> R {
     let (zero, one) = (R::of(0.0), R::of(1.0));
-    let number = v.lt(R::of(f32::MAX)).pick(zero, one);
-    v.lt(low).pick(one, high.lt(v).pick(one, number))
+    v.lt(low).pick(one, high.lt(v).pick(one, zero))
 }
 
 impl Ready {

@@ -10,7 +10,7 @@
 //! the process for its plan at several values: `p = a + b w` or `p = a + b e^(-k w)`, `w` the parameter, its inverse or its square. What is
 //! neither, or decides more than numbers in rules, can only change in time.
 
-use crate::evaluate::Evaluation;
+use crate::evaluate::{Evaluation, between};
 use crate::meaning::{Given, Scope, Uses, Wanted, check};
 use crate::mistake::Mistake;
 use crate::rule::{DeclaredLayer, complete, split, stream};
@@ -49,6 +49,7 @@ pub struct TermDefinition {
 #[derive(Debug)]
 pub struct Term {
     parameter: String,
+    text: String,
     range: (f32, f32),
     /// Its value, kept within the range.
     graph: Graph,
@@ -74,16 +75,29 @@ pub fn term(definition: &TermDefinition, scope: &Scope) -> Result<Term, Mistake>
     let reads = list(uses.reads.clone())?;
     let graph = Graph::record(intern(&name).map_err(whole)?, params, reads, vec!["value"], |cell, params| {
         let value = Evaluation::new(&formula, params, cell).number().flushed();
-        (vec![value.clamp(Real::of(d.range.0), Real::of(d.range.1))], Vec::new())
+        (vec![between(value, Real::of(d.range.0), Real::of(d.range.1))], Vec::new())
     });
     let (declared, needs) = split(&uses.reads, scope).map_err(whole)?;
-    Ok(Term { parameter: d.parameter.clone(), range: d.range, graph, given: uses.params, declared, needs })
+    Ok(Term {
+        parameter: d.parameter.clone(),
+        text: d.text.clone(),
+        range: d.range,
+        graph,
+        given: uses.params,
+        declared,
+        needs,
+    })
 }
 
 impl Term {
     /// Name of the parameter.
     pub fn parameter(&self) -> &str {
         &self.parameter
+    }
+
+    /// The expression.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// Whether its value may differ from cell to cell.
@@ -401,9 +415,17 @@ impl Replaced {
     fn numbers(&self, moment: &Moment) -> Map<String, Value> {
         let mut all = self.parameters.clone();
         for term in self.terms.list.iter().filter(|t| !t.varies()) {
-            all.insert(term.parameter.clone(), Value::from(f64::from(term.number(moment))));
+            let number = term.number(moment);
+            if !number.is_nan() {
+                all.insert(term.parameter.clone(), Value::from(f64::from(number)));
+            }
         }
         all
+    }
+
+    /// True if an expression gives no number at this moment.
+    fn is_lost(&self, moment: &Moment) -> bool {
+        self.terms.list.iter().any(|t| !t.varies() && t.number(moment).is_nan())
     }
 
     /// Does something with the process as it is at this moment.
@@ -514,6 +536,9 @@ impl Replaced {
     /// The plan of a step, or which term cannot be a part of it.
     fn planned(&self, moment: &Moment) -> Result<Plan, (usize, Obstacle)> {
         let plain = self.now(moment, |p| planned(p, moment));
+        if self.is_lost(moment) {
+            return self.lost(plain);
+        }
         if self.varying().next().is_none() {
             return Ok(plain);
         }
@@ -526,6 +551,22 @@ impl Replaced {
         }
         let mut plan = Plan::default();
         plan.append(plain, |i, _| instead[i].take());
+        Ok(plan)
+    }
+
+    /// A plan whose rules know no number for their parameters: the values that it makes are none, which ends the run and says where.
+    fn lost(&self, plain: Plan) -> Result<Plan, (usize, Obstacle)> {
+        let instead: Result<Vec<_>> = plain
+            .passes()
+            .iter()
+            .map(|pass| {
+                let program = Program::new(pass.graph(), pass.tallies().to_vec())?;
+                Ok((program, vec![f32::NAN; pass.params().len()]))
+            })
+            .collect();
+        let mut instead = instead.map_err(|e| (0, Obstacle::Limit(e.to_string())))?.into_iter();
+        let mut plan = Plan::default();
+        plan.append(plain, |_, _| instead.next());
         Ok(plan)
     }
 

@@ -333,15 +333,15 @@ fn units_that_do_not_go_together_are_found() {
         assert!(check(text).is_ok(), "{text}: {:?}", check(text));
     }
     for (text, place, words) in [
-        ("water + heat", "+", "m and degC do not go together"),
+        ("water + heat", "+", "m and °C do not go together"),
         ("water + share", "+", "m and 1"),
-        ("if(water > heat, water, water)", ">", "m and degC"),
+        ("if(water > heat, water, water)", ">", "m and °C"),
         ("max(water, speed)", "speed", "m and m/s"),
         ("exp(water) * water", "water", "takes a plain number, this is in m"),
-        ("heat", "heat", "this is in degC, the layer `water` in m"),
+        ("heat", "heat", "this is in °C, the layer `water` in m"),
         ("water * water", "water * water", "this is in m2"),
         ("laplacian(water)", "laplacian(water)", "this is in 1/m"),
-        ("if(share > 0, water, heat)", "heat", "m and degC"),
+        ("if(share > 0, water, heat)", "heat", "m and °C"),
         ("share^water", "water", "an exponent takes a plain number"),
         ("step(sea_level, u) * water", "u", "m and 1"),
     ] {
@@ -375,4 +375,44 @@ fn named_conditions_do_not_grow() {
     }
     text += "if(c59, 1, 0)";
     agrees(&text, (7, 3), 0);
+}
+
+/// A rule of layer `a`, which has a range.
+fn ranged(text: &str) -> Vec<Scheduled> {
+    let mut scope = scope();
+    scope.layers[0].spec.range = (0.0, 1.0);
+    let d = RuleDefinition {
+        name: "r".into(),
+        values: vec![("a".into(), text.into())],
+        mask: None,
+        parameters: parameters(),
+    };
+    let rule = rule(&d, None, &scope).unwrap();
+    let values = rule.parameters.iter().map(|(_, v)| *v).collect();
+    vec![Scheduled { name: "r", process: Box::new(Acting { rule, values }), every: 1 }]
+}
+
+/// 0/0 is no value within the range: the run ends and says where. Infinity is beyond every range, and is moved and counted.
+#[test]
+fn what_is_no_number_does_not_become_one() {
+    const NONE: &str = "hole = if(column == 3 and row == 2, 0, 1); none = hole / hole - 1 + a;";
+    for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
+        let run = |processes: Vec<Scheduled>| {
+            let mut world = random_world((21, 5), eyot_core::Rim::CLOSED, 1, &processes, &start).unwrap();
+            let engine = CpuEngine { isa, ..CpuEngine::default() };
+            let ended = engine.simulate(&mut world, &processes, Span { from: 0, steps: 1 }, &Control::none());
+            (ended, world)
+        };
+        for text in ["none", "clamp(none, 0, 1)", "max(none, 0)", "min(p, none)", "max(0, min(none, 1), q)"] {
+            match run(ranged(&format!("{NONE} {text}"))).0 {
+                Err(Error::NotFinite { layer, x: 3, y: 2, .. }) => assert_eq!(layer, "a"),
+                other => panic!("{text}, {}: {other:?}", isa.name()),
+            }
+        }
+        let (ended, world) = run(ranged("1 / (column - 3)"));
+        ended.unwrap();
+        assert!(world.layer("a").unwrap().field.iter().all(|v| (0.0..=1.0).contains(&v)));
+        // Three columns in the west, and infinity in the fourth.
+        assert_eq!(world.ledger.amount("r.clamped"), 20.0, "{}", isa.name());
+    }
 }

@@ -6,13 +6,13 @@ use crate::record::{Body, Ending, Hello, Order, Record, Status};
 use crate::scene::Scene;
 use crate::visit;
 use std::io;
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Connections whose handshake is not done yet; more are cut at once.
+/// Connections whose handshake is not done yet; when one more comes, the oldest is cut: whoever says nothing keeps nobody out.
 const MOST_HANDSHAKES: usize = 16;
 /// After a failure to accept, such as too many open files.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -122,8 +122,10 @@ pub(crate) struct Hub {
     crowd: Condvar,
     has_scene: AtomicBool,
     closing: AtomicBool,
-    handshakes: AtomicUsize,
+    /// Handshakes under way, oldest first, each with a way to cut it.
+    handshakes: Mutex<Vec<(u64, TcpStream)>>,
     numbers: AtomicU64,
+    clients: AtomicU64,
     notice: Box<dyn Fn(Notice) + Send + Sync>,
 }
 
@@ -159,8 +161,9 @@ impl Server {
             crowd: Condvar::new(),
             has_scene: AtomicBool::new(false),
             closing: AtomicBool::new(false),
-            handshakes: AtomicUsize::new(0),
-            numbers: AtomicU64::new(1),
+            handshakes: Mutex::default(),
+            numbers: AtomicU64::new(0),
+            clients: AtomicU64::new(1),
             notice: Box::new(notice),
         });
         let theirs = hub.clone();
@@ -289,7 +292,7 @@ fn accept(listener: &TcpListener, hub: &Arc<Hub>) {
                 continue;
             }
         };
-        let Some(handshake) = Handshake::begin(hub) else { continue };
+        let Some(handshake) = Handshake::begin(hub, &stream) else { continue };
         let hub = hub.clone();
         // Without a thread the connection is dropped.
         let _ = std::thread::Builder::new()
@@ -298,20 +301,26 @@ fn accept(listener: &TcpListener, hub: &Arc<Hub>) {
     }
 }
 
-/// A handshake under way; ends when it is dropped.
-pub(crate) struct Handshake(Arc<Hub>);
+/// A handshake under way, by its number; ends when it is dropped.
+pub(crate) struct Handshake(Arc<Hub>, u64);
 
 impl Handshake {
-    fn begin(hub: &Arc<Hub>) -> Option<Self> {
-        let before = hub.handshakes.fetch_add(1, Ordering::AcqRel);
-        let this = Self(hub.clone());
-        (before < MOST_HANDSHAKES).then_some(this)
+    fn begin(hub: &Arc<Hub>, stream: &TcpStream) -> Option<Self> {
+        let cutter = stream.try_clone().ok()?;
+        let number = hub.numbers.fetch_add(1, Ordering::Relaxed);
+        let mut waiting = hub.waiting();
+        waiting.push((number, cutter));
+        if waiting.len() > MOST_HANDSHAKES {
+            // What is gone already needs no cut.
+            let _ = waiting.remove(0).1.shutdown(Shutdown::Both);
+        }
+        Some(Self(hub.clone(), number))
     }
 }
 
 impl Drop for Handshake {
     fn drop(&mut self) {
-        self.0.handshakes.fetch_sub(1, Ordering::AcqRel);
+        self.0.waiting().retain(|(number, _)| *number != self.1);
     }
 }
 
@@ -327,6 +336,10 @@ impl Drop for Place {
 impl Hub {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Vec<(u64, TcpStream)>> {
+        self.handshakes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(crate) fn tell(&self, notice: Notice) {
@@ -349,7 +362,7 @@ impl Hub {
         if self.closing.load(Ordering::Acquire) {
             return None;
         }
-        let number = self.numbers.fetch_add(1, Ordering::Relaxed);
+        let number = self.clients.fetch_add(1, Ordering::Relaxed);
         let line = Arc::new(Line::new(number, address, stream, self.options.queue_bytes));
         if let Some((_, hello)) = &state.hello {
             line.greet(hello);

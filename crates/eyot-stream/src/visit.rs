@@ -10,6 +10,7 @@ use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tungstenite::error::ProtocolError;
+use tungstenite::handshake::HandshakeError;
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::http::StatusCode;
 use tungstenite::protocol::WebSocketConfig;
@@ -98,11 +99,49 @@ fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<(Web
         .max_message_size(Some(MOST_MESSAGE))
         .max_frame_size(Some(MOST_MESSAGE));
     // The error holds on to the judge.
-    let socket = tungstenite::accept_hdr_with_config(wire, judge, Some(config)).map_err(|e| e.to_string());
+    let socket = tungstenite::accept_hdr_with_config(wire, judge, Some(config)).map_err(|e| match e {
+        HandshakeError::Failure(e) => e,
+        HandshakeError::Interrupted(_) => Error::Io(ErrorKind::TimedOut.into()),
+    });
     match (socket, place) {
         (Ok(socket), Some(place)) => Ok((socket, place)),
-        (Err(e), _) => Err(refusal.unwrap_or_else(|| format!("no handshake with {address}: {e}"))),
+        (Err(e), _) => Err(refusal.unwrap_or_else(|| {
+            answer(stream, &e);
+            format!("no handshake with {address}: {e}")
+        })),
         (Ok(_), None) => Err("no place".to_owned()),
+    }
+}
+
+/// Says to whoever asked for something else what there is; the library says nothing.
+fn answer(mut stream: &TcpStream, error: &Error) {
+    use ProtocolError as P;
+    let (status, headers, text) = match error {
+        // Gone, or cut: nobody listens.
+        Error::Protocol(P::HandshakeIncomplete) | Error::ConnectionClosed => return,
+        Error::Io(e) if e.kind() == ErrorKind::TimedOut => ("408 Request Timeout", "", "the request took too long"),
+        Error::Io(_) => return,
+        Error::Protocol(P::WrongHttpMethod) => ("405 Method Not Allowed", "Allow: GET\r\n", "only GET is answered"),
+        Error::Protocol(P::WrongHttpVersion) => ("505 HTTP Version Not Supported", "", "only HTTP/1.1 is spoken"),
+        Error::Protocol(
+            P::MissingConnectionUpgradeHeader
+            | P::MissingUpgradeWebSocketHeader
+            | P::MissingSecWebSocketVersionHeader
+            | P::MissingSecWebSocketKey,
+        ) => (
+            "426 Upgrade Required",
+            "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n",
+            "this is a stream of Eyot: connect by WebSocket (RFC 6455), version 13",
+        ),
+        _ => ("400 Bad Request", "", "this is no request for a WebSocket (RFC 6455)"),
+    };
+    let length = text.len() + 1;
+    let answer = format!(
+        "HTTP/1.1 {status}\r\n{headers}Connection: close\r\nContent-Type: text/plain\r\nContent-Length: {length}\r\n\r\n{text}\n"
+    );
+    // Whoever does not take it has nobody to complain to.
+    if stream.write_all(answer.as_bytes()).is_ok() && stream.shutdown(Shutdown::Write).is_ok() {
+        say_farewell(stream);
     }
 }
 

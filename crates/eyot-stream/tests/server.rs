@@ -374,3 +374,42 @@ fn a_mirror_refuses_what_does_not_fit() {
     take(&mut m, 1, next([0, 0])).unwrap();
     assert!(take(&mut m, 0, Body::Gone(vec![3])).unwrap_err().contains("never was there"));
 }
+
+/// What asks for something else hears in its own language what there is.
+#[test]
+fn bad_handshakes_get_an_answer() {
+    let (server, _) = server(Options { handshake: Duration::from_millis(500), ..Options::default() });
+    let upgrade = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+    for (request, status) in [
+        ("GET / HTTP/1.1\r\nHost: x\r\n\r\n".to_owned(), "426"),
+        (format!("GET / HTTP/1.1\r\nHost: x\r\n{upgrade}Sec-WebSocket-Version: 8\r\n\r\n"), "426"),
+        (format!("POST / HTTP/1.1\r\nHost: x\r\n{upgrade}Sec-WebSocket-Version: 13\r\n\r\n"), "405"),
+        (format!("GET / HTTP/1.0\r\nHost: x\r\n{upgrade}Sec-WebSocket-Version: 13\r\n\r\n"), "505"),
+        ("SSH-2.0-hello\r\n\r\n".to_owned(), "400"),
+        ("GET / HTTP/1.1\r\nHost: lo".to_owned(), "408"),
+    ] {
+        let mut stream = TcpStream::connect(server.address()).unwrap();
+        stream.set_read_timeout(Some(LONG)).unwrap();
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        assert!(answer.starts_with(&format!("HTTP/1.1 {status} ")), "{request}: {answer}");
+        let (head, text) = answer.split_once("\r\n\r\n").unwrap();
+        assert!(head.contains(&format!("Content-Length: {}", text.len())), "{answer}");
+    }
+}
+
+/// More silent connections than handshakes may be under way: whoever speaks is let in all the same.
+#[test]
+fn those_who_say_nothing_keep_nobody_out() {
+    let (server, inbox) = server(Options { handshake: LONG, ..Options::default() });
+    let silent: Vec<TcpStream> = (0..40).map(|_| TcpStream::connect(server.address()).unwrap()).collect();
+    for _ in 0..24 {
+        // All but sixteen are cut before their time.
+        while !matches!(inbox.recv_timeout(LONG / 2).unwrap(), Notice::Refused { .. }) {}
+    }
+    let mut clients: Vec<Client> = (0..3).map(|_| client(&server)).collect();
+    server.publish(scene(0));
+    clients.iter_mut().for_each(|c| until(c, 0));
+    drop(silent);
+}

@@ -14,7 +14,7 @@ use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
-use eyot_plates::Tectonics;
+use eyot_plates::{Drift, Tectonics};
 use eyot_reef::bodies::{Bodies, Detail};
 use eyot_reef::community::{self, Community, Forcing, Ground, Plot, Site as SeaFloor};
 use serde::Serialize;
@@ -52,11 +52,13 @@ pub enum BenchSubject {
     World,
     /// Ten plates on a torus as large as the Earth; a step is a million years of all that they do, less on fine grids.
     Plates,
+    /// The living world on drifting plates, which take a turn in every 25th step: how long the world stops for them.
+    Drift,
 }
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Hydraulic,
         Self::Thermal,
         Self::Rule,
@@ -69,6 +71,7 @@ impl BenchSubject {
         Self::Bodies,
         Self::World,
         Self::Plates,
+        Self::Drift,
     ];
 
     /// Cells along a side unless somebody says something else: metres for the community and bodies.
@@ -96,6 +99,7 @@ impl BenchSubject {
             Self::Bodies => "bodies",
             Self::World => "world",
             Self::Plates => "plates",
+            Self::Drift => "drift",
         }
     }
 }
@@ -137,7 +141,7 @@ impl Default for BenchOptions {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
     /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`,
-    /// `community`, `slope`, `bodies`, `world` or `plates`.
+    /// `community`, `slope`, `bodies`, `world`, `plates` or `drift`.
     pub what: &'static str,
     /// Cells along a side, or metres.
     pub size: usize,
@@ -172,6 +176,9 @@ pub struct BenchReport {
     /// What bodies add.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub bodies: Option<BodiesReport>,
+    /// What drift adds.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<DriftReport>,
     /// Ledger of the whole run, warm-up included, in the accounts' units.
     pub ledger: BTreeMap<String, f64>,
 }
@@ -209,6 +216,19 @@ pub struct BodiesReport {
     pub triangles: usize,
 }
 
+/// How long a world stops for its plates.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DriftReport {
+    /// The median step where plates take no turn, s.
+    pub seconds_between_turns: f64,
+    /// What a turn of theirs adds to the steps among which it is, s (median): so long the world stops.
+    pub seconds_of_turn: f64,
+    /// For comparison, the median step of plates with no world around them, s.
+    pub seconds_of_plates: f64,
+    /// Turns that were timed.
+    pub turns: usize,
+}
+
 /// Runs a benchmark.
 ///
 /// # Errors
@@ -234,6 +254,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
         BenchSubject::Community | BenchSubject::Slope => community(options),
         BenchSubject::Bodies => bodies(options),
         BenchSubject::Plates => plates(options),
+        BenchSubject::Drift => drift(options),
         _ => simulation(options),
     });
     result.map_err(|e| match e {
@@ -250,10 +271,15 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
 /// If the grid is not sound or the run would exceed the limits, or if asked for noise, drainage,
 /// the community, bodies or plates, which are no simulations of cells.
 pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
-    if what == BenchSubject::World {
+    if matches!(what, BenchSubject::World | BenchSubject::Drift) {
         let grid =
             Grid::new(size, size, 4e7 / size as f64, Rim { x: Edge::Wrap, y: Edge::Closed }, &Limits::default())?;
-        return start(grid, what, living_world()?, -5000.0, 5000.0);
+        let mut processes = living_world()?;
+        if what == BenchSubject::Drift {
+            let plates = Tectonics { years_per_step: plates_years(size), ..Tectonics::default() };
+            processes.push(Scheduled { name: "plates", process: Box::new(Drift::new(plates)), every: TURN });
+        }
+        return start(grid, what, processes, -5000.0, 5000.0);
     }
     // Cell size, lowest and highest ground (m), process.
     let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
@@ -270,6 +296,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
             | BenchSubject::Slope
             | BenchSubject::Bodies
             | BenchSubject::World
+            | BenchSubject::Drift
             | BenchSubject::Plates,
             _,
         ) => {
@@ -282,11 +309,14 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
     start(grid, what, vec![Scheduled { name: what.name(), process, every: 1 }], low, high)
 }
 
+/// Steps of the world for which zones stay what they are.
+const ZONES: u64 = 10;
+
 /// The processes of the living world as recipes have them.
 fn living_world() -> Result<Vec<Scheduled>> {
     let each = eyot_climate::PROCESSES.iter().map(|e| {
         let process = (e.make)((e.defaults)()).map_err(|err| bad(e.name, err.to_string()))?;
-        Ok(Scheduled { name: e.name, process, every: if e.name == "zones" { 10 } else { 1 } })
+        Ok(Scheduled { name: e.name, process, every: if e.name == "zones" { ZONES } else { 1 } })
     });
     each.collect()
 }
@@ -591,15 +621,77 @@ fn slope(side: usize) -> Result<SeaFloor> {
 /// If the grid is not sound.
 pub fn plates_case(size: usize) -> Result<eyot_plates::Plates> {
     let grid = Grid::new(size, size, 4e7 / size.max(1) as f64, Rim::WRAP, &Limits::default())?;
-    // Plates cross as many cells a step on finer grids.
-    let years_per_step = 1e6 * (512.0 / size as f32).min(1.0);
+    let years_per_step = plates_years(size);
     let parameters = Tectonics { count: 10, land: 0.35, cycle: 550.0, years_per_step, ..Tectonics::default() };
     eyot_plates::Plates::new(&grid, 3, parameters, eyot_plates::Start::Noise)
 }
 
+/// Years of a step of plates: on finer grids they cross as many cells in one.
+fn plates_years(size: usize) -> f32 {
+    1e6 * (512.0 / size as f32).min(1.0)
+}
+
+/// Steps of the world for each of the plates.
+const TURN: u64 = 25;
+
+fn drift(options: &BenchOptions) -> Result<BenchReport> {
+    let (mut world, processes) = case(options.what, options.classic, options.size)?;
+    let held = Need::of(&world.grid, world.layers().len(), &processes);
+    let engine = CpuEngine { isa: options.isa.unwrap_or_else(Isa::best), ..CpuEngine::default() };
+    let stamps: Mutex<Vec<(u64, Instant)>> = Mutex::default();
+    let (cancel, begun) = (Cancel::default(), Instant::now());
+    let stamp = |done: u64, _: u64| {
+        stamps.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((done, Instant::now()));
+        // Two turns to warm up.
+        if done > 5 * TURN && begun.elapsed().as_secs_f64() > options.seconds {
+            cancel.raise();
+        }
+    };
+    let span = Span { from: 0, steps: Limits::default().max_steps };
+    match engine.simulate(&mut world, &processes, span, &Control::new(cancel.clone(), &stamp)) {
+        Ok(()) | Err(Error::Cancelled(_)) => {}
+        Err(e) => return Err(e),
+    }
+    let stamps = stamps.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let spans = stamps.windows(2).map(|w| (w[0].0, w[1].0 - w[0].0, (w[1].1 - w[0].1).as_secs_f64()));
+    let mut timed: Vec<(u64, u64, f64)> = spans.filter(|(at, ..)| *at > 2 * TURN).collect();
+    // Steps in which zones are found take longer.
+    let has = |at: u64, steps: u64, every: u64| (at..at + steps).any(|step| step.is_multiple_of(every));
+    timed.retain(|&(at, steps, _)| !has(at, steps, ZONES));
+    let takes_turn = |at: u64, steps: u64| has(at, steps, TURN);
+    let between = timed.iter().filter(|(at, steps, _)| !takes_turn(*at, *steps)).map(|t| t.2 / t.1 as f64);
+    let between = median(between.collect());
+    let turns = timed.iter().filter(|(at, steps, _)| takes_turn(*at, *steps)).map(|t| t.2 - between * t.1 as f64);
+    let turns: Vec<f64> = turns.collect();
+    let mut plates = plates_case(options.size)?;
+    let alone = (0..turns.len() + 8).map(|_| {
+        let start = Instant::now();
+        plates.step();
+        start.elapsed().as_secs_f64()
+    });
+    let alone: Vec<f64> = alone.skip(8).collect();
+    let samples: Vec<(u64, f64)> = timed.iter().map(|&(_, steps, seconds)| (steps, seconds)).collect();
+    let mut report = report(options.what.name(), options, engine.isa, &samples);
+    report.bytes_per_cell = held.bytes(&world.grid) as f64 / world.grid.cells() as f64;
+    report.ledger = world.ledger.iter().map(|(name, a)| (name.to_owned(), a.amount)).collect();
+    report.drift = Some(DriftReport {
+        turns: turns.len(),
+        seconds_between_turns: between,
+        seconds_of_turn: median(turns),
+        seconds_of_plates: median(alone),
+    });
+    Ok(report)
+}
+
+/// The upper one of two middles.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
 fn plates(options: &BenchOptions) -> Result<BenchReport> {
     let isa = best_isa(options)?;
-    let each = Tectonics::default().bytes_per_cell();
+    let each = Drift::new(Tectonics::default()).bytes_per_cell();
     Limits::default().check_bytes("this benchmark", (options.size as u128).pow(2) * each as u128)?;
     let plates = std::cell::RefCell::new(plates_case(options.size)?);
     let step = || {
@@ -677,6 +769,7 @@ fn report(what: &'static str, options: &BenchOptions, isa: Isa, timed: &[(u64, f
         operations_per_cell_step: None,
         community: None,
         bodies: None,
+        drift: None,
         ledger: BTreeMap::new(),
     }
 }
@@ -744,6 +837,15 @@ mod tests {
             run(&BenchOptions { what: BenchSubject::Plates, size: 64, seconds: 0.05, ..Default::default() }).unwrap();
         assert_eq!((r.samples, r.what), (SAMPLES as usize, "plates"));
         assert!(r.seconds_per_step > 0.0 && r.cell_steps_per_second > 0.0 && r.bytes_per_cell > 8.0);
+    }
+
+    #[test]
+    fn drift_reports_how_long_a_world_stops_for_its_plates() {
+        let r =
+            run(&BenchOptions { what: BenchSubject::Drift, size: 64, seconds: 0.05, ..Default::default() }).unwrap();
+        let d = r.drift.unwrap();
+        assert!(d.turns >= 2 && d.seconds_between_turns > 0.0 && d.seconds_of_plates > 0.0);
+        assert!(d.seconds_of_turn.is_finite() && r.ledger["crust.deposited"] > 0.0);
     }
 
     #[test]

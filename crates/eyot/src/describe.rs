@@ -223,7 +223,38 @@ fn tidy(value: &Value) -> Value {
     match value {
         Value::Number(n) if n.is_f64() => shown(value).parse::<f64>().ok().map_or_else(|| value.clone(), Value::from),
         Value::Array(a) => a.iter().map(tidy).collect(),
+        Value::Object(o) => Value::Object(o.iter().map(|(key, v)| (key.clone(), tidy(v))).collect()),
         other => other.clone(),
+    }
+}
+
+impl ParameterInfo {
+    /// A default that is a table, or a list of tables, in words: for each its name if it has one, and its keys with their values. None
+    /// for other defaults.
+    pub fn default_tables(&self) -> Vec<(String, Vec<String>)> {
+        let table = |v: &Value| {
+            let mut entries = Vec::new();
+            flatten("", v, &mut entries);
+            (v["name"].as_str().unwrap_or_default().to_owned(), entries)
+        };
+        match &self.default {
+            Value::Object(o) if !o.is_empty() => vec![table(&self.default)],
+            Value::Array(a) if a.first().is_some_and(Value::is_object) => a.iter().map(table).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// Keys and values of a table and of those in it, as recipes write them.
+fn flatten(before: &str, table: &Value, out: &mut Vec<String>) {
+    for (key, value) in
+        table.as_object().into_iter().flatten().filter(|(key, _)| !(before.is_empty() && *key == "name"))
+    {
+        match value {
+            Value::Object(_) => flatten(&format!("{before}{key}."), value, out),
+            Value::String(text) => out.push(format!("{before}{key} = {text}")),
+            other => out.push(format!("{before}{key} = {}", shown(other))),
+        }
     }
 }
 
@@ -242,7 +273,10 @@ impl fmt::Display for Description {
             if !p.unit.is_empty() && p.unit != "1" {
                 notes.push(format!("unit {}", p.unit));
             }
-            if !p.default.is_null() {
+            let tables = p.default_tables();
+            if !tables.is_empty() {
+                notes.push("default below".to_owned());
+            } else if !p.default.is_null() {
                 notes.push(format!("default {}", shown(&p.default)));
             }
             match p.expression {
@@ -254,6 +288,14 @@ impl fmt::Display for Description {
             writeln!(f, "{}", wrap(&p.meaning, 6, 100))?;
             for c in p.choices.iter().filter(|c| !c.meaning.is_empty()) {
                 writeln!(f, "{}", wrap(&format!("{}: {}", c.value, c.meaning), 8, 100))?;
+            }
+            for (name, entries) in tables {
+                if !name.is_empty() {
+                    writeln!(f, "        {name}")?;
+                }
+                // Entries stay in one piece.
+                let text = entries.join(", ").replace(" = ", " =\u{1}").replace(" =", "\u{1}=");
+                writeln!(f, "{}", wrap(&text, if name.is_empty() { 8 } else { 10 }, 100).replace('\u{1}', " "))?;
             }
         }
         if !self.about.is_empty() {

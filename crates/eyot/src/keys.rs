@@ -177,7 +177,7 @@ pub(crate) struct Layer {
     pub(crate) unit: Option<String>,
     /// First values: a number, or an expression over layers that are there before and the recipe's layers above this one.
     pub(crate) start: Amount,
-    /// Smallest and largest value. What a rule makes beyond is moved to the nearer end and counted in the ledger.
+    /// Smallest and largest value. What a rule makes beyond is moved to the nearer end and counted in the ledger; what is no number ends the run.
     #[schemars(inner(range(min = -3e38, max = 3e38)))]
     pub(crate) range: Option<[f64; 2]>,
     /// An expression: the value after a step, from the values before. Without it nothing changes the layer.

@@ -1,14 +1,17 @@
-//! Changes to a process while it runs: `hydraulic.rain=0.004`, `thermal.enabled=false`.
+//! Changes to a process while it runs: `hydraulic.rain=0.004`, `hydraulic.rain="0.004 * u"`, `thermal.enabled=false`.
 
 use crate::check;
 use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
 use crate::keys::Schedule;
-use crate::recipe::ProcessUse;
-use crate::registry::SCHEDULE_KEYS;
+use crate::node::Node;
+use crate::recipe::{Actor, ProcessUse};
+use crate::registry::{Registry, SCHEDULE_KEYS};
 use crate::set;
 use crate::texts;
+use crate::validate::{rules, terms};
 use eyot_core::Grid;
 use eyot_core::process::schema_of;
+use eyot_rules::Mistake;
 use serde_json::Value;
 
 /// Applies a change to the processes of a step, or says why not; then nothing has changed. `has` says which layers are there.
@@ -22,7 +25,7 @@ pub(crate) fn apply(
     let fail = |diagnostics| Problems::new(vec![Source { name: "set".to_owned(), text: text.clone() }], diagnostics);
     let node = parsed.map_err(fail)?;
     let mut out = Vec::new();
-    let mut changes = Vec::new();
+    let (mut changes, mut expressions) = (Vec::new(), Vec::new());
     for (key, table) in node.entries() {
         let Some(i) = uses.iter().position(|u| u.actor.name() == key.name) else {
             let names = uses.iter().map(|u| u.actor.name());
@@ -35,6 +38,8 @@ pub(crate) fn apply(
             continue;
         };
         let name = uses[i].actor.name();
+        let (texts, table) = &terms::apart(&uses[i].actor, table);
+        expressions.push((i, texts.clone()));
         check::table(&uses[i].actor.schema(), table, name, &SCHEDULE_KEYS, &mut out);
         let schedule = schema_of::<Schedule>().to_value();
         for (k, v) in table.entries() {
@@ -65,6 +70,22 @@ pub(crate) fn apply(
                 u.parameters[key] = value;
             }
         }
+    }
+    for (i, texts) in expressions.into_iter().filter(|(_, texts)| !texts.is_empty()) {
+        let u = &mut changed[i];
+        let Actor::Process(entry) = u.actor else { continue };
+        // As in a recipe: what is an expression is no number.
+        let is_new = |name: &str| texts.iter().any(|(key, _)| key.name == name);
+        let numbers = u.parameters.as_object().into_iter().flatten().filter(|(key, _)| !is_new(key));
+        let parameters = Value::Object(numbers.map(|(key, v)| (key.clone(), v.clone())).collect());
+        let kept: Vec<_> = u.terms.list().iter().filter(|t| !is_new(t.parameter())).cloned().collect();
+        let say = |node: &Node, mistake: &Mistake| {
+            let sources = [Source { name: "set".to_owned(), text: text.clone() }];
+            rules::mistaken(&Registry::standard(), rules::inside(&sources, node, mistake), mistake)
+        };
+        let on = Some(grid).filter(|_| u.enabled);
+        u.terms = terms::check(entry, &parameters, &texts, kept, &u.scope, on, &say).map_err(fail)?;
+        u.parameters = parameters;
     }
     for u in &changed {
         let refuse = |e: String| fail(vec![Diagnostic::whole(format!("{}: {e}", u.actor.name()))]);

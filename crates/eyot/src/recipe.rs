@@ -10,7 +10,7 @@ use crate::texts::Texts;
 use crate::validate;
 use eyot_core::process::{Entry, Generator, Process, Scheduled};
 use eyot_core::{Georeference, Grid, Limits};
-use eyot_rules::{Acting, Replaced, Terms, TextRule};
+use eyot_rules::{Acting, Replaced, Scope, Terms, TextRule};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -82,7 +82,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// Whether the other does the same, expressions of its processes aside.
+    /// Whether the other does the same.
     pub(crate) fn does_as(&self, other: &Self) -> bool {
         let work = match (&self.work, &other.work) {
             (Work::Generate(a), Work::Generate(b)) => {
@@ -90,7 +90,11 @@ impl Step {
                 what(a) == what(b) && (&a.parameters, &a.layer, &a.mask) == (&b.parameters, &b.layer, &b.mask)
             }
             (Work::Simulate(a), Work::Simulate(b)) => {
-                let what = |u: &ProcessUse| (u.actor.name().to_owned(), u.parameters.clone(), u.every, u.enabled);
+                let texts = |u: &ProcessUse| {
+                    u.terms.list().iter().map(|t| (t.parameter().to_owned(), t.text().to_owned())).collect::<Vec<_>>()
+                };
+                let what =
+                    |u: &ProcessUse| (u.actor.name().to_owned(), u.parameters.clone(), texts(u), u.every, u.enabled);
                 a.steps == b.steps && a.processes.iter().map(what).eq(b.processes.iter().map(what))
             }
             _ => false,
@@ -154,6 +158,8 @@ pub struct ProcessUse {
     pub parameters: Value,
     /// Those that are expressions.
     pub terms: Arc<Terms>,
+    /// What expressions may name here.
+    pub scope: Arc<Scope>,
     /// It acts in every n-th step.
     pub every: u64,
     /// Whether it acts.

@@ -215,9 +215,8 @@ impl Run {
         let mut warnings = Vec::new();
         let (saved, state) = timeline::latest(folder, &path, &options.limits, &mut warnings).map_err(damaged)?;
         let recipe = Recipe::of_run(&state, saved.recipe_toml, state.overrides.clone(), registry, &options.limits)?;
-        if state.done_steps > recipe.steps.len() || saved.world.grid != recipe.grid {
-            return Err(damaged(format!("`{}` does not fit its recipe", path.display())));
-        }
+        timeline::fits(&recipe, &saved.world, &state)
+            .map_err(|e| damaged(format!("`{}` does not fit its recipe: {e}", path.display())))?;
         if saved.engine_version != crate::VERSION {
             let message = format!(
                 "the checkpoint was written by version {}, this is {}; the result may differ from a run in one piece",

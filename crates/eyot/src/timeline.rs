@@ -17,7 +17,7 @@ use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, TIMELINE_STORE, WORLD_FILE};
 use eyot_core::{Limits, World};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 /// A recorded moment of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -34,6 +34,23 @@ pub struct Frame {
     pub bytes: u64,
 }
 
+/// A recorded moment that cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Damaged {
+    /// The frame's number, from 0.
+    pub frame: usize,
+    /// Steps of simulation done.
+    pub steps_done: u64,
+    /// What is missing or wrong, with its file.
+    pub reason: String,
+}
+
+impl std::fmt::Display for Damaged {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "frame {} of step {} cannot be read: {}", self.frame, self.steps_done, self.reason)
+    }
+}
+
 /// Which frame is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moment {
@@ -48,25 +65,37 @@ pub enum Moment {
 pub struct Timeline {
     store: timeline::Timeline,
     frames: Vec<Frame>,
+    damaged: Vec<Damaged>,
 }
 
 impl Timeline {
     /// Opens the recording in the folder of a run. The run may be at work; frames that thin out meanwhile cannot be loaded.
     ///
     /// # Errors
-    /// If there is none, or it is damaged.
+    /// If there is none, or what belongs to all frames is damaged. Single frames that are missing or damaged are set apart.
     pub fn open(folder: &Path, limits: &Limits) -> Result<Self, RunError> {
         let path = recording(folder)?;
         // What a killed run had begun would hide frames.
         let lock = timeline::is_cut_off(&path).then(|| FolderLock::take(folder).ok()).flatten();
         let store = open(&path, lock.as_ref(), limits)?;
-        let frames = (0..store.frames().len()).map(|i| frame_of(&store, i)).collect::<Result<_, _>>()?;
-        Ok(Self { store, frames })
+        let (mut frames, mut damaged) = (Vec::new(), Vec::new());
+        for i in 0..store.frames().len() {
+            match store.look(i).map_err(|e| e.to_string()).and_then(|state| of_json(i, state)) {
+                Ok(state) => frames.push(frame_of(&store, i, &state)),
+                Err(reason) => damaged.push(broken(&store, i, reason)),
+            }
+        }
+        Ok(Self { store, frames, damaged })
     }
 
-    /// All frames, oldest first.
+    /// All frames whose files are there, oldest first. Numbers of others are left out.
     pub fn frames(&self) -> &[Frame] {
         &self.frames
+    }
+
+    /// The frames that are missing or damaged, oldest first, as far as that shows before they are loaded.
+    pub fn damaged(&self) -> &[Damaged] {
+        &self.damaged
     }
 
     /// Steps of simulation from one frame to the next, and the bytes that all may take.
@@ -77,12 +106,18 @@ impl Timeline {
     /// The frame that is meant.
     ///
     /// # Errors
-    /// If there is none.
+    /// If there is none, or the frame of this number is damaged.
     pub fn find(&self, moment: Moment) -> Result<Frame, RunError> {
-        find(&self.store, moment).map(|i| self.frames[i])
+        let i = position(self.store.frames(), moment)?;
+        let found =
+            self.frames.iter().rfind(|f| if let Moment::Frame(_) = moment { f.frame == i } else { f.frame <= i });
+        found.copied().ok_or_else(|| {
+            let reasons: Vec<String> = self.damaged.iter().filter(|d| d.frame <= i).map(Damaged::to_string).collect();
+            RunError::Input { reason: reasons.join("; "), help: Some(OTHER_FRAME) }
+        })
     }
 
-    /// The world of frame `i`.
+    /// The world of the frame with the number `i`.
     ///
     /// # Errors
     /// If there is no such frame, it is damaged or exceeds the limits.
@@ -92,13 +127,15 @@ impl Timeline {
 }
 
 /// What [`rewind`] did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Rewound {
     /// Where the run is now.
     #[serde(flatten)]
     pub frame: Frame,
     /// Later frames that were dropped.
     pub dropped: usize,
+    /// Frames that would have come nearer but cannot be read.
+    pub damaged: Vec<Damaged>,
     /// Whether the folder holds the results of the run as it was.
     pub has_results: bool,
 }
@@ -108,20 +145,23 @@ pub struct Rewound {
 /// to be forgotten. Results of a finished run stay until the run has new ones.
 ///
 /// # Errors
-/// If a run is at work in the folder, there is no recording or no such moment in it, or files cannot be written.
+/// If a run is at work in the folder, there is no recording or no such moment in it, or files cannot be written. A frame that cannot
+/// be read is an error if it is asked for by its number; otherwise an earlier one takes its place.
 pub fn rewind(folder: &Path, moment: Moment, forget: bool, limits: &Limits) -> Result<Rewound, RunError> {
     let path = recording(folder)?;
     let _lock = FolderLock::take(folder)?;
     io::remove_leftovers(folder);
     let mut store = timeline::Timeline::open_to_write(&path, limits).map_err(RunError::input)?;
-    let i = find(&store, moment)?;
-    let state = state_of(&store, i)?.again(&newest(folder, &store)?.changes(), forget);
-    let frame = frame_of(&store, i)?;
-    let dropped = store.frames().len() - 1 - i;
-    save(&folder.join(CHECKPOINT_FILE), &store.load(i).map_err(RunError::input)?, &state)?;
+    let Found { frame, saved, state, damaged } = find(&store, moment)?;
+    let recipe =
+        Recipe::of_run(&state, saved.recipe_toml.clone(), state.overrides.clone(), &Registry::standard(), limits)?;
+    fits(&recipe, &saved.world, &state).map_err(|e| of_no_run(&frame, &e))?;
+    let state = state.again(&newest(folder, &store)?.changes(), forget);
+    let dropped = store.frames().len() - 1 - frame.frame;
+    save(&folder.join(CHECKPOINT_FILE), &saved, &state)?;
     // The checkpoint says that the run was set back: were this process killed here, `resume` would do the rest.
     store.truncate(frame.steps_done + 1).map_err(RunError::file)?;
-    Ok(Rewound { frame, dropped, has_results: folder.join(WORLD_FILE).exists() })
+    Ok(Rewound { frame, dropped, damaged, has_results: folder.join(WORLD_FILE).exists() })
 }
 
 /// What is different in a branch.
@@ -131,6 +171,16 @@ pub struct Branching {
     pub set: Vec<String>,
     /// Whether later changes by hand are dropped.
     pub forget: bool,
+}
+
+/// What [`branch`] did.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Branched {
+    /// Where the new run is.
+    #[serde(flatten)]
+    pub frame: Frame,
+    /// Frames that would have come nearer but cannot be read.
+    pub damaged: Vec<Damaged>,
 }
 
 /// Begins another run in the folder `out`, which is new, at a recorded moment of the one in `folder`, which stays as it is.
@@ -145,23 +195,26 @@ pub fn branch(
     how: &Branching,
     registry: &Registry,
     limits: &Limits,
-) -> Result<Frame, RunError> {
+) -> Result<Branched, RunError> {
     let path = recording(folder)?;
     let lock = FolderLock::take(folder)?;
     let store = open(&path, Some(&lock), limits)?;
-    let i = find(&store, moment)?;
-    let mut state = state_of(&store, i)?.again(&newest(folder, &store)?.changes(), how.forget);
+    let Found { frame, saved, state, damaged } = find(&store, moment)?;
+    let text = saved.recipe_toml.clone();
+    let before = Recipe::of_run(&state, text.clone(), state.overrides.clone(), registry, limits)?;
+    fits(&before, &saved.world, &state).map_err(|e| of_no_run(&frame, &e))?;
+    let mut state = state.again(&newest(folder, &store)?.changes(), how.forget);
     if !how.set.is_empty() {
-        let text = store.load(i).map_err(RunError::input)?.recipe_toml;
-        let recipe = changed(&state, text, &how.set, registry, limits)?;
+        let recipe = changed(&before, &state, text, &how.set, registry, limits)?;
         (state.overrides, state.texts) = (recipe.overrides, recipe.texts);
     }
-    branch_off(&store, i, &state, out)?;
-    frame_of(&store, i)
+    branch_off(&store, folder, frame.frame, &saved, &state, out)?;
+    Ok(Branched { frame, damaged })
 }
 
 /// The recipe of a run with more changes.
 fn changed(
+    before: &Recipe,
     state: &State,
     text: String,
     set: &[String],
@@ -169,11 +222,10 @@ fn changed(
     limits: &Limits,
 ) -> Result<Recipe, RunError> {
     let mut overrides = state.overrides.clone();
-    let before = Recipe::of_run(state, text.clone(), overrides.clone(), registry, limits)?;
     overrides.set.extend_from_slice(set);
     let after = Recipe::of_run(state, text, overrides, registry, limits)?;
     let start = |r: &Recipe| (r.grid, r.seed, r.sea_level_m.to_bits(), r.steps.len());
-    if start(&before) != start(&after) {
+    if start(before) != start(&after) {
         let reason = "grid, seed, sea level and number of steps are settled at this moment".to_owned();
         return Err(RunError::Input { reason, help: Some("start a new run with these changes") });
     }
@@ -188,19 +240,52 @@ fn changed(
     Ok(after)
 }
 
-/// Puts frame `i` of a recording, with those before it, into a new folder where it can be resumed.
-pub(crate) fn branch_off(store: &timeline::Timeline, i: usize, state: &State, out: &Path) -> Result<(), RunError> {
+/// Puts frame `i` of the recording of the run in `folder`, which is `saved`, with those before it, into a new folder where it can be
+/// resumed.
+pub(crate) fn branch_off(
+    store: &timeline::Timeline,
+    folder: &Path,
+    i: usize,
+    saved: &Checkpoint,
+    state: &State,
+    out: &Path,
+) -> Result<(), RunError> {
     let fail = |source| RunError::Folder { path: out.to_owned(), source };
+    let (run, to) = (real(folder).map_err(fail)?, real(out).map_err(fail)?);
+    let wrong = match (to.starts_with(&run), run.starts_with(&to)) {
+        (true, true) => Some("is the folder of the run itself"),
+        (true, false) => Some("lies in the folder of the run"),
+        (false, true) => Some("holds the folder of the run"),
+        (false, false) => None,
+    };
+    if let Some(what) = wrong {
+        let reason = format!("`{}` {what} that it would branch off from", out.display());
+        return Err(RunError::Input { reason, help: Some("name a new folder beside that of the run") });
+    }
     std::fs::create_dir_all(out).map_err(fail)?;
     if std::fs::read_dir(out).map_err(fail)?.next().is_some() {
         let reason = format!("`{}` is not empty", out.display());
         return Err(RunError::Input { reason, help: Some("name a new folder for the branch") });
     }
     let _lock = FolderLock::take(out)?;
-    let saved = store.load(i).map_err(RunError::input)?;
     store.copy(i + 1, &out.join(TIMELINE_STORE)).map_err(RunError::file)?;
     // Last: with it, there is a run that can be resumed.
-    save(&out.join(CHECKPOINT_FILE), &saved, state)
+    save(&out.join(CHECKPOINT_FILE), saved, state)
+}
+
+/// Where a path leads, through links and `..`; its last parts need not exist.
+fn real(path: &Path) -> std::io::Result<PathBuf> {
+    let mut real = PathBuf::new();
+    for part in std::path::absolute(path)?.components() {
+        match part {
+            Component::ParentDir => drop(real.pop()),
+            part => real.push(part),
+        }
+        if let Ok(there) = real.canonicalize() {
+            real = there;
+        }
+    }
+    Ok(real)
 }
 
 /// What a stopped run goes on from: its checkpoint at `path`, or the last frame that was recorded if that is later.
@@ -219,7 +304,7 @@ pub(crate) fn latest(
     if !path.ends_with(CHECKPOINT_FILE) || of_checkpoint.as_ref().is_ok_and(|(_, s)| s.rewound) {
         return of_checkpoint;
     }
-    match last_frame(folder, of_checkpoint.as_ref().ok().map(|(_, s)| s.place()), limits) {
+    match last_frame(folder, of_checkpoint.as_ref().ok().map(|(_, s)| s.place()), limits, warnings) {
         Ok(Some((saved, state))) => {
             if let Err(e) = of_checkpoint {
                 warnings.push(format!("{e}; the run goes on from its recording"));
@@ -236,23 +321,29 @@ pub(crate) fn latest(
     }
 }
 
-/// The last frame in a folder if it is later than `than`.
+/// The last frame in a folder that can be read, if it is later than `than`.
 fn last_frame(
     folder: &Path,
     than: Option<(usize, u64)>,
     limits: &Limits,
+    warnings: &mut Vec<String>,
 ) -> Result<Option<(Checkpoint, State)>, RunError> {
     let path = folder.join(TIMELINE_STORE);
     if !timeline::is_recording(&path) {
         return Ok(None);
     }
     let store = timeline::Timeline::open_to_write(&path, limits).map_err(RunError::input)?;
-    let Some(last) = store.frames().len().checked_sub(1) else { return Ok(None) };
-    let state = state_of(&store, last)?;
-    if than.is_some_and(|place| state.place() <= place) {
-        return Ok(None);
+    for i in (0..store.frames().len()).rev() {
+        let state = state_of(&store, i);
+        if than.is_some_and(|place| state.as_ref().is_ok_and(|s| s.place() <= place)) {
+            break;
+        }
+        match state.and_then(|state| Ok((store.load(i).map_err(|e| e.to_string())?, state))) {
+            Ok(found) => return Ok(Some(found)),
+            Err(reason) => warnings.push(broken(&store, i, reason).to_string()),
+        }
     }
-    Ok(Some((store.load(last).map_err(RunError::input)?, state)))
+    Ok(None)
 }
 
 /// Refuses recordings that cannot be: nowhere, of nothing, or within a bound that is too small.
@@ -278,43 +369,102 @@ pub(crate) fn check(recipe: &Recipe, options: &RunOptions) -> Result<(), RunErro
     Ok(())
 }
 
-/// The frame of at most `step` steps that comes last.
-pub(crate) fn position(frames: &[timeline::Frame], step: u64) -> Result<usize, RunError> {
-    frames.partition_point(|f| f.step <= step).checked_sub(1).ok_or_else(|| {
-        let reason = match frames.first() {
-            Some(first) => format!("the recording begins at step {}, {step} is before that", first.step),
-            None => "the recording has no frames yet".to_owned(),
-        };
-        RunError::Input { reason, help: Some("`eyot timeline` lists what there is") }
-    })
+/// What to do about a frame that cannot be read.
+const OTHER_FRAME: &str = "choose another frame: `eyot timeline` lists those that are whole";
+
+/// A frame that could be read.
+pub(crate) struct Found {
+    pub(crate) frame: Frame,
+    pub(crate) saved: Checkpoint,
+    pub(crate) state: State,
+    /// Frames that would have come nearer but cannot be read.
+    pub(crate) damaged: Vec<Damaged>,
 }
 
-fn find(store: &timeline::Timeline, moment: Moment) -> Result<usize, RunError> {
+/// The frame that is meant. If that of a step cannot be read, the next earlier one that can.
+pub(crate) fn find(store: &timeline::Timeline, moment: Moment) -> Result<Found, RunError> {
+    let last = position(store.frames(), moment)?;
+    let first = if let Moment::Frame(i) = moment { i } else { 0 };
+    let mut damaged = Vec::new();
+    for i in (first..=last).rev() {
+        let read = state_of(store, i).and_then(|s| Ok((store.load(i).map_err(|e| e.to_string())?, s)));
+        match read {
+            Ok((saved, state)) => {
+                damaged.reverse();
+                return Ok(Found { frame: frame_of(store, i, &state), saved, state, damaged });
+            }
+            Err(reason) => damaged.push(broken(store, i, reason)),
+        }
+    }
+    let reasons: Vec<String> = damaged.iter().rev().map(Damaged::to_string).collect();
+    Err(RunError::Input { reason: reasons.join("; "), help: Some(OTHER_FRAME) })
+}
+
+/// The number of the frame that is meant, whether it can be read or not.
+fn position(frames: &[timeline::Frame], moment: Moment) -> Result<usize, RunError> {
+    let refuse = |reason, help| Err(RunError::Input { reason, help: Some(help) });
     match moment {
-        Moment::Step(step) => position(store.frames(), step),
-        Moment::Frame(i) if i < store.frames().len() => Ok(i),
+        Moment::Step(step) => match frames.partition_point(|f| f.step <= step).checked_sub(1) {
+            Some(i) => Ok(i),
+            None => {
+                let reason = match frames.first() {
+                    Some(first) => format!("the recording begins at step {}, {step} is before that", first.step),
+                    None => "the recording has no frames yet".to_owned(),
+                };
+                refuse(reason, "`eyot timeline` lists what there is")
+            }
+        },
+        Moment::Frame(i) if i < frames.len() => Ok(i),
         Moment::Frame(i) => {
-            let reason = format!("there is no frame {i}, the recording has {}", store.frames().len());
-            Err(RunError::Input { reason, help: Some("`eyot timeline` lists what there is; the first is 0") })
+            let reason = format!("there is no frame {i}, the recording has {}", frames.len());
+            refuse(reason, "`eyot timeline` lists what there is; the first is 0")
         }
     }
 }
 
-/// What the run remembers in a frame.
-pub(crate) fn state_of(store: &timeline::Timeline, i: usize) -> Result<State, RunError> {
-    let state = store.state(i).map_err(RunError::input)?;
-    serde_json::from_value(state).map_err(|e| RunError::input(format!("frame {i} holds no state of a run: {e}")))
+/// What the run remembers in a frame, whose values may be damaged.
+pub(crate) fn state_of(store: &timeline::Timeline, i: usize) -> Result<State, String> {
+    of_json(i, store.state(i).map_err(|e| e.to_string())?)
 }
 
-fn frame_of(store: &timeline::Timeline, i: usize) -> Result<Frame, RunError> {
-    let (frame, state) = (store.frames()[i], state_of(store, i)?);
-    Ok(Frame {
-        frame: i,
-        steps_done: frame.step,
-        recipe_step: state.done_steps + 1,
-        step: state.done,
-        bytes: frame.bytes,
-    })
+fn of_json(i: usize, state: serde_json::Value) -> Result<State, String> {
+    serde_json::from_value(state).map_err(|e| format!("frame {i} holds no state of a run: {e}"))
+}
+
+fn frame_of(store: &timeline::Timeline, i: usize, state: &State) -> Frame {
+    let frame = store.frames()[i];
+    Frame { frame: i, steps_done: frame.step, recipe_step: state.done_steps + 1, step: state.done, bytes: frame.bytes }
+}
+
+fn broken(store: &timeline::Timeline, i: usize, reason: String) -> Damaged {
+    Damaged { frame: i, steps_done: store.frames()[i].step, reason }
+}
+
+/// Refuses a saved world and its state that no run of the recipe comes to.
+pub(crate) fn fits(recipe: &Recipe, world: &World, state: &State) -> Result<(), String> {
+    if state.done_steps > recipe.steps.len() {
+        return Err(format!("{} steps of the recipe are done, it has {}", state.done_steps, recipe.steps.len()));
+    }
+    if world.grid != recipe.grid {
+        let size =
+            |g: &eyot_core::Grid| format!("{} x {} cells of {} x {} m", g.width, g.height, g.cell_x_m, g.cell_y_m);
+        return Err(format!("its world has {}, the recipe's {}", size(&world.grid), size(&recipe.grid)));
+    }
+    let steps = |work: &Work| if let Work::Simulate(s) = work { s.steps } else { 0 };
+    let most = recipe.steps.get(state.done_steps).map_or(0, |s| steps(&s.work));
+    if state.done > most {
+        return Err(format!("{} steps of recipe step {} are done, it has {most}", state.done, state.done_steps + 1));
+    }
+    let all: u64 = recipe.steps.iter().map(|s| steps(&s.work)).sum();
+    if world.step > all {
+        return Err(format!("its world is at step {}, the recipe has {all}", world.step));
+    }
+    Ok(())
+}
+
+fn of_no_run(frame: &Frame, reason: &str) -> RunError {
+    let reason = format!("frame {} does not fit its recipe: {reason}", frame.frame);
+    RunError::Input { reason, help: Some(OTHER_FRAME) }
 }
 
 /// The latest state of the run in a folder, which knows all changes by hand.
@@ -323,7 +473,7 @@ fn newest(folder: &Path, store: &timeline::Timeline) -> Result<State, RunError> 
         let state = checkpoint::load_state(path).map_err(RunError::input)?;
         serde_json::from_value(state).map_err(|e| RunError::input(format!("`{}`: {e}", path.display())))
     };
-    let last = store.frames().len().checked_sub(1).map(|i| state_of(store, i)).transpose()?;
+    let last = (0..store.frames().len()).rev().find_map(|i| state_of(store, i).ok());
     let unfinished = store::unfinished(folder);
     let file = unfinished.clone().unwrap_or_else(|| folder.join(WORLD_FILE));
     match (last, file.exists()) {
@@ -346,7 +496,7 @@ fn open(path: &Path, lock: Option<&FolderLock>, limits: &Limits) -> Result<timel
     opened.map_err(RunError::input)
 }
 
-fn recording(folder: &Path) -> Result<std::path::PathBuf, RunError> {
+fn recording(folder: &Path) -> Result<PathBuf, RunError> {
     let path = folder.join(TIMELINE_STORE);
     if path.is_dir() {
         return Ok(path);

@@ -3,7 +3,7 @@
 mod common;
 
 use eyot::core::layer::known;
-use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Video, film, film_recording, film_run};
+use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Subject, Video, film};
 use eyot::{
     Cancel, Control, Field, Grid, Limits, Record, Rim, Run, RunError, RunOptions, Scenery, Timeline, View, World,
 };
@@ -30,7 +30,7 @@ fn options(path: FilmPath) -> FilmOptions {
 }
 
 fn make(o: &FilmOptions, out: &Path, told: &mut dyn FnMut(&FilmProgress)) -> Result<Filmed, RunError> {
-    film(&world(), o, out, &Limits::default(), &Control::none(), told)
+    film(Subject::World(&world()), o, out, &Limits::default(), &Control::none(), told)
 }
 
 /// The pictures in a folder.
@@ -74,7 +74,7 @@ fn a_film_that_was_stopped_goes_on_to_the_same_pictures() {
             cancel.raise();
         }
     };
-    let stopped = film(&world(), &o, &parts, &Limits::default(), &control, stop_after_two);
+    let stopped = film(Subject::World(&world()), &o, &parts, &Limits::default(), &control, stop_after_two);
     assert!(matches!(stopped, Err(RunError::Stopped)));
     assert_eq!(frames(&parts).len(), 2);
     let filmed = make(&o, &parts, &mut |_| {}).unwrap();
@@ -188,7 +188,7 @@ fn the_film_of_a_run_ends_with_its_world_and_goes_on_after_a_stop() {
     o.scenery.drape = Some("water".to_owned());
     let (whole, parts) = (dir.path().join("whole"), dir.path().join("parts"));
     let make = |out: &Path, control: &Control<'_>, told: &mut dyn FnMut(&FilmProgress)| {
-        film_run(&run, &o, out, &Limits::default(), control, told)
+        film(Subject::Run(&run), &o, out, &Limits::default(), control, told)
     };
     assert_eq!(make(&whole, &Control::none(), &mut |_| {}).unwrap().drawn, 5);
     let pictures = frames(&whole);
@@ -222,7 +222,8 @@ fn the_film_of_a_recording_shows_its_frames() {
     assert_eq!(steps, [0, 8, 16, 24, 30, 32, 40]);
     let play = |o: &FilmOptions, out: &str| {
         let out = dir.path().join(out);
-        let filmed = film_recording(&run, o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        let filmed =
+            film(Subject::Recording(&run), o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
         (filmed.frames, frames(&out))
     };
     let o = FilmOptions { frames: None, ..options(FilmPath::Still) };
@@ -240,8 +241,33 @@ fn the_film_of_a_recording_shows_its_frames() {
     assert_eq!(slow["frame_00010.png"], pictures["frame_00005.png"]);
     let (_, moving) = play(&FilmOptions { frames: Some(11), ..options(FilmPath::Orbit) }, "moving");
     assert_ne!(moving["frame_00001.png"], moving["frame_00000.png"]);
+    // What is lost is told, and the frame before it stays.
+    std::fs::remove_file(run.join("timeline.zarr/.frames/1.eyot")).unwrap();
+    std::fs::write(run.join("timeline.zarr/height/c/3/0/0"), "damaged").unwrap();
+    std::fs::write(run.join("timeline.zarr/height/c/6/0/0"), "damaged").unwrap();
+    let out = dir.path().join("gaps");
+    let none = (&Limits::default(), Control::none());
+    let filmed = film(Subject::Recording(&run), &o, &out, none.0, &none.1, &mut |_| {}).unwrap();
+    assert_eq!(filmed.notes.len(), 3, "{:?}", filmed.notes);
+    for (note, frame) in filmed.notes.iter().zip(["frame 1 of step 8", "frame 3 of step 24", "frame 6 of step 40"]) {
+        assert!(note.contains(frame) && note.contains("timeline.zarr"), "{note}");
+    }
+    let gaps = frames(&out);
+    assert_eq!(gaps.len(), 5, "the last frame that can be read is of step 32");
+    let last = dir.path().join("last-whole.png");
+    eyot::draw_view(&timeline.load(5).unwrap(), &o.scenery, &last, &Limits::default()).unwrap();
+    assert_eq!(std::fs::read(&last).unwrap(), gaps["frame_00004.png"]);
+    assert_eq!(gaps["frame_00001.png"], gaps["frame_00000.png"]);
+    assert_eq!(gaps["frame_00003.png"], gaps["frame_00002.png"]);
     // Without a recording there is nothing to play.
-    let e = film_recording(dir.path(), &o, &dir.path().join("none"), &Limits::default(), &Control::none(), &mut |_| {});
+    let e = film(
+        Subject::Recording(dir.path()),
+        &o,
+        &dir.path().join("none"),
+        &Limits::default(),
+        &Control::none(),
+        &mut |_| {},
+    );
     assert!(e.unwrap_err().is_refusal() && !dir.path().join("none").exists());
 }
 
@@ -250,7 +276,7 @@ fn a_film_of_what_is_no_run_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let (o, out) = (options(FilmPath::Still), dir.path().join("film"));
     let refused = |run: &Path| {
-        let e = film_run(run, &o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap_err();
+        let e = film(Subject::Run(run), &o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap_err();
         assert!(e.is_refusal() && !out.exists(), "{e}");
         e.to_string()
     };
@@ -270,7 +296,7 @@ fn dry_land_is_dry_from_the_first_picture_on() {
     common::run(common::recipe(&format!("{SLIDES}{dry}"), &[]), &desert);
     let o = FilmOptions { frames: Some(2), ..options(FilmPath::Still) };
     let first = |run: &Path| {
-        film_run(run, &o, &run.join("film"), &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        film(Subject::Run(run), &o, &run.join("film"), &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
         frames(&run.join("film"))["frame_00000.png"].clone()
     };
     assert!(first(&wet) != first(&desert));

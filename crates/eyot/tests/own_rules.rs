@@ -169,8 +169,20 @@ fn mistakes_are_shown_where_they_are() {
         ("name = \"damp\"", "name = \"sediment\"", "own.toml:21:8", "comes with Eyot"),
         ("name = \"damp\"", "name = \"thermal\"", "own.toml:21:8", "there is a process or generator"),
         ("name = \"damp\"", "name = \"soil\"", "own.toml:21:8", "two layers or rules"),
-        ("name = \"damp\"", "name = \"x\"", "own.toml:21:8", "means something else"),
-        ("name = \"damp\"", "name = \"time\"", "own.toml:21:8", "means something else"),
+        ("name = \"damp\"", "name = \"x\"", "own.toml:21:8", "`x` is known in expressions"),
+        ("name = \"damp\"", "name = \"min\"", "own.toml:21:8", "`min` is a function in expressions"),
+        ("name = \"damp\"", "name = \"random\"", "own.toml:21:8", "for example `own_random`"),
+        ("name = \"damp\"", "name = \"if\"", "own.toml:21:8", "`if` is a function"),
+        ("name = \"damp\"", "name = \"not\"", "own.toml:21:8", "is a word of expressions"),
+        ("name = \"damp\"", "name = \"pi\"", "own.toml:21:8", "is a number in expressions"),
+        ("name = \"damp\"", "name = \"time\"", "own.toml:21:8", "is kept for expressions of later versions"),
+        ("name = \"damp\"", "name = \"lat\"", "own.toml:21:8", "is kept for expressions of later versions"),
+        ("name = \"damp\"", "name = \"sea_level\"", "own.toml:21:8", "is known in expressions"),
+        ("name = \"seep\"", "name = \"seed\"", "own.toml:26:8", "means something else"),
+        ("unit = \"m\"", "unit = \"furlong\"", "own.toml:12:9", "there is no unit `furlong`"),
+        ("unit = \"m\"", "unit = \"m^1e9\"", "own.toml:12:12", "symbols of a unit run together"),
+        ("unit = \"m\"", "unit = \"kg/(m2)\"", "own.toml:12:12", "write symbols with powers"),
+        ("gain = 0.05", "max = 0.05", "own.toml:18:16", "it is a function in expressions"),
         ("gain = 0.05", "gain = \"much\"", "own.toml:18:23", "must be a number"),
         ("gain = 0.05", "every = 0.05", "own.toml:18:16", "cannot be named \"every\""),
         ("\"soil\", \"seep\"]", "\"seep\"]", "own.toml:37:1", "`soil` is not simulated in this step"),
@@ -312,4 +324,21 @@ fn own_layers_are_exported() {
     assert_eq!((low, high), world.layer("soil").unwrap().field.min_max());
     let found = std::fs::read_dir(folder.path()).unwrap().filter_map(Result::ok);
     assert!(found.filter(|f| f.file_name().to_string_lossy().ends_with(".png")).count() == 1);
+}
+
+/// A value that is no number is none of the range either: the run says which layer, and where.
+#[test]
+fn a_value_that_is_no_number_ends_the_run() {
+    // What reads it in the same step would be found first.
+    let own = OWN.replace("min(water, soil)", "min(water, 0.001)");
+    let text =
+        own.replace("+ gain * mean4(damp)", "+ gain * mean4(damp) + 0 / max(abs(column - 20) + abs(row - 12), 0)");
+    let error = Run::start(parse(&text, &[]).unwrap(), options(2, None)).unwrap().join().unwrap_err().to_string();
+    assert!(error.contains("soil") && error.contains("column 20") && error.contains("row 12"), "{error}");
+    // Of an expression in place of a parameter, too, which then is no number everywhere.
+    let text = OWN
+        .replace("soil.gain = 0.08", "thermal.rate = \"0.2 + 0 * (steps - 3) / (steps - 3)\"")
+        .replace("simulate = [\"hydraulic\"", "simulate = [\"thermal\", \"hydraulic\"");
+    let error = Run::start(parse(&text, &[]).unwrap(), options(2, None)).unwrap().join().unwrap_err().to_string();
+    assert!(error.contains("height"), "{error}");
 }

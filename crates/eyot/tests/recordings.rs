@@ -233,7 +233,7 @@ fn a_branch_leaves_the_original_alone() {
         let how = Branching { set: set.iter().map(|s| (*s).to_owned()).collect(), forget: false };
         branch(&out, Moment::Step(33), out2, &how, &Registry::standard(), &Limits::default())
     };
-    assert_eq!(from(&other, &[]).unwrap().steps_done, 30);
+    assert_eq!(from(&other, &[]).unwrap().frame.steps_done, 30);
     assert_eq!(resume(&other).fingerprint, first.fingerprint);
     assert_eq!(places(&timeline(&other)), places(&timeline(&out)));
     from(&third, &["rain.steps=35", "ash.amplitude=9.0"]).unwrap();
@@ -343,7 +343,7 @@ fn a_run_resumes_from_its_last_frame_if_that_is_later_than_its_checkpoint() {
     assert!(matches!(started("without a checkpoint"), Event::Paused { recipe_step: 4, step: 13 }));
     early_checkpoint();
     std::fs::write(out.join("timeline.zarr/height/c/7/0/0"), "garbage").unwrap();
-    assert!(matches!(started("without the frame"), Event::Paused { recipe_step: 2, step: 0 }));
+    assert!(matches!(started("from the frame before"), Event::Paused { recipe_step: 4, step: 3 }));
     assert_eq!(resume(&out).fingerprint, first.fingerprint);
 }
 
@@ -434,4 +434,126 @@ fn recordings_have_times_where_processes_agree() {
     let other = "hydraulic.rain=0.001".to_owned();
     let change = vec![eyot::JournalEntry { recipe_step: 2, step: 15, set: other }];
     assert_eq!(recorded("kept", &["reefs.enabled=false", "hydraulic.time_step=0.125"], change), Some(0.125));
+}
+
+/// What is lost of a recording costs its frame and no other: ways back lead to the frames that are whole, by name.
+#[test]
+fn lost_frames_are_told_and_the_others_lead_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    run(&out, Some(RECORD));
+    let whole = results(&out);
+    let store = out.join("timeline.zarr");
+    std::fs::remove_file(store.join(".frames/2.eyot")).unwrap();
+    std::fs::remove_file(store.join("height/c/4/0/0")).unwrap();
+    std::fs::write(store.join("water/c/6/0/0"), "damaged").unwrap();
+    let t = timeline(&out);
+    let damaged: Vec<_> = t.damaged().iter().map(|d| (d.frame, d.steps_done)).collect();
+    assert_eq!(damaged, [(2, 20), (4, 40)], "{:?}", t.damaged());
+    assert_eq!(t.frames().iter().map(|f| f.frame).collect::<Vec<_>>(), [0, 1, 3, 5, 6, 7, 8, 9]);
+    assert_eq!(t.find(Moment::Step(45)).unwrap().frame, 3);
+    let e = t.find(Moment::Frame(2)).unwrap_err().to_string();
+    assert!(e.contains("frame 2 of step 20") && e.contains("2.eyot"), "{e}");
+    // By number it is an error; by step the next one before it.
+    let limits = Limits::default();
+    for (moment, part) in [(Moment::Frame(4), "frame 4 is missing"), (Moment::Frame(6), "water")] {
+        let e = rewind(&out, moment, false, &limits).unwrap_err();
+        assert!(e.is_refusal() && e.to_string().contains(part), "{e}");
+    }
+    let other = folder.path().join("other");
+    let to = Moment::Step(42);
+    let done = branch(&out, to, &other, &Branching::default(), &Registry::standard(), &limits).unwrap();
+    assert_eq!((done.frame.frame, done.damaged.len(), done.damaged[0].frame), (3, 1, 4));
+    let done = rewind(&out, Moment::Step(55), false, &limits).unwrap();
+    assert_eq!((done.frame.steps_done, done.damaged.len()), (47, 1));
+    assert!(done.damaged[0].reason.contains("water"), "{:?}", done.damaged);
+    // Both go on to the same bytes.
+    resume(&out);
+    resume(&other);
+    assert_same(&whole, &results(&out), "set back");
+    assert_same(&whole, &results(&other), "branched");
+    // A killed run goes on from the last frame that can be read.
+    let torn = folder.path().join("torn");
+    branch(&other, Moment::Step(70), &torn, &Branching::default(), &Registry::standard(), &limits).unwrap();
+    std::fs::remove_file(torn.join("checkpoint.eyot")).unwrap();
+    std::fs::write(torn.join("checkpoint.eyot"), "damaged").unwrap();
+    let last = torn.join("timeline.zarr/height/c/8/0/0");
+    std::fs::write(&last, "damaged").unwrap();
+    let handle = Run::resume(&torn, &Registry::standard(), options(None, None)).unwrap();
+    let told = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
+    assert!(format!("{told:?}").contains("frame 8 of step 70"), "{told:?}");
+    handle.join().unwrap();
+    assert_same(&whole, &results(&torn), "torn");
+}
+
+/// A frame that says of itself what no run of its recipe comes to leads nowhere.
+#[test]
+fn frames_beyond_their_run_are_refused() {
+    use eyot::io::timeline::Timeline as Store;
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    run(&out, Some(RECORD));
+    let mut store = Store::open_to_write(&out.join("timeline.zarr"), &Limits::default()).unwrap();
+    let last = store.load(9).unwrap();
+    let mut wrong = Vec::new();
+    let mut put = |change: &dyn Fn(&mut eyot::World, &mut serde_json::Value), part: &'static str| {
+        let (mut world, mut state) = (last.world.clone(), last.state.clone());
+        world.step = 1000 + wrong.len() as u64;
+        change(&mut world, &mut state);
+        store.append(&world, &last.recipe_toml, &state).unwrap();
+        wrong.push(part);
+    };
+    put(&|_, _| {}, "at step 1000, the recipe has 80");
+    put(&|_, state| state["done_steps"] = 7.into(), "7 steps of the recipe are done, it has 5");
+    put(&|_, state| (state["done_steps"], state["done"]) = (1.into(), 48.into()), "48 steps of recipe step 2");
+    put(&|world, _| world.grid.cell_x_m = 20.0, "40 x 30 cells of 20 x 10 m");
+    let before = all_files(&out);
+    for (i, part) in (10..).zip(wrong) {
+        let e = rewind(&out, Moment::Frame(i), false, &Limits::default()).unwrap_err();
+        assert!(e.to_string().contains(part) && e.to_string().contains(&format!("frame {i}")), "{part}: {e}");
+        let to = folder.path().join(i.to_string());
+        let e = branch(&out, Moment::Frame(i), &to, &Branching::default(), &Registry::standard(), &Limits::default());
+        assert!(e.unwrap_err().to_string().contains(part) && !to.exists(), "{part}");
+    }
+    assert_same(&before, &all_files(&out), "refused");
+}
+
+/// A branch stands for itself: not in the folder of its run, not around it, by whatever way.
+#[test]
+fn a_branch_goes_nowhere_near_its_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = folder.path().canonicalize().unwrap();
+    let out = home.join("runs/out");
+    run(&out, Some(RECORD));
+    std::fs::create_dir(home.join("empty")).unwrap();
+    let mut ways = vec![
+        (out.clone(), "is the folder of the run itself"),
+        (out.join("branch"), "lies in the folder"),
+        (out.join("timeline.zarr/branch"), "lies in the folder"),
+        (home.join("runs"), "holds the folder"),
+        (home.clone(), "holds the folder"),
+        (home.join("empty/../runs/out/branch"), "lies in the folder"),
+        (home.join("none/../runs/./out/deep/branch"), "lies in the folder"),
+        (out.join("branch/../../../runs/out/x"), "lies in the folder"),
+    ];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&out, home.join("link")).unwrap();
+        std::os::unix::fs::symlink(&home, home.join("empty/up")).unwrap();
+        ways.push((home.join("link/branch"), "lies in the folder"));
+        ways.push((home.join("empty/up/runs/out/branch"), "lies in the folder"));
+        ways.push((home.join("empty/up"), "holds the folder"));
+    }
+    let before = all_files(&out);
+    for (way, part) in ways {
+        let e = branch(&out, Moment::Step(20), &way, &Branching::default(), &Registry::standard(), &Limits::default());
+        let e = e.unwrap_err();
+        assert!(e.is_refusal() && e.to_string().contains(part), "{}: {e}", way.display());
+    }
+    assert_same(&before, &all_files(&out), "refused");
+    assert!(!out.join("branch").exists() && !out.join("deep").exists());
+    // One that is called almost the same is another folder.
+    for way in [home.join("runs/out2"), out.join("../other")] {
+        branch(&out, Moment::Step(20), &way, &Branching::default(), &Registry::standard(), &Limits::default()).unwrap();
+    }
 }

@@ -73,6 +73,11 @@ fn options(threads: usize, out: Option<&Path>) -> RunOptions {
     RunOptions { threads: Some(threads), out: out.map(Path::to_owned), ..RunOptions::default() }
 }
 
+/// Hills where an expression reads moss.
+fn with_moss() -> String {
+    HILLS.replace("thermal.rate = 0.4", "hydraulic.evaporation = \"0.02 + 0 * moss\"\nthermal.rate = 0.4")
+}
+
 fn end(text: &str, set: &[&str]) -> World {
     Run::start(parse(text, set).unwrap(), options(2, None)).unwrap().join().unwrap().world
 }
@@ -260,6 +265,69 @@ fn stopped_changed_and_resumed_runs_replay() {
     assert_eq!(by_hand.get("water"), end(HILLS, &[]).get("water"));
 }
 
+/// What is set while a run is at work is what the recipe could have said: the same bytes, journaled as it was written, and made
+/// again wherever the run goes on.
+#[test]
+fn expressions_set_by_hand_are_those_of_the_recipe() {
+    let text = with_moss();
+    let sets = ["hydraulic.rain=\"0.002 * (1 + moss) * step(0.2, u)\"", "thermal.talus=\"10 + 1 * steps\""];
+    let by_hand = |at: u64| sets.map(|set| JournalEntry { recipe_step: 2, step: at, set: set.into() }).to_vec();
+    let replayed = |threads: usize, replay: Vec<JournalEntry>| {
+        let o = RunOptions { replay, ..options(threads, None) };
+        Run::start(parse(&text, &[]).unwrap(), o).unwrap().join().unwrap().world
+    };
+    let whole = end(&text, &sets);
+    assert_eq!(replayed(3, by_hand(0)), whole);
+    assert_ne!(replayed(2, by_hand(12)), whole);
+
+    let folder = tempfile::tempdir().unwrap();
+    let o = RunOptions { paused: true, chunk: Some(4), ..options(2, Some(folder.path())) };
+    let handle = Run::start(parse(&text, &[]).unwrap(), o).unwrap();
+    let wait = |wanted: &dyn Fn(&Event) -> bool| {
+        while !wanted(&handle.events().recv_timeout(Duration::from_secs(60)).expect("the run went silent")) {}
+    };
+    handle.send(Command::Step(12));
+    wait(&|e| matches!(e, Event::Paused { .. }));
+    wait(&|e| matches!(e, Event::Paused { .. }));
+    for (set, place, words) in [
+        ("hydraulic.rain=\"0.002 * mos\"", "1:25", "did you mean `moss`?"),
+        ("hydraulic.rain=\"0.002 + height\"", "1:17", "the parameter `rain` in m/s"),
+        ("hydraulic.rain=\"0.002 *\"", "1:24", "the text ends"),
+        ("hydraulic.time_step=\"0.1 + 0.1 * moss\"", "1:21", "cannot differ from cell to cell"),
+        ("thermal.talus=\"30 + 5 * moss\"", "1:15", "between two cells"),
+    ] {
+        handle.send(Command::Set(set.into()));
+        let told = std::cell::RefCell::new(String::new());
+        wait(&|e| matches!(e, Event::Warning { message } if { told.replace(message.clone()); true }));
+        let told = told.into_inner();
+        assert!(told.contains(place) && told.contains(words), "{set}:\n{told}");
+    }
+    for set in sets {
+        handle.send(Command::Set(set.into()));
+        wait(&|e| matches!(e, Event::Changed(_)));
+    }
+    handle.send(Command::Step(9));
+    wait(&|e| matches!(e, Event::Paused { .. }));
+    handle.send(Command::Stop);
+    let stopped = handle.join().unwrap();
+    let at = stopped.journal[0].step;
+    assert!(at > 0 && stopped.journal == by_hand(at), "{:?}", stopped.journal);
+    let resumed = Run::resume(folder.path(), &Registry::standard(), options(1, None)).unwrap().join().unwrap();
+    assert_eq!(resumed.journal, stopped.journal);
+    assert_eq!(resumed.world, replayed(3, by_hand(at)));
+    // A number ends an expression, and another expression takes its place.
+    let mut replay = by_hand(0);
+    for (step, set) in [(5, "hydraulic.rain=0.004"), (9, sets[0]), (9, "thermal.talus=30.0")] {
+        replay.push(JournalEntry { recipe_step: 2, step, set: set.into() });
+    }
+    let turned = replayed(2, replay);
+    let timed = [
+        "hydraulic.rain=\"if(steps < 5 or steps >= 9, 0.002 * (1 + moss) * step(0.2, u), 0.004)\"",
+        "thermal.talus=\"if(steps < 9, 10 + 1 * steps, 30)\"",
+    ];
+    assert_eq!(turned.get("height"), end(&text, &timed).get("height"));
+}
+
 #[test]
 fn graphics_cards_give_the_same_within_rounding() {
     for (text, set, tolerance) in [
@@ -271,8 +339,8 @@ fn graphics_cards_give_the_same_within_rounding() {
         (PLANET, &["humidity.land_dry=\"0.5 + 0.5 * step(0, height)\"", "ice.melt=\"1 + v\""], 1e-3),
     ] {
         let engine = EngineOptions { choice: EngineChoice::Gpu, ..EngineOptions::default() };
-        let o = RunOptions { engine: Some(engine), ..options(2, None) };
-        let gpu = match Run::start(parse(text, set).unwrap(), o).unwrap().join() {
+        let o_gpu = || RunOptions { engine: Some(engine.clone()), ..options(2, None) };
+        let gpu = match Run::start(parse(text, set).unwrap(), o_gpu()).unwrap().join() {
             Ok(outcome) => outcome.world,
             Err(RunError::Gpu(e))
                 if std::env::var_os("EYOT_REQUIRE_GPU").is_none() && e.to_string().contains("no graphics") =>
@@ -283,6 +351,13 @@ fn graphics_cards_give_the_same_within_rounding() {
             Err(e) => panic!("{e}"),
         };
         let (cpu, plain) = (end(text, set), end(text, &[]));
+        // Set by hand at the beginning it is the same on the card, too.
+        let replay = set.iter().map(|s| JournalEntry { recipe_step: 2, step: 0, set: (*s).to_owned() }).collect();
+        let declared = if text == HILLS { with_moss() } else { text.to_owned() };
+        let by_hand =
+            Run::start(parse(&declared, &[]).unwrap(), RunOptions { replay, ..o_gpu() }).unwrap().join().unwrap();
+        let recipe = Run::start(parse(&declared, set).unwrap(), o_gpu()).unwrap().join().unwrap();
+        assert_eq!(by_hand.world, recipe.world);
         for name in ["water", if text == HILLS { "height" } else { "humidity" }] {
             let [a, b, p] = [&gpu, &cpu, &plain].map(|w| w.get(name).unwrap());
             let (low, high) = b.min_max();
@@ -333,4 +408,19 @@ fn describe_says_which_parameters_take_expressions() {
     assert!(!line("sea").contains("expression"));
     let plates = describe("plates", &Registry::standard()).unwrap().to_string();
     assert!(!plates.contains("or an expression"));
+}
+
+/// Defaults that are tables are read by people, too.
+#[test]
+fn describe_prints_tables_line_by_line() {
+    let text = describe("corals", &Registry::standard()).unwrap().to_string();
+    let line = |start: &str| text.lines().find(|l| l.trim_start().starts_with(start)).unwrap_or_default();
+    assert_eq!(line("species  ["), "  species  [a list of values; default below]");
+    assert_eq!(line("Porites lobata"), "        Porites lobata");
+    assert!(line("form = massive, growth = 0.0116").starts_with("          form"), "{text}");
+    assert!(line("cell = 1, growth = 0.05, shade = 0.9").len() > 30 && text.contains("body.shape = massive"), "{text}");
+    assert!(!text.contains("{\"") && text.lines().all(|l| !l.trim_end().ends_with(" =")), "{text}");
+    // Sources and equations have lines of their own.
+    let parameters = text.split("# Equations").next().unwrap();
+    assert!(parameters.lines().all(|l| l.chars().count() <= 110), "{parameters}");
 }

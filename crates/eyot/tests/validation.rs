@@ -307,3 +307,27 @@ fn one_wrong_process_is_one_mistake() {
     assert_eq!(problems.diagnostics.len(), 1, "{problems}");
     assert!(problems.to_string().contains("count"), "{problems}");
 }
+
+/// The processes of a world have one sun: a tilt or a year of one alone is refused at its place, with what is missing.
+#[test]
+fn one_sun_shines_on_all_processes() {
+    let text = eyot::RECIPES.iter().find(|r| r.name == "world").unwrap().text;
+    let parsed = |text: &str, set: &[&str]| {
+        let source = RecipeSource { name: "world".into(), text: text.to_owned(), folder: ".".into() };
+        let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), ..Overrides::default() };
+        Recipe::parse(source, overrides, &Registry::standard(), &Limits::default())
+    };
+    let one = parsed(text, &["temperature.tilt=0"]).err().unwrap();
+    assert_eq!(one.diagnostics.len(), 1, "{one}");
+    let told = one.to_string();
+    assert!(told.contains("`temperature.tilt` is 0, but `wind.tilt` is 23.4"), "{told}");
+    assert!(told.contains("write wind.tilt = 0 and climate.tilt = 0 as well"), "{told}");
+
+    let two = parsed(&text.replace("zones.every", "wind.year = 500.0\nclimate.year = 500.0\nzones.every"), &[]).err().unwrap();
+    let place = two.diagnostics[0].span.as_ref().unwrap();
+    assert!(text.lines().nth(two.line_column(place).0 - 1).unwrap().starts_with("zones.every"), "{two}");
+    assert!(two.to_string().contains("write temperature.year = 500.0 as well"), "{two}");
+
+    assert!(parsed(text, &["temperature.tilt=0", "wind.tilt=0", "climate.tilt=0.0"]).is_ok());
+    assert!(parsed(text, &["temperature.tilt=0", "wind.enabled=false", "climate.enabled=false"]).is_ok());
+}

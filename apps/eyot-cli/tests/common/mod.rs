@@ -8,6 +8,49 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
+/// Every process, both forms of water, layers that come late, an open rim (whose fluxes leave through the last faces),
+/// cells that are not square, and processes that act in every third or fifth step only.
+pub(crate) const SHORE: &str = r#"
+name = "Shore"
+seed = 5
+sea_level = 40.0
+[grid]
+size = [150, 110]
+cell = [10.0, 12.0]
+rim = "open"
+[[step]]
+name = "hill"
+generate = "cone"
+height = 150.0
+radius = 0.6
+[[step]]
+name = "rough"
+generate = "fbm"
+amplitude = 60.0
+[[step]]
+name = "rain"
+simulate = ["hydraulic", "thermal", "seabed", "wetness", "reef"]
+steps = 1600
+thermal.every = 3
+wetness.every = 5
+reef.sea_level_rise = 0.004
+[[step]]
+name = "ash"
+generate = "fbm"
+amplitude = 5.0
+[[step]]
+name = "pipes"
+simulate = ["hydraulic", "thermal", "reef"]
+steps = 900
+hydraulic.flux = "classic"
+thermal.every = 5
+[[export]]
+format = "r32"
+layers = ["height", "water", "limestone"]
+[view]
+size = [64, 48]
+"#;
+
 /// The command, to be started in a folder.
 pub(crate) fn eyot(folder: &Path, args: &[&str]) -> Command {
     let mut c = Command::new(env!("CARGO_BIN_EXE_eyot"));

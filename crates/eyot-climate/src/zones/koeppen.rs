@@ -121,7 +121,9 @@ pub fn koeppen<R: Real>(m: &Months<R>) -> R {
     // 0 dry summer, 1 dry winter, 2 neither.
     let no_dry_winter = m.winter_driest.lt(of(0.1) * m.summer_wettest).pick(of(1.0), of(2.0));
     let dry_summer = m.summer_driest.lt(m.winter_wettest * of(1.0 / 3.0)).pick(of(0.0), no_dry_winter);
-    let kind = m.summer_driest.lt(of(40.0)).pick(dry_summer, no_dry_winter);
+    let dry_summer = m.summer_driest.lt(of(40.0)).pick(dry_summer, no_dry_winter);
+    // Where both halves have a dry month, the drier one decides.
+    let kind = m.summer_driest.lt(m.winter_driest).pick(dry_summer, no_dry_winter);
     // 0 hot summer, 1 warm, 2 cold, 3 very cold winter.
     let short = m.coldest.lt(of(-38.0)).pick(of(3.0), of(2.0));
     let cool = m.fourth.lt(of(10.0)).pick(short, of(1.0));

@@ -2,6 +2,7 @@
 
 use super::{HEADS, Timeline};
 use crate::error::{Error, Result};
+use crate::head::HeadFile;
 use crate::zarr::{Flush, METADATA, write_piece};
 use std::ffi::OsStr;
 use std::fs::{self, DirEntry};
@@ -51,19 +52,26 @@ impl Timeline {
         Ok(())
     }
 
-    /// Gives frame `i` the number `to`, which is free. Its head goes last: what has a head is in its place.
-    pub(super) fn move_frame(&self, i: usize, to: usize) -> Result<()> {
-        let done = self.head_path(to);
-        if done.exists() {
+    /// Gives frame `i`, which is of `step`, the number `to`, which is free. Its head goes last: what has a head is in its place.
+    /// A frame without a head of that step is none: nothing of it moves.
+    pub(super) fn move_frame(&self, i: usize, step: u64, to: usize) -> Result<()> {
+        let is_here = |path: &Path| HeadFile::open(path).is_ok_and(|file| file.head.step == step);
+        let (head, done) = (self.head_path(i), self.head_path(to));
+        if is_here(&done) || !is_here(&head) {
             return Ok(());
         }
         for name in self.arrays.keys() {
             let (from, to) = (self.pieces(name, i), self.pieces(name, to));
-            if from.is_dir() {
-                fs::rename(&from, &to).map_err(Error::io(&to, "rename the frame to"))?;
+            if !from.is_dir() {
+                continue;
             }
+            if to.is_dir() {
+                // Of a frame without a head.
+                fs::remove_dir_all(&to).map_err(Error::io(&to, "remove"))?;
+            }
+            fs::rename(&from, &to).map_err(Error::io(&to, "rename the frame to"))?;
         }
-        fs::rename(self.head_path(i), &done).map_err(Error::io(&done, "rename the frame to"))
+        fs::rename(head, &done).map_err(Error::io(&done, "rename the frame to"))
     }
 
     /// Removes all that belongs to frames from number `n` on, also in arrays that no visible frame has.

@@ -1,16 +1,19 @@
 //! Frames, in.
 
 use super::thin::MAX_FRAMES;
-use super::{EVERY, Frame, HEADS, MAX_BYTES, Record, Timeline, axes};
+use super::{EVERY, Frame, HEADS, MAX_BYTES, Record, TIMES, Timeline, axes};
 use crate::atomic::remove_leftovers;
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
-use crate::head::{HeadFile, check_crc, number, read_faces};
+use crate::head::{HeadFile, MAX_STEP, check_crc, number, read_faces};
+use crate::raster::check_size;
 use crate::sample::Sample;
+use crate::zarr::metadata::{Axis, FACES, X, X_FACE, Y, Y_FACE};
 use crate::zarr::{Array, METADATA, SHARD, TIME, check_name, node};
 use eyot_core::{Layer, Limits, Stagger};
 use rayon::prelude::*;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Bytes of a folder's name on every system.
@@ -25,18 +28,20 @@ pub fn is_recording(path: &Path) -> bool {
 }
 
 impl Timeline {
-    /// Opens a recording to read it. If a run is at work on it, frames can vanish while they are read.
+    /// Opens a recording to read it. If a run is at work on it, frames can vanish while they are read. Frames that are missing or
+    /// damaged harm no others; whoever reads one hears of it.
     ///
     /// # Errors
-    /// If it cannot be read, is no recording or is damaged. Sizes meet `limits` before anything is allocated.
+    /// If it cannot be read, is no recording, or what belongs to all frames is damaged. Sizes meet `limits` before anything is
+    /// allocated.
     pub fn open(path: &Path, limits: &Limits) -> Result<Self> {
         let mut timeline = Self::open_root(path, limits)?;
         let steps = timeline.times()?;
+        timeline.check_arrays(steps.len() as u64)?;
         let sizes = timeline.measure(steps.len());
-        for (i, (&step, size)) in steps.iter().zip(sizes).enumerate() {
-            let bytes = size.ok_or_else(|| damaged(path, &format!("frame {i} is missing")))?;
-            timeline.frames.push(Frame { step, bytes });
-        }
+        let frame =
+            |(&step, size): (&u64, Option<u64>)| Frame { step, bytes: size.unwrap_or(0), is_there: size.is_some() };
+        timeline.frames = steps.iter().zip(sizes).map(frame).collect();
         Ok(timeline)
     }
 
@@ -86,9 +91,27 @@ impl Timeline {
     /// What the run itself wanted to remember in frame `i`.
     ///
     /// # Errors
-    /// If there is no such frame, or it is damaged.
+    /// If there is no such frame, or its head is missing or damaged.
     pub fn state(&self, i: usize) -> Result<Value> {
         Ok(self.open_head(i)?.1.head.state)
+    }
+
+    /// As [`Timeline::state`], of a frame whose files are all there. What they hold shows when it is loaded.
+    ///
+    /// # Errors
+    /// As [`Timeline::state`], and if files are missing.
+    pub fn look(&self, i: usize) -> Result<Value> {
+        let head = self.open_head(i)?.1.head;
+        for layer in &head.layers {
+            let (array, axes) = self.array_of(&layer.name, layer.stagger, (head.grid.width, head.grid.height))?;
+            let [rows, columns] = axes.map(|a| a.n.div_ceil(SHARD) as u64);
+            for at in (0..rows).flat_map(|top| (0..columns).map(move |left| [i as u64, top, left])) {
+                if array.piece_bytes(&at) == 0 {
+                    return Err(missing_piece(&array, i));
+                }
+            }
+        }
+        Ok(head.state)
     }
 
     /// Frame `i` as the checkpoint that it is.
@@ -97,7 +120,6 @@ impl Timeline {
     /// If there is no such frame, it is damaged or exceeds the limits. Sizes are checked before anything is allocated.
     pub fn load(&self, i: usize) -> Result<Checkpoint> {
         let (path, mut file) = self.open_head(i)?;
-        file.head.check(&path, &self.limits)?;
         file.check_length(&path, file.head.face_bytes() + 4 * file.head.on_faces())?;
         let features = file.features(&path)?;
         let HeadFile { head, mut input, .. } = file;
@@ -118,7 +140,11 @@ impl Timeline {
             return Err(Error::format(&self.path, problem, "count from 0"));
         };
         let path = self.head_path(i);
+        if !path.exists() {
+            return Err(damaged(&path, &format!("frame {i} is missing")));
+        }
         let file = HeadFile::open(&path)?;
+        file.head.check(&path, &self.limits)?;
         if file.head.step != frame.step {
             let problem = format!("frame {i} is of step {}, its time is {}", file.head.step, frame.step);
             return Err(damaged(&path, &problem));
@@ -133,8 +159,12 @@ impl Timeline {
         let (&[n], &[piece]) = (array.shape.as_slice(), array.piece.as_slice()) else {
             return Err(damaged(&folder, "its shape is no list"));
         };
-        if n > MAX_FRAMES as u64 || !array.holds(Sample::Signed(8)) {
-            return Err(damaged(&folder, &format!("{n} frames")));
+        if n > MAX_FRAMES as u64 {
+            return Err(damaged(&folder, &format!("{n} frames, at most {MAX_FRAMES} can be")));
+        }
+        if piece != TIMES as u64 || !array.holds(Sample::Signed(8)) {
+            let problem = format!("times are 64-bit numbers in pieces of {TIMES}, not {piece}");
+            return Err(damaged(&folder, &problem));
         }
         let mut steps = Vec::new();
         for i in 0..n.div_ceil(piece) {
@@ -142,31 +172,91 @@ impl Timeline {
             let times = bytes.chunks_exact(8).map(|b| i64::from_le_bytes(std::array::from_fn(|j| b[j])));
             steps.extend(times.take((n - i * piece) as usize));
         }
-        if steps.first().is_some_and(|&t| t < 0) || steps.windows(2).any(|w| w[0] >= w[1]) {
-            return Err(damaged(&folder, "steps that do not increase"));
+        if let Some(i) = steps.iter().position(|&t| !(0..=MAX_STEP as i64).contains(&t)) {
+            return Err(damaged(&folder, &format!("frame {i} is of step {}, which no run comes to", steps[i])));
+        }
+        if let Some(i) = steps.windows(2).position(|w| w[0] >= w[1]) {
+            let problem = format!(
+                "steps that do not increase: frame {i} is of step {}, frame {} of step {}",
+                steps[i],
+                i + 1,
+                steps[i + 1]
+            );
+            return Err(damaged(&folder, &problem));
         }
         Ok(steps.into_iter().map(|t| t as u64).collect())
     }
 
-    /// The values of a layer in frame `i`, its outer faces apart.
-    fn read_layer(&self, i: usize, layer: &mut Layer) -> Result<()> {
-        let name = layer.spec.name.to_string();
-        check_name(&self.path, &name)?;
-        let folder = self.path.join(&name);
-        let Some(described) = self.arrays.get(&name) else {
+    /// Checks the arrays of all layers and their coordinates: over `n` frames, of one size, in pieces of ours. What is read later
+    /// is then no larger than what the limits allow.
+    fn check_arrays(&self, n: u64) -> Result<()> {
+        let mut sizes: BTreeMap<String, (u64, &str)> = BTreeMap::new();
+        for (name, described) in &self.arrays {
+            let folder = self.path.join(name);
+            if name == TIME || described["shape"].as_array().is_some_and(Vec::is_empty) {
+                continue;
+            }
+            let array = Array::described(&folder, described, &self.limits)?;
+            let named = |last: &[u64]| {
+                array.dimensions.iter().rev().zip(last.iter().rev()).map(|(d, n)| (d.clone(), *n)).collect()
+            };
+            let along: Vec<(String, u64)> = match (array.shape.as_slice(), array.dimensions.as_slice()) {
+                ([len], [axis]) if axis == name => named(&[*len]),
+                ([frames, h, w], [time, y, x])
+                    if time == TIME && [Y, Y_FACE].contains(&&**y) && [X, X_FACE].contains(&&**x) =>
+                {
+                    // Other pieces can be made such that each of them is small and all together are not.
+                    if *frames != n || array.piece != [1, SHARD as u64, SHARD as u64] || !array.holds(Sample::F32) {
+                        let found = format!("an array of {:?} values in pieces of {:?}", array.shape, array.piece);
+                        return Err(damaged(&folder, &format!("{found}, a layer over {n} frames has no such")));
+                    }
+                    array.check_pieces()?;
+                    named(&[*h, *w])
+                }
+                _ => {
+                    let problem = format!("an array of the shape {:?} along {:?}", array.shape, array.dimensions);
+                    return Err(damaged(&folder, &format!("{problem}, a recording has no such")));
+                }
+            };
+            for (axis, len) in along {
+                let (cells, of) = match axis.strip_suffix(FACES) {
+                    Some(axis) => (len.saturating_sub(1), axis),
+                    None => (len, &*axis),
+                };
+                match sizes.entry(of.to_owned()).or_insert((cells, name)) {
+                    (known, _) if *known == cells => {}
+                    (known, other) => {
+                        let problem = format!("{cells} cells along {of}, `{other}` has {known}");
+                        return Err(damaged(&folder, &problem));
+                    }
+                }
+            }
+        }
+        let cells = |axis| sizes.get(axis).map_or(1, |s| usize::try_from(s.0).unwrap_or(usize::MAX));
+        check_size(&self.path, cells(X), cells(Y), &self.limits).map(drop)
+    }
+
+    /// The array of a layer and its rows and columns, which are those of a world of `size`.
+    fn array_of(&self, name: &str, stagger: Stagger, size: (usize, usize)) -> Result<(Array, [Axis; 2])> {
+        check_name(&self.path, name)?;
+        let folder = self.path.join(name);
+        let Some(described) = self.arrays.get(name) else {
             return Err(damaged(&folder, "the store does not name this array"));
         };
         let array = Array::described(&folder, described, &self.limits)?;
-        let (width, height) = (layer.field.width(), layer.field.height());
-        let [rows, columns] = axes(layer.spec.stagger, (width, height));
-        let shape = matches!(array.shape[..], [n, h, w] if n > i as u64 && (h, w) == (rows.n as u64, columns.n as u64));
-        // Other pieces can be made such that each of them is small and all together are not.
-        if !shape || array.piece != [1, SHARD as u64, SHARD as u64] || !array.holds(Sample::F32) {
-            let found = format!("an array of {:?} values in pieces of {:?}", array.shape, array.piece);
-            let problem = format!("{found}, a frame of {} x {} cells has no such", width, height);
+        let axes = axes(stagger, size);
+        if array.shape.get(1..) != Some(&axes.map(|a| a.n as u64)) {
+            let problem =
+                format!("an array of {:?} values, a frame of {} x {} cells has no such", array.shape, size.0, size.1);
             return Err(damaged(&folder, &problem));
         }
-        array.check_pieces()?;
+        Ok((array, axes))
+    }
+
+    /// The values of a layer in frame `i`, its outer faces apart.
+    fn read_layer(&self, i: usize, layer: &mut Layer) -> Result<()> {
+        let (width, height) = (layer.field.width(), layer.field.height());
+        let (array, [rows, columns]) = self.array_of(&layer.spec.name, layer.spec.stagger, (width, height))?;
         // Faces before the first row or column come from the frame's head.
         let (skip_y, skip_x) = (rows.n - height, columns.n - width);
         for top in 0..rows.n.div_ceil(SHARD) {
@@ -175,7 +265,7 @@ impl Timeline {
                 .map(|left| array.piece(&[i as u64, top as u64, left as u64]))
                 .collect::<Result<_>>()?;
             for (left, piece) in band.into_iter().enumerate() {
-                let piece = piece.ok_or_else(|| damaged(&folder, &format!("a chunk of frame {i} is missing")))?;
+                let piece = piece.ok_or_else(|| missing_piece(&array, i))?;
                 for (y, line) in (top * SHARD..rows.n).zip(piece.chunks_exact(4 * SHARD)).filter(|(y, _)| *y >= skip_y)
                 {
                     let row = layer.field.row_mut(y - skip_y);
@@ -187,6 +277,10 @@ impl Timeline {
         }
         Ok(())
     }
+}
+
+fn missing_piece(array: &Array, i: usize) -> Error {
+    damaged(&array.folder, &format!("a chunk of frame {i} is missing"))
 }
 
 /// How the recording of this root is made.

@@ -11,6 +11,9 @@
 //! # What a kill can do
 //! The root's `zarr.json` says how many frames there are, and readers here believe nothing else. It is replaced as the last
 //! step of everything, whole or not at all; what lies beyond it is removed when the recording is next opened to write.
+//!
+//! A frame that is missing or damaged keeps its number, and the others can be read; only what belongs to all of them, the root and
+//! `time`, must be whole.
 //! A power failure is another thing: what decides is flushed to the disk as often as that takes no more than a tenth of the
 //! time, frames are not. Checksums find what is lost; the checkpoint of the run is not here.
 //!
@@ -75,6 +78,8 @@ pub struct Frame {
     pub step: u64,
     /// Bytes of its files.
     pub bytes: u64,
+    /// False if its head is gone, without which it cannot be read.
+    pub is_there: bool,
 }
 
 /// A recording.
@@ -171,7 +176,7 @@ impl Timeline {
         });
         match written {
             Ok(()) => {
-                self.frames.push(Frame { step: world.step, bytes: self.frame_bytes(n) });
+                self.frames.push(Frame { step: world.step, bytes: self.frame_bytes(n), is_there: true });
                 Ok(())
             }
             Err(e) => {
@@ -198,7 +203,7 @@ impl Timeline {
         self.remove_from(n)
     }
 
-    /// A recording of the first `n` frames in another place.
+    /// A recording of the first `n` frames in another place; what is missing or damaged is so there, too.
     ///
     /// # Errors
     /// If something else than a recording is there, or files cannot be read or written.
@@ -208,7 +213,7 @@ impl Timeline {
         for name in self.arrays.keys() {
             files::copy_array(&self.path.join(name), &path.join(name), n)?;
         }
-        for i in 0..n {
+        for i in (0..n).filter(|&i| self.frames[i].is_there) {
             files::copy_file(&self.head_path(i), &new.head_path(i))?;
         }
         new.frames = self.frames[..n].to_vec();

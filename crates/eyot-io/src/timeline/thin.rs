@@ -5,6 +5,7 @@
 
 use super::{Frame, HEADS, Timeline, files};
 use crate::error::{Error, Result};
+use crate::head::MAX_STEP;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -35,7 +36,7 @@ impl Plan {
         self.frames <= MAX_FRAMES
             && self.keep.windows(2).all(rising)
             && self.keep.first().is_some_and(|k| k.0 == 0)
-            && self.keep.last().is_some_and(|k| k.0 < self.frames)
+            && self.keep.last().is_some_and(|k| k.0 < self.frames && k.1 <= MAX_STEP)
     }
 }
 
@@ -55,8 +56,10 @@ impl Timeline {
                 );
                 return Err(Error::format(&self.path, problem, "raise the bound of the recording"));
             }
-            let steps: Vec<u64> = self.frames.iter().map(|f| f.step).collect();
-            self.thin(&kept(&steps))?;
+            // What is missing holds no room and goes first.
+            let whole: Vec<usize> = (0..self.frames.len()).filter(|&i| i == 0 || self.frames[i].is_there).collect();
+            let steps: Vec<u64> = whole.iter().map(|&i| self.frames[i].step).collect();
+            self.thin(&kept(&steps).into_iter().map(|i| whole[i]).collect::<Vec<_>>())?;
         }
         Ok(())
     }
@@ -83,12 +86,13 @@ impl Timeline {
         let unmoved = plan.unmoved();
         self.commit(self.arrays.clone(), &steps[..unmoved])?;
         let plan = if plan.dropped { plan } else { self.drop_frames(plan)? };
-        for (to, (from, _)) in plan.keep.iter().enumerate().skip(unmoved) {
-            self.move_frame(*from, to)?;
+        for (to, (from, step)) in plan.keep.iter().enumerate().skip(unmoved) {
+            self.move_frame(*from, *step, to)?;
         }
         self.write_times(&steps, 0)?;
         self.commit(self.arrays.clone(), &steps)?;
-        self.frames = steps.iter().enumerate().map(|(i, &step)| Frame { step, bytes: self.frame_bytes(i) }).collect();
+        let frame = |(i, &step)| Frame { step, bytes: self.frame_bytes(i), is_there: self.head_path(i).is_file() };
+        self.frames = steps.iter().enumerate().map(frame).collect();
         files::remove_file(&self.plan_path())
     }
 
@@ -164,5 +168,6 @@ mod tests {
             assert!(!bad.is_sound(), "{bad:?}");
         }
         assert!(!plan(usize::MAX, &[(0, 0)]).is_sound());
+        assert!(!plan(3, &[(0, 0), (1, u64::MAX)]).is_sound());
     }
 }

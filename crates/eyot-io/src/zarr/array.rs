@@ -26,14 +26,14 @@ const MAX_EXCESS: u128 = 16;
 
 /// An array whose sizes are sound.
 pub(crate) struct Array {
-    pub(super) folder: PathBuf,
+    pub(crate) folder: PathBuf,
     pub(crate) shape: Vec<u64>,
     pub(crate) piece: Vec<u64>,
     pub(crate) sample: Sample,
     pub(super) fill: f64,
     pub(super) codecs: Codecs,
     pub(super) attributes: Map<String, Value>,
-    pub(super) dimensions: Vec<String>,
+    pub(crate) dimensions: Vec<String>,
     /// Names of piece files: prefix (may be empty) and separator.
     key: (bool, char),
 }
@@ -162,7 +162,7 @@ impl Array {
     }
 
     /// Bytes of the file of a piece, 0 if it was never written.
-    pub(super) fn piece_bytes(&self, at: &[u64]) -> u64 {
+    pub(crate) fn piece_bytes(&self, at: &[u64]) -> u64 {
         fs::metadata(self.path(at)).map_or(0, |m| m.len())
     }
 

@@ -21,7 +21,7 @@ pub(crate) struct Axis {
 impl Axis {
     /// Rows and columns of cells.
     pub(crate) fn of_cells((width, height): (usize, usize)) -> [Self; 2] {
-        [Self { name: "y", n: height }, Self { name: "x", n: width }]
+        [Self { name: Y, n: height }, Self { name: X, n: width }]
     }
 
     /// True for rows or columns of faces, which lie between those of cells and at their ends.
@@ -30,8 +30,12 @@ impl Axis {
     }
 }
 
+/// The coordinate of columns of cells.
+pub(crate) const X: &str = "x";
+/// The coordinate of rows of cells.
+pub(crate) const Y: &str = "y";
 /// How names of coordinates of faces end.
-const FACES: &str = "_face";
+pub(crate) const FACES: &str = "_face";
 /// The coordinate of faces towards the next column.
 pub(crate) const X_FACE: &str = "x_face";
 /// The coordinate of faces towards the next row.

@@ -5,7 +5,7 @@ use super::plot::Plot;
 use super::random::{Draws, Stream};
 use super::settling::COMPAT_BIAS_M;
 use super::site::Site;
-use eyot_core::Result;
+use eyot_core::{Control, Result};
 
 /// Side of the plot for which [`Disturbances::events`] are meant, m.
 const REFERENCE_SIDE_M: f64 = 40.0;
@@ -65,7 +65,7 @@ impl Disc {
 
 impl Plot {
     /// The disturbances of this month.
-    pub(super) fn disturb(&mut self) -> Result<[u32; 2]> {
+    pub(super) fn disturb(&mut self, control: &Control<'_>) -> Result<[u32; 2]> {
         let mut counts = [0; 2];
         for kind in 0..2 {
             let rules = self.disturbances(kind).clone();
@@ -77,6 +77,7 @@ impl Plot {
                 let (expected, discs) = (events(&self.community, &self.site, &rules), draws(0));
                 let count = (expected + f64::from(draws(1).unit(0))) as u64;
                 for event in 0..count {
+                    control.check()?;
                     let disc = Disc::new(&self.site, &rules, self.community.compat, discs, event);
                     self.clear(disc, rules.fragments)?;
                 }

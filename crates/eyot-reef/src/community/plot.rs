@@ -51,16 +51,16 @@ impl Plot {
     /// # Errors
     /// If a parameter or the site cannot work, or if they make more individuals than fit into the default limits.
     pub fn new(community: Community, site: Site, forcing: Forcing, seed: u64) -> Result<Self> {
-        Self::within(community, site, forcing, seed, Limits::default())
+        Self::under(community, site, forcing, seed, &Control::none())
     }
 
-    /// As [`Plot::new`], with other limits.
+    /// As [`Plot::new`], within other limits and stopped on request.
     ///
     /// # Errors
-    /// As [`Plot::new`].
-    pub fn within(community: Community, site: Site, forcing: Forcing, seed: u64, limits: Limits) -> Result<Self> {
-        let mut plot = Self::empty(community, site, forcing, seed, limits)?;
-        plot.populate()?;
+    /// As [`Plot::new`], or on a request to stop.
+    pub fn under(community: Community, site: Site, forcing: Forcing, seed: u64, control: &Control<'_>) -> Result<Self> {
+        let mut plot = Self::empty(community, site, forcing, seed, *control.limits())?;
+        plot.populate(control)?;
         let draws = Draws::new(seed, Stream::Placing, u64::MAX);
         plot.turf = TurfGrid::new(&plot.site, &plot.community.turf, draws);
         Ok(plot)
@@ -117,20 +117,31 @@ impl Plot {
     /// # Errors
     /// If it would make more individuals than the limits allow.
     pub fn month(&mut self) -> Result<Census> {
+        self.month_under(&Control::none())
+    }
+
+    /// As [`Plot::month`], stopped on request: the plot is then in the midst of the month and of no further use.
+    ///
+    /// # Errors
+    /// As [`Plot::month`], or on a request to stop.
+    pub fn month_under(&mut self, control: &Control<'_>) -> Result<Census> {
         self.deaths.fill(Deaths::default());
         self.births.fill((0, 0));
         let heat = self.forcing.heat(self.month);
         self.bleach(heat);
+        control.check()?;
         self.index();
-        self.compete();
-        self.grow_algae();
-        self.turf.grow(&self.community, &self.coral_index);
+        self.compete(control)?;
+        self.grow_algae(control)?;
+        self.turf.grow(&self.community, &self.coral_index, control)?;
         self.bury_losers();
+        control.check()?;
         self.break_and_fragment()?;
         self.scatter_algae()?;
-        let disturbances = self.disturb()?;
-        self.recruit()?;
+        let disturbances = self.disturb(control)?;
+        self.recruit(control)?;
         let mut census = self.census();
+        control.check()?;
         census.heat = heat;
         census.disturbances = disturbances;
         self.feed_back(census.rugosity);
@@ -145,7 +156,7 @@ impl Plot {
     /// As [`Plot::month`], or on a request to stop.
     pub fn run(&mut self, months: u64, control: &Control<'_>, mut report: impl FnMut(Census)) -> Result<()> {
         for done in 0..months {
-            report(self.month()?);
+            report(self.month_under(control)?);
             control.tick(done + 1, months)?;
         }
         Ok(())
@@ -266,15 +277,19 @@ impl Plot {
     }
 
     /// What everybody's neighbours do to them; nobody changes yet.
-    fn compete(&mut self) {
+    fn compete(&mut self, control: &Control<'_>) -> Result<()> {
         let neighbours = self.neighbours();
         let results = map_in_order(&self.colonies, self.coral_index.order(), |i, me| {
             let mut grown = Rays::default();
+            if control.check().is_err() {
+                return (grown, Verdict::default());
+            }
             let verdict = neighbours.compete(i, me, &mut grown);
             (grown, verdict)
         });
         let (grown, verdicts) = results.into_iter().unzip();
         (self.grown, self.verdicts) = (grown, verdicts);
+        control.check()
     }
 
     /// Those who are overgrown die, one after another in random order, so that of two that overgrow each other one lives; turf
@@ -314,7 +329,7 @@ impl Plot {
     }
 
     /// Algae grow, and die of age, of corals and of taller algae.
-    fn grow_algae(&mut self) {
+    fn grow_algae(&mut self, control: &Control<'_>) -> Result<()> {
         let shore = Shore {
             corals: &self.coral_index,
             algae: &self.alga_index,
@@ -323,9 +338,13 @@ impl Plot {
             draws: Shore::stream(self.seed, self.month),
         };
         let fates = map_in_order(&self.algae, self.alga_index.order(), |_, a| {
+            if control.check().is_err() {
+                return (false, false);
+            }
             let dies = a.age > self.community.algae.max_age || shore.is_displaced(a);
             (!dies, !dies && shore.is_shaded(a, |_| true))
         });
+        control.check()?;
         let mut alive: Vec<bool> = fates.iter().map(|f| f.0).collect();
         let order = Draws::new(self.seed, Stream::Order, self.month);
         let mut losers: Vec<usize> = (0..fates.len()).filter(|&i| fates[i].1).collect();
@@ -336,6 +355,7 @@ impl Plot {
         let mut next = alive.into_iter();
         self.algae.retain(|_| next.next().unwrap_or(false));
         self.algae.iter_mut().for_each(|a| a.grow(&self.community));
+        Ok(())
     }
 
     /// Full-grown branching colonies drop fragments; those that nobody supports may break.
@@ -421,10 +441,14 @@ impl Plot {
     /// Adds what the last month's skeletons become to a layer of limestone (m) on square cells, row 0 north, that begins at the
     /// plot's corner. Waves spread it into a flat heap (a paraboloid) that reaches `range_m` from a colony's centre, or as far as
     /// the colony if that is wider. None leaves the layer.
-    pub fn deposit(&self, cell_m: f64, range_m: f64, limestone: &mut Field) {
+    ///
+    /// # Errors
+    /// On a request to stop; then a part of it is missing.
+    pub fn deposit(&self, cell_m: f64, range_m: f64, limestone: &mut Field, control: &Control<'_>) -> Result<()> {
         let (w, h) = (limestone.width() as isize, limestone.height() as isize);
         let mut heap = Vec::new();
         for c in self.colonies.iter().filter(|c| c.calcified_kg > 0.0) {
+            control.check()?;
             let [x, y] = [c.x, c.y].map(|v| f64::from(v) / cell_m);
             let reach = range_m.max(f64::from(c.radius)) / cell_m;
             let within =
@@ -452,5 +476,6 @@ impl Plot {
                 row.iter_mut().zip(shares_of_row).for_each(|(cell, share)| *cell += (all * share / shares) as f32);
             }
         }
+        Ok(())
     }
 }

@@ -7,8 +7,8 @@ use super::plot::Plot;
 use super::random::{Draws, Stream};
 use super::site::{Place, Site};
 use super::species::Species;
-use eyot_core::Result;
 use eyot_core::math64::exp;
+use eyot_core::{Control, Result};
 use std::f32::consts::PI;
 
 /// Age of the first colonies, months.
@@ -147,7 +147,7 @@ impl Plot {
     }
 
     /// Places the first corals and algae at random until they cover their share of the habitable ground.
-    pub(super) fn populate(&mut self) -> Result<()> {
+    pub(super) fn populate(&mut self, control: &Control<'_>) -> Result<()> {
         let draws = |kind: u64| Draws::new(self.seed, Stream::Placing, kind);
         let mut corals = Vec::new();
         for (n, s) in self.community.species.iter().enumerate() {
@@ -157,6 +157,7 @@ impl Plot {
             let (places, sizes) = (draws(2 * n as u64), draws(2 * n as u64 + 1));
             let (mut area, mut who) = (0.0, 0);
             while area < target {
+                control.check()?;
                 let radius = (sizes.unit(who) * s.max_initial_radius).max(s.recruit_radius);
                 let [x, y] = habitat.place(places, who);
                 corals.push((n, x, y, radius));
@@ -165,12 +166,13 @@ impl Plot {
             }
         }
         for (n, x, y, radius) in corals {
+            control.check()?;
             self.push_colony(n, x, y, radius, INITIAL_AGE);
         }
-        self.populate_algae()
+        self.populate_algae(control)
     }
 
-    fn populate_algae(&mut self) -> Result<()> {
+    fn populate_algae(&mut self, control: &Control<'_>) -> Result<()> {
         let rules = self.community.algae.clone();
         let habitat = Habitat::new(&self.site, |p| suits_algae(p, &self.community));
         let target = habitat.area_m2() * f64::from(rules.initial_cover);
@@ -180,6 +182,7 @@ impl Plot {
         let mut algae = Vec::new();
         let (mut area, mut who) = (0.0, 0);
         while area < target {
+            control.check()?;
             let radius = (sizes.unit(3 * who) * rules.max_radius).max(rules.recruit_radius);
             let height = sizes.unit(3 * who + 1) * rules.max_height;
             let age = (sizes.unit(3 * who + 2) * rules.max_age as f32) as u32;
@@ -195,7 +198,7 @@ impl Plot {
     }
 
     /// Larvae and algal recruits of this month settle.
-    pub(super) fn recruit(&mut self) -> Result<()> {
+    pub(super) fn recruit(&mut self, control: &Control<'_>) -> Result<()> {
         for n in 0..self.community.species.len() {
             let s = &self.community.species[n];
             if !is_due(self.month, s.first_recruitment, s.recruitment_interval) {
@@ -205,6 +208,7 @@ impl Plot {
             self.check_room("recruitment", count)?;
             let (places, holds) = self.settling(Stream::Settling, n as u64);
             for who in 0..count as u64 {
+                control.check()?;
                 let [x, y] = places.place(who, self.site.width_m, self.site.length_m);
                 let s = &self.community.species[n];
                 if holds.chance(who, self.hold(x, y, |p| p.suits(s))) {
@@ -219,6 +223,7 @@ impl Plot {
             self.check_room("algae.recruits", count)?;
             let (places, holds) = self.settling(Stream::AlgaSettling, 0);
             for who in 0..count as u64 {
+                control.check()?;
                 let [x, y] = places.place(who, self.site.width_m, self.site.length_m);
                 if holds.chance(who, self.hold(x, y, |p| suits_algae(p, &self.community))) {
                     self.push_alga(x, y, radius, radius, 0);

@@ -5,6 +5,7 @@ use super::parallel::map_mut;
 use super::parameters::{Community, Turf};
 use super::random::Draws;
 use super::site::Site;
+use eyot_core::{Control, Result};
 
 /// Cover of turf on square cells.
 #[derive(Clone, Debug)]
@@ -43,9 +44,12 @@ impl TurfGrid {
     }
 
     /// Grows for a month under the corals as they stand.
-    pub(super) fn grow(&mut self, community: &Community, corals: &Index) {
+    pub(super) fn grow(&mut self, community: &Community, corals: &Index, control: &Control<'_>) -> Result<()> {
         let (cell, columns, rules) = (self.cell, self.columns, &community.turf);
         map_mut(&mut self.cover, |n, cover| {
+            if control.check().is_err() {
+                return;
+            }
             let [x, y] = [(n % columns) as f32, (n / columns) as f32].map(|i| (i + 0.5) * cell);
             let (mut growth, mut covered) = (rules.growth, false);
             // Far enough for the corners.
@@ -61,6 +65,7 @@ impl TurfGrid {
             });
             *cover = if covered { 0.0 } else { (*cover + growth).min(1.0) };
         });
+        control.check()
     }
 
     /// Grazers visit each cell with this probability.

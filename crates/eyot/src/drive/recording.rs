@@ -9,7 +9,7 @@ use crate::exports;
 use crate::recipe::ProcessUse;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, TIMELINE_STORE};
-use crate::timeline::{branch_off, position, state_of};
+use crate::timeline::{Damaged, Found, Moment, branch_off, find, state_of};
 use serde_json::{Map, Value};
 use std::path::Path;
 
@@ -131,16 +131,15 @@ impl Driver {
     /// Sets the run back, or forth again, to the last frame of at most `step` steps.
     pub(super) fn rewind_to(&mut self, step: u64, forget: bool) -> Result<(), RunError> {
         let recorder = self.recorder.as_mut().ok_or_else(not_recorded)?;
-        let i = position(recorder.timeline.frames(), step)?;
-        let state = state_of(&recorder.timeline, i)?;
-        let saved = recorder.timeline.load(i).map_err(RunError::file)?;
+        let Found { frame, saved, state, damaged } = find(&recorder.timeline, Moment::Step(step))?;
         recorder.is_current = true;
+        self.tell_damaged(&damaged);
         self.unsee();
         self.world = saved.world;
         self.state = State { engine: self.asked.clone(), ..state.again(&self.state.changes(), forget) };
         self.settled = self.state.done;
         self.tell(Event::Rewound {
-            frame: i,
+            frame: frame.frame,
             steps_done: self.world.step,
             recipe_step: self.state.done_steps + 1,
             step: self.state.done,
@@ -151,12 +150,19 @@ impl Driver {
     /// Puts the last frame of at most `step` steps into another folder.
     pub(super) fn branch(&mut self, step: u64, out: &Path) -> Result<(), RunError> {
         let recorder = self.recorder.as_ref().ok_or_else(not_recorded)?;
-        let i = position(recorder.timeline.frames(), step)?;
-        let state = state_of(&recorder.timeline, i)?.again(&self.state.changes(), false);
-        branch_off(&recorder.timeline, i, &state, out)?;
-        let steps_done = recorder.timeline.frames()[i].step;
-        self.tell(Event::Branched { out: out.to_owned(), steps_done });
+        let Found { frame, saved, state, damaged } = find(&recorder.timeline, Moment::Step(step))?;
+        let state = state.again(&self.state.changes(), false);
+        let folder = self.options.out.as_deref().ok_or_else(not_recorded)?;
+        branch_off(&recorder.timeline, folder, frame.frame, &saved, &state, out)?;
+        self.tell_damaged(&damaged);
+        self.tell(Event::Branched { out: out.to_owned(), steps_done: frame.steps_done });
         Ok(())
+    }
+
+    fn tell_damaged(&self, damaged: &[Damaged]) {
+        for d in damaged {
+            self.tell(Event::Warning { message: format!("{d}; an earlier frame took its place") });
+        }
     }
 }
 

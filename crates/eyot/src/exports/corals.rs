@@ -182,7 +182,8 @@ impl<'a> Reef<'a> {
                 positions: &b.solid.positions,
                 normals: &b.solid.normals,
                 colours: &b.colours,
-                texture: &b.texture,
+                // Nothing of a GLB wears a texture; whoever paints takes the OBJ.
+                texture: if format == ExportFormat::CoralsObj { &b.texture } else { &[] },
                 indices: &b.solid.indices,
                 material: usize::from(c.species),
             })

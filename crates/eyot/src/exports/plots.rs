@@ -43,7 +43,14 @@ pub(super) struct Story<'a> {
     pub(super) hot: Vec<usize>,
 }
 
-/// The plot from above, large colonies below small ones; bleached ones are pale. North is up.
+/// Room for a row of a legend, and for the name of a species in it.
+const ROW: f32 = 25.0;
+const NAME: f32 = 240.0;
+/// Room above and below the scale and the legend of a plan.
+const MARGIN: f32 = 20.0;
+
+/// The plot from above, large colonies below small ones; bleached ones are pale. North is up. Below it a scale, and the colours of
+/// those who live.
 pub(super) fn plan(plot: &Plot) -> Drawing {
     let (w, h) = (plot.site().width_m as f32, plot.site().length_m as f32);
     let scale = WIDTH / w.max(h);
@@ -73,7 +80,52 @@ pub(super) fn plan(plot: &Plot) -> Drawing {
         line: None,
         title: String::new(),
     });
-    Drawing { width: w * scale, height: h * scale, background: SAND, shapes: colonies.chain(algae).collect() }
+    let mut shapes: Vec<Shape> = colonies.chain(algae).collect();
+    let lives = |n: usize| plot.colonies().iter().any(|c| usize::from(c.species) == n);
+    let species = plot.community().species.iter().enumerate().filter(|(n, _)| lives(*n));
+    let mut legend: Vec<(&str, [u8; 3])> = species.map(|(_, s)| (s.name.as_str(), s.colour)).collect();
+    if !plot.algae().is_empty() {
+        legend.push(("macroalgae", ALGAE));
+    }
+    let (width, below) = ((w * scale).max(2.0 * MARGIN + NAME), h * scale);
+    let columns = (((width - 2.0 * MARGIN) / NAME) as usize).max(1);
+    let height = below + 2.0 * MARGIN + ROW * (1 + legend.len().div_ceil(columns)) as f32;
+    // What reaches over the rim of the plot is cut off there.
+    let paper = |from: Place, to: Place| Shape::Polygon {
+        points: vec![from, [to[0], from[1]], to, [from[0], to[1]]],
+        fill: Some(Ink::of([255; 3])),
+        line: None,
+        title: String::new(),
+    };
+    shapes.push(paper([0.0, below], [width, height]));
+    if width > w * scale {
+        shapes.push(paper([w * scale, 0.0], [width, below]));
+    }
+    let text = |x: f32, y: f32, text: String| Shape::Text { at: [x, y], anchor: Anchor::Start, colour: INK, text };
+    let length = scale_length(w.max(h));
+    let (bar, y) = (length * scale, below + MARGIN + 10.0);
+    for points in [
+        vec![[MARGIN, y], [MARGIN + bar, y]],
+        vec![[MARGIN, y - 5.0], [MARGIN, y + 5.0]],
+        vec![[MARGIN + bar, y - 5.0], [MARGIN + bar, y + 5.0]],
+    ] {
+        shapes.push(Shape::Line { points, stroke: Stroke { ink: Ink::of(INK), width: 2.0 } });
+    }
+    shapes.push(text(MARGIN + bar + 12.0, y + 5.0, format!("{length} m, north is up")));
+    for (n, (name, colour)) in legend.into_iter().enumerate() {
+        let at = [MARGIN + NAME * (n % columns) as f32 + 8.0, y + ROW * (1 + n / columns) as f32 + 6.0];
+        shapes.push(Shape::Circle { at, radius: 8.0, fill: Some(Ink::of(colour)), line: None, title: String::new() });
+        shapes.push(text(at[0] + 16.0, at[1] + 5.0, name.to_owned()));
+    }
+    Drawing { width, height, background: SAND, shapes }
+}
+
+/// A round length for a scale, m: between a tenth and a quarter of the longer side.
+fn scale_length(side: f32) -> f32 {
+    let power = 10.0f32.powi((0.25 * side).log10().floor() as i32);
+    let round = [5.0, 2.0, 1.0].into_iter().find(|n| n * power <= 0.25 * side).unwrap_or(1.0) * power;
+    // Powers of ten below one are not exact.
+    (round * 1e4).round() / 1e4
 }
 
 /// Cover over the years with a grid, a legend and a mark at each hot month; below, how many colonies are bleached.
@@ -146,8 +198,26 @@ mod tests {
             plot.month().unwrap();
         }
         let drawing = plan(&plot);
-        assert_eq!(drawing.shapes.len(), plot.colonies().len() + plot.algae().len());
-        assert_eq!((drawing.width, drawing.height), (1000.0, 500.0));
+        let species: Vec<&str> = plot.community().species.iter().map(|s| s.name.as_str()).collect();
+        let living = (0..species.len()).filter(|&n| plot.colonies().iter().any(|c| usize::from(c.species) == n));
+        let words: Vec<&String> = drawing
+            .shapes
+            .iter()
+            .filter_map(|s| if let Shape::Text { text, .. } = s { Some(text) } else { None })
+            .collect();
+        assert_eq!(words[0], "2 m, north is up");
+        assert!(
+            living.clone().all(|n| words.iter().any(|w| *w == species[n])) && words.iter().any(|w| *w == "macroalgae")
+        );
+        // Paper below, the scale and its ends, and a spot with a name for each kind.
+        let kinds = living.count() + 1;
+        assert_eq!(drawing.shapes.len(), plot.colonies().len() + plot.algae().len() + 1 + 3 + 1 + 2 * kinds);
+        let rows = 1 + kinds.div_ceil(4);
+        assert_eq!((drawing.width, drawing.height), (1000.0, 500.0 + 40.0 + 25.0 * rows as f32));
+        let bar =
+            drawing.shapes.iter().find_map(|s| if let Shape::Line { points, .. } = s { Some(points) } else { None });
+        assert_eq!(bar.map(|p| p[1][0] - p[0][0]), Some(2.0 * 1000.0 / 8.0));
+        assert_eq!([0.5, 3.9, 4.0, 10.0, 100.0, 4000.0].map(scale_length), [0.1, 0.5, 1.0, 2.0, 20.0, 1000.0]);
         let curve = |name, cover| Curve { name, colour: [1, 2, 3], cover };
         let curves = vec![curve("Porites <lobata>", vec![0.1, 0.35, 0.2]), curve("macroalgae", vec![0.0; 3])];
         let story = Story { title: "A & B", curves, bleached: vec![0.0, 1.0, 0.5], hot: vec![1] };

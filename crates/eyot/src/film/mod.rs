@@ -4,6 +4,7 @@
 //! a film that was stopped goes on with the first one that is missing.
 
 mod path_file;
+mod reel;
 mod rerun;
 mod video;
 
@@ -11,9 +12,9 @@ use crate::artist::{Artist, Scenery};
 use crate::backend::{self, io, render};
 use crate::error::{RunError, shell_word};
 use crate::outputs::view_options;
-use crate::timeline::Timeline;
 use eyot_core::layer::known::ARIDITY;
 use eyot_core::{Control, Limits, World};
+use reel::{Playing, Reel};
 use render::CameraPath;
 use rerun::{Made, Rerun};
 use serde_json::{Value, json};
@@ -91,59 +92,45 @@ pub struct Filmed {
     pub notes: Vec<String>,
 }
 
-/// Films a world into the folder `out`.
+/// What a film shows.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// A world, which stands still.
+    World(&'a World),
+    /// The finished run in a folder: its recipe is carried out again, by the processor, and the pictures show the land from the
+    /// first step of its simulations to the last.
+    Run(&'a Path),
+    /// The recording in the folder of a run, which may be at work or have ended early: each picture shows the last frame that can be
+    /// read and is no later than its moment.
+    Recording(&'a Path),
+}
+
+/// Films a world, a run or a recording into the folder `out`.
 ///
 /// # Errors
-/// [`RunError::Input`] if the options or the path's file are wrong, or the folder holds another film;
-/// [`RunError::Stopped`] on a request to stop, after which the same call goes on; and as pictures fail.
+/// [`RunError::Input`] if the options or the path's file are wrong, the folder holds another film, or there is no such run or
+/// recording; [`RunError::Stopped`] on a request to stop, after which the same call goes on; and as pictures and runs fail.
 pub fn film(
-    world: &World,
+    subject: Subject<'_>,
     options: &FilmOptions,
     out: &Path,
     limits: &Limits,
     control: &Control<'_>,
     tell: &mut dyn FnMut(&FilmProgress),
 ) -> Result<Filmed, RunError> {
-    shoot(&Land { world, moves: None }, options, out, limits, control, tell)
-}
-
-/// Films the finished run in the folder `run`: its recipe is carried out again, by the processor, and the pictures show the land from
-/// the first step of its simulations to the last.
-///
-/// # Errors
-/// As [`film`], if the folder holds no such run, and as the run fails.
-pub fn film_run(
-    run: &Path,
-    options: &FilmOptions,
-    out: &Path,
-    limits: &Limits,
-    control: &Control<'_>,
-    tell: &mut dyn FnMut(&FilmProgress),
-) -> Result<Filmed, RunError> {
-    let made = Made::open(run, limits)?;
-    shoot(&Land { world: &made.world, moves: Some(Moves::Run(&made)) }, options, out, limits, control, tell)
-}
-
-/// Films the recording in the folder `run`: each picture shows the last frame that is no later than its moment. The run may be at
-/// work, or have ended early.
-///
-/// # Errors
-/// As [`film`], and if there is no recording, it holds no frame or is damaged.
-pub fn film_recording(
-    run: &Path,
-    options: &FilmOptions,
-    out: &Path,
-    limits: &Limits,
-    control: &Control<'_>,
-    tell: &mut dyn FnMut(&FilmProgress),
-) -> Result<Filmed, RunError> {
-    let timeline = Timeline::open(run, limits)?;
-    let Some(last) = timeline.frames().len().checked_sub(1) else {
-        let reason = format!("the recording in `{}` holds no frame", run.display());
-        return Err(RunError::Input { reason, help: Some("resume its run, or film another one") });
+    let (made, reel);
+    let land = match subject {
+        Subject::World(world) => Land { world, moves: None },
+        Subject::Run(folder) => {
+            made = Made::open(folder, limits)?;
+            Land { world: &made.world, moves: Some(Moves::Run(&made)) }
+        }
+        Subject::Recording(folder) => {
+            reel = Reel::open(folder, limits)?;
+            Land { world: &reel.last, moves: Some(Moves::Recording(&reel)) }
+        }
     };
-    let world = timeline.load(last)?;
-    shoot(&Land { world: &world, moves: Some(Moves::Recording(&timeline)) }, options, out, limits, control, tell)
+    shoot(&land, options, out, limits, control, tell)
 }
 
 /// What is filmed.
@@ -160,7 +147,7 @@ enum Moves<'a> {
     /// Its run, which is done again.
     Run(&'a Made),
     /// Its recording.
-    Recording(&'a Timeline),
+    Recording(&'a Reel),
 }
 
 impl Moves<'_> {
@@ -175,15 +162,14 @@ impl Moves<'_> {
 /// The states, one after the other.
 enum States<'a> {
     Run(&'a Made, Box<Rerun>),
-    /// With the number of the frame that was shown last.
-    Recording(&'a Timeline, Option<usize>),
+    Recording(Playing<'a>),
 }
 
 impl<'a> States<'a> {
     fn begin(moves: Moves<'a>, limits: &Limits, control: &Control<'_>) -> Result<Self, RunError> {
         Ok(match moves {
             Moves::Run(made) => Self::Run(made, Box::new(made.start(limits, control)?)),
-            Moves::Recording(timeline) => Self::Recording(timeline, None),
+            Moves::Recording(reel) => Self::Recording(reel.play()),
         })
     }
 
@@ -191,38 +177,16 @@ impl<'a> States<'a> {
     fn of(&mut self, picture: u32, frames: u32, control: &Control<'_>) -> Result<Option<Arc<World>>, RunError> {
         match self {
             Self::Run(made, rerun) => rerun.world_at(made.moment(picture, frames), control).map(Some),
-            Self::Recording(timeline, shown) => {
-                let frame = frame_at(timeline, picture, frames);
-                if shown.replace(frame) == Some(frame) {
-                    return Ok(None);
-                }
-                timeline.load(frame).map(|w| Some(Arc::new(w)))
-            }
+            Self::Recording(playing) => playing.world_at(picture, frames),
         }
     }
 
     fn notes(self) -> Vec<String> {
         match self {
             Self::Run(_, mut rerun) => std::mem::take(&mut rerun.notes),
-            Self::Recording(..) => Vec::new(),
+            Self::Recording(playing) => playing.notes(),
         }
     }
-}
-
-/// The number of the frame that a picture shows: moments follow each other evenly, and a single picture shows the end.
-fn frame_at(timeline: &Timeline, picture: u32, frames: u32) -> usize {
-    let steps = |i: usize| timeline.frames()[i].steps_done;
-    let (first, last) = (steps(0), steps(timeline.frames().len() - 1));
-    let share = if frames <= 1 { 1.0 } else { f64::from(picture) / f64::from(frames - 1) };
-    let moment = first + (share * (last - first) as f64).round() as u64;
-    timeline.frames().partition_point(|f| f.steps_done <= moment).max(1) - 1
-}
-
-/// Pictures of a recording: one for each frame that it would have if none had been dropped.
-fn usual_frames(timeline: &Timeline) -> u32 {
-    let steps = |f: Option<&crate::timeline::Frame>| f.map_or(0, |f| f.steps_done);
-    let span = steps(timeline.frames().last()) - steps(timeline.frames().first());
-    (span / timeline.record().every + 1).min(u64::from(MOST_FRAMES)) as u32
 }
 
 impl Land<'_> {
@@ -270,7 +234,7 @@ fn shoot(
     };
     let seconds = if keys.is_some_and(|k| k.is_timed()) { path.duration() } else { USUAL_SECONDS };
     let usual = || match land.moves {
-        Some(Moves::Recording(timeline)) => usual_frames(timeline),
+        Some(Moves::Recording(reel)) => reel.usual_frames(),
         _ => (seconds * options.fps).round().clamp(1.0, MOST_FRAMES as f32) as u32,
     };
     let frames = options.frames.unwrap_or_else(usual);

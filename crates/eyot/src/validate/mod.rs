@@ -77,9 +77,9 @@ pub(crate) fn recipe(
     Ok(Recipe { name, about, seed, grid, georeference, sea_level_m, steps, exports, view, source, overrides, texts })
 }
 
-mod rules;
+pub(crate) mod rules;
 mod steps;
-mod terms;
+pub(crate) mod terms;
 
 struct Validator<'a> {
     registry: &'a Registry,

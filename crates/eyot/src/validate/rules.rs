@@ -3,11 +3,11 @@
 use super::Validator;
 use crate::backend::io;
 use crate::check;
-use crate::diagnostic::{Diagnostic, alternatives, nearest};
+use crate::diagnostic::{Diagnostic, Source, alternatives, nearest};
 use crate::keys::{self, Amount};
 use crate::layers;
 use crate::node::{Kind, Node, Span};
-use crate::registry::{DOCUMENT_KEYS, SCHEDULE_KEYS, SIMULATE_KEYS};
+use crate::registry::{DOCUMENT_KEYS, Registry, SCHEDULE_KEYS, SIMULATE_KEYS};
 use eyot_core::LayerSpec;
 use eyot_core::process::{Parameters, schema_of};
 use eyot_rules::{
@@ -85,6 +85,13 @@ impl Validator<'_> {
             }
             Amount::Number(n) => check::number(*n),
         };
+        if let (Some(unit), Some(node)) = (&keys.unit, item.get("unit"))
+            && let Err(mistake) = eyot_rules::check_unit(unit)
+        {
+            let diagnostic = self.mistaken(self.inside(node, &mistake), &mistake);
+            self.out.push(diagnostic);
+            return None;
+        }
         if keys.next.is_none() && keys.mask.is_some() {
             let help = "add `next`, or leave out the mask";
             self.out.push(Diagnostic::at(place("mask"), "there is no rule to mask", "no `next`").help(help));
@@ -144,8 +151,12 @@ impl Validator<'_> {
             return fail(format!("a {kind} cannot be named \"{name}\""), help);
         }
         let key = [&DOCUMENT_KEYS[..], &SIMULATE_KEYS, &SCHEDULE_KEYS].concat().contains(&name);
-        if key || functions::is_taken(name) || io::is_coordinate(name) {
-            return fail(format!("`{name}` means something else in recipes"), "choose another name".to_owned());
+        let other = || format!("choose another name, for example `own_{name}`");
+        if let Some(meaning) = functions::taken(name) {
+            return fail(format!("`{name}` {meaning}"), other());
+        }
+        if key || io::is_coordinate(name) {
+            return fail(format!("`{name}` means something else in recipes"), other());
         }
         if self.registry.process(name).is_some() || self.registry.generator(name).is_some() {
             let help = "choose another name; `eyot list` shows those that are taken".to_owned();
@@ -165,11 +176,12 @@ impl Validator<'_> {
     fn parameters(&mut self, given: &BTreeMap<String, f64>, item: &Node) -> Option<Vec<(String, f32)>> {
         let before = self.out.len();
         for name in given.keys() {
-            let taken = functions::is_taken(name) || SCHEDULE_KEYS.contains(&name.as_str());
-            if taken || !LayerSpec::is_name(name) {
+            let taken = functions::meaning(name);
+            if taken.is_some() || SCHEDULE_KEYS.contains(&name.as_str()) || !LayerSpec::is_name(name) {
                 let key = item.get("parameters").and_then(|t| t.entries().iter().find(|(k, _)| k.name == *name));
                 let span = key.map_or_else(|| item.span.clone(), |(k, _)| k.span.clone());
-                let message = format!("a parameter cannot be named \"{name}\"");
+                let because = taken.map_or(String::new(), |meaning| format!(": it {meaning}"));
+                let message = format!("a parameter cannot be named \"{name}\"{because}");
                 let help = "use lower-case letters, digits and underscores, and no name that expressions know already";
                 self.out.push(Diagnostic::at(span, message, "this name").help(help));
             }
@@ -272,42 +284,12 @@ impl Validator<'_> {
         self.mistaken(span, mistake)
     }
 
-    /// What is wrong at this place.
     pub(super) fn mistaken(&self, span: Span, mistake: &Mistake) -> Diagnostic {
-        let diagnostic = Diagnostic::at(span, mistake.message.clone(), mistake.label.clone());
-        let help = mistake.unknown.as_deref().map(|(name, known)| self.instead(name, known)).or(mistake.help.clone());
-        match help {
-            Some(help) => diagnostic.help(help),
-            None => diagnostic,
-        }
+        mistaken(self.registry, span, mistake)
     }
 
-    /// What was meant by an unknown name.
-    fn instead(&self, name: &str, known: &[String]) -> String {
-        let names = || known.iter().map(String::as_str);
-        if let Some(near) = nearest(name, names()) {
-            return format!("did you mean `{near}`?");
-        }
-        let usual = |e: &&&'static eyot_core::process::Entry<dyn eyot_core::process::Process>| {
-            (e.make)(json!({})).is_ok_and(|p| p.layers().iter().any(|(spec, _)| spec.name == name))
-        };
-        match self.registry.processes().iter().find(usual) {
-            Some(e) => format!("`{}` makes such a layer: name it in `simulate` before this rule", e.name),
-            None if known.len() > 24 => "`eyot describe expressions` lists names and functions".to_owned(),
-            None => format!("there is {}", alternatives(names())),
-        }
-    }
-
-    /// The place of a mistake in the recipe. A text with escapes is shown as a whole.
     pub(super) fn inside(&self, node: &Node, mistake: &Mistake) -> Span {
-        let whole = node.span.clone();
-        let written = self.sources.get(whole.source).and_then(|s| s.text.get(whole.start..whole.end));
-        let at = written.zip(node.text()).and_then(|(written, text)| written.find(text));
-        let Some(at) = at else { return whole };
-        let start = whole.start + at + mistake.span.start;
-        // The end of a text is shown at its closing quote.
-        let end = (whole.start + at + mistake.span.end).max(start + 1).min(whole.end);
-        Span { source: whole.source, start, end }
+        inside(self.sources, node, mistake)
     }
 
     /// Finds what no step names and no rule needs.
@@ -326,6 +308,45 @@ impl Validator<'_> {
             self.out.push(Diagnostic::at(span, message, "never acts").help(help));
         }
     }
+}
+
+/// What is wrong at this place.
+pub(crate) fn mistaken(registry: &Registry, span: Span, mistake: &Mistake) -> Diagnostic {
+    let diagnostic = Diagnostic::at(span, mistake.message.clone(), mistake.label.clone());
+    let unknown = mistake.unknown.as_deref();
+    let help = unknown.map(|(name, known)| instead(registry, name, known)).or(mistake.help.clone());
+    match help {
+        Some(help) => diagnostic.help(help),
+        None => diagnostic,
+    }
+}
+
+/// What was meant by an unknown name.
+fn instead(registry: &Registry, name: &str, known: &[String]) -> String {
+    let names = || known.iter().map(String::as_str);
+    if let Some(near) = nearest(name, names()) {
+        return format!("did you mean `{near}`?");
+    }
+    let usual = |e: &&&'static eyot_core::process::Entry<dyn eyot_core::process::Process>| {
+        (e.make)(json!({})).is_ok_and(|p| p.layers().iter().any(|(spec, _)| spec.name == name))
+    };
+    match registry.processes().iter().find(usual) {
+        Some(e) => format!("`{}` makes such a layer: name it in `simulate` before this rule", e.name),
+        None if known.len() > 24 => "`eyot describe expressions` lists names and functions".to_owned(),
+        None => format!("there is {}", alternatives(names())),
+    }
+}
+
+/// The place of a mistake in a document. A text with escapes is shown as a whole.
+pub(crate) fn inside(sources: &[Source], node: &Node, mistake: &Mistake) -> Span {
+    let whole = node.span.clone();
+    let written = sources.get(whole.source).and_then(|s| s.text.get(whole.start..whole.end));
+    let at = written.zip(node.text()).and_then(|(written, text)| written.find(text));
+    let Some(at) = at else { return whole };
+    let start = whole.start + at + mistake.span.start;
+    // The end of a text is shown at its closing quote.
+    let end = (whole.start + at + mistake.span.end).max(start + 1).min(whole.end);
+    Span { source: whole.source, start, end }
 }
 
 fn plain() -> LayerSpec {

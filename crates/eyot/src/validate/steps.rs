@@ -13,7 +13,8 @@ use crate::texts;
 use eyot_core::LayerSpec;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use serde_json::{Value, json};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
 
 impl Validator<'_> {
     pub(super) fn steps(&mut self, doc: &Node, seed: u64) -> Vec<Step> {
@@ -270,10 +271,13 @@ impl Validator<'_> {
             self.out.push(Diagnostic::at(key.span.clone(), message, "unknown key").help(help));
         }
         let keys: keys::Simulate = self.keys_of(node, "step", &tables);
-        let processes = uses
+        let processes: Vec<ProcessUse> = uses
             .iter()
             .filter_map(|(place, what)| self.acting(place.text().and_then(|n| node.get(n)), place, what, keys.enabled))
             .collect();
+        if keys.enabled {
+            self.shared(node, &processes);
+        }
         if matches!(&keys.simulate, Names::Many(names) if names.is_empty()) && self.out.len() == before {
             self.out.push(Diagnostic::at(list.span.clone(), "no process is listed", "empty").help("see `eyot list`"));
         }
@@ -289,6 +293,31 @@ impl Validator<'_> {
         let name = keys.name.unwrap_or_else(|| own.join(" + "));
         let work = Work::Simulate(SimulateStep { steps: keys.steps, processes });
         Some(Step { number, name, enabled: keys.enabled, work })
+    }
+
+    /// Parameters that belong to the world and not to one process (`shared` in their schema) are the same in all processes
+    /// of a step.
+    fn shared(&mut self, node: &Node, processes: &[ProcessUse]) {
+        let mut values: BTreeMap<String, Vec<(&str, Value)>> = BTreeMap::new();
+        for u in processes.iter().filter(|u| u.enabled) {
+            let schema = u.actor.schema();
+            let shared = schema["properties"].as_object().into_iter().flatten().filter(|(_, p)| p["shared"] == true);
+            for (key, property) in shared.filter(|(key, _)| u.terms.list().iter().all(|t| t.parameter() != *key)) {
+                let value = u.parameters.get(key).unwrap_or(&property["default"]).clone();
+                values.entry(key.clone()).or_default().push((u.actor.name(), value));
+            }
+        }
+        let same = |a: &Value, b: &Value| a.as_f64() == b.as_f64();
+        for (key, of) in values {
+            let given = |name: &str| node.get(name).and_then(|table| table.get(&key));
+            let Some((name, value)) = of.iter().find(|(name, _)| given(name).is_some()) else { continue };
+            let others: Vec<&str> = of.iter().filter(|(_, v)| !same(v, value)).map(|(n, _)| *n).collect();
+            let (Some(first), Some(place)) = (of.iter().find(|(_, v)| !same(v, value)), given(name)) else { continue };
+            let message = format!("`{name}.{key}` is {value}, but `{}.{key}` is {}", first.0, first.1);
+            let remedy: Vec<String> = others.iter().map(|n| format!("{n}.{key} = {value}")).collect();
+            let help = format!("the processes of a world share it: write {} as well", remedy.join(" and "));
+            self.out.push(Diagnostic::at(place.span.clone(), message, "not what the others have").help(help));
+        }
     }
 
     fn acting(&mut self, table: Option<&Node>, place: &Node, what: &Named, step_enabled: bool) -> Option<ProcessUse> {
@@ -353,8 +382,9 @@ impl Validator<'_> {
                         self.layers.push(spec.name.into_owned());
                     }
                 }
-                let terms = self.terms(&actor, &parameters, texts, acts)?;
-                Some(ProcessUse { actor, parameters, terms, every: schedule.every, enabled: schedule.enabled })
+                let scope = Arc::new(self.scope().0);
+                let terms = self.terms(&actor, &parameters, texts, &scope, acts)?;
+                Some(ProcessUse { actor, parameters, terms, scope, every: schedule.every, enabled: schedule.enabled })
             }
             Err(e) => {
                 self.out.push(Diagnostic::at(node.span.clone(), format!("`{name}`: {e}"), "here"));

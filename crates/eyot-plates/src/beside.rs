@@ -1,0 +1,148 @@
+//! The next step of plates, made on threads of its own while the world goes on.
+//!
+//! A step needs nothing but what the step before it left, so it can begin as soon as that is there; what others do to the land
+//! meanwhile is added when the world has come to the next step. Whether a step was made ahead decides nothing but the time: what it
+//! was made from is compared with the world, and where anything differs, such as after a rewind, it is made anew.
+
+use crate::crust::metres;
+use crate::geometry::rows_at_once;
+use crate::plates::Plates;
+use crate::process::{CRUST, CRUST_AGE, NUMBERS, PLATE};
+use eyot_core::{Field, Grid, World};
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Plates as a world keeps them.
+pub(crate) struct Before {
+    grid: Grid,
+    seed: u64,
+    numbers: Vec<f64>,
+    pub(crate) owner: Vec<u8>,
+    crust: Vec<i32>,
+    age: Vec<f32>,
+    /// Above the sea, m.
+    pub(crate) height: Vec<f32>,
+}
+
+impl Before {
+    /// True if `world` keeps these.
+    fn are_of(&self, world: &World) -> bool {
+        let numbers = world.features.get(NUMBERS).map(Vec::as_slice).unwrap_or_default();
+        let bits = |v: &[f64]| v.iter().map(|n| n.to_bits()).collect::<Vec<_>>();
+        if (world.grid, world.seed) != (self.grid, self.seed) || bits(numbers) != bits(&self.numbers) {
+            return false;
+        }
+        let [Some(plate), Some(crust), Some(age)] = [&PLATE, &CRUST, &CRUST_AGE].map(|l| world.get(&l.name)) else {
+            return false;
+        };
+        let width = self.grid.width;
+        (0..self.grid.height).into_par_iter().with_min_len(rows_at_once(width)).all(|y| {
+            let cells = y * width..(y + 1) * width;
+            same(plate, y, self.owner[cells.clone()].iter().map(|&o| f32::from(o)))
+                && same(crust, y, self.crust[cells.clone()].iter().map(|&c| metres(c)))
+                && same(age, y, self.age[cells].iter().copied())
+        })
+    }
+}
+
+/// True if a row of a field holds just these values. Looks at all of them, which is quicker than to stop at the first.
+fn same(field: &Field, y: usize, values: impl Iterator<Item = f32>) -> bool {
+    field.row(y).iter().zip(values).fold(0, |differ, (a, b)| differ | (a.to_bits() ^ b.to_bits())) == 0
+}
+
+/// Plates after a step, and before it.
+pub(crate) struct Made {
+    pub(crate) plates: Plates,
+    pub(crate) before: Before,
+}
+
+impl Made {
+    /// Makes a step of plates that a world keeps with these `numbers`.
+    pub(crate) fn new(grid: &Grid, numbers: Vec<f64>, mut plates: Plates) -> Self {
+        plates.forget();
+        let before = Before {
+            grid: *grid,
+            seed: plates.seed,
+            numbers,
+            owner: plates.maps.owner.clone(),
+            crust: plates.maps.crust.clone(),
+            age: plates.maps.age.clone(),
+            height: plates.height.clone(),
+        };
+        plates.step();
+        Self { plates, before }
+    }
+}
+
+impl Plates {
+    /// Adds to the land what others have done to it since `before`, where its plate has carried it; `height` is the world's, in which
+    /// the sea stands at `sea` m.
+    pub(crate) fn add_changes(&mut self, before: &Before, height: &Field, sea: f32) {
+        let (course, width) = (self.course.take(), self.g.width);
+        let change = |(y, x): (usize, usize)| height.row(y)[x] - sea - before.height[y * width + x];
+        self.shape(&|row, new| match &course {
+            Some(course) => course.trace(&before.owner, row, |column, from| new[column] += change(from)),
+            None => new.iter_mut().enumerate().for_each(|(column, h)| *h += change((row, column))),
+        });
+    }
+}
+
+/// The next step.
+#[derive(Default)]
+pub(crate) struct Beside(Mutex<Work>);
+
+#[derive(Default)]
+struct Work {
+    threads: Option<ThreadPool>,
+    step: Option<Step>,
+}
+
+enum Step {
+    /// Not begun.
+    Waits(Vec<f64>, Box<Plates>),
+    UnderWay(Receiver<Made>),
+}
+
+impl Beside {
+    /// True if no step is under way or waits.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.work().step.is_none()
+    }
+
+    /// Begins a step of plates that a world keeps with these `numbers`. If not `at_once`, it is only begun when it is asked for: for
+    /// a world that does nothing in the meantime.
+    pub(crate) fn begin(&self, grid: &Grid, numbers: Vec<f64>, plates: Plates, at_once: bool) {
+        let mut work = self.work();
+        if work.threads.is_none() && at_once {
+            // As many as the world's own: whoever waits for the step should not wait longer than for one of its own.
+            let threads = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads());
+            // A step that panics drops its sender, and is made again where its message can be seen.
+            work.threads = threads.thread_name(|_| "plates".into()).panic_handler(|_| ()).build().ok();
+        }
+        let plates = Box::new(plates);
+        work.step = Some(match &work.threads {
+            Some(threads) if at_once => {
+                let (sender, receiver) = sync_channel(1);
+                let grid = *grid;
+                threads.spawn(move || drop(sender.send(Made::new(&grid, numbers, *plates))));
+                Step::UnderWay(receiver)
+            }
+            _ => Step::Waits(numbers, plates),
+        });
+    }
+
+    /// The step that was begun, if it is one of the plates in `world`; waits for it.
+    pub(crate) fn take(&self, world: &World) -> Option<Made> {
+        let made = match self.work().step.take()? {
+            Step::Waits(numbers, plates) => Made::new(&world.grid, numbers, *plates),
+            Step::UnderWay(receiver) => receiver.recv().ok()?,
+        };
+        made.before.are_of(world).then_some(made)
+    }
+
+    fn work(&self) -> MutexGuard<'_, Work> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
