@@ -1,26 +1,31 @@
 //! Plates that drift over the world: oceans open at ridges and close at trenches, and continents break apart and fold into ranges.
 //!
-//! Between its steps other processes may shape the land; what they did moves on with the plate. Run it in every n-th step
-//! (`every`): a million years are long for rivers. The world does not wait: each step begins when the one before it has been shown, on
-//! threads of its own, and what others did in the meantime is added to it, where the plate has carried it.
+//! Between its steps other processes may shape the land; what they did moves on with the plate. Run it in every n-th step (`every`): a
+//! million years are long for rivers. The world does not wait: each step begins when the one before it has been shown, on threads of its
+//! own, and what others did in the meantime is added to it, where the plate has carried it.
 //!
 //! # Equations
 //! 1. Plates: `dv/dt = (speed (heading + slab_pull pull) - v) / 20 Myr`. Each shifts by the whole cells in its way and keeps the rest.
 //! 2. Gaps get crust of 7 km and age 0, and from the edge of a continent `stretch` of its crust.
-//! 3. Where two meet, oceanic crust (below 20 km) sinks; `arcs` of it comes up `arc_distance` further, as volcanoes. Of two
-//!    continental cells the crust of one folds into a belt of `fold_width` to either side, and both plates are braked:
+//! 3. Where two meet, oceanic crust (below 20 km) sinks; `arcs` of it comes up `arc_distance` further, as volcanoes, and what is scraped
+//!    off it folds into the upper plate's continent. Slabs that slide along a border feed no volcanoes. Of two continental cells the
+//!    crust of one folds into a belt of `fold_width` to either side, and both plates are braked:
 //!    `v_a += friction n sqrt((a + b) / (a b)) (v_b - v_a) b / (a + b)`, with `n` cells of front and areas of `a` and `b` cells.
 //! 4. Two plates whose continents lost `suture_area`, or `suture_share` of the smaller ones, grow together there.
-//! 5. Rivers and waves: on each face `q = dt / cell^2 (erosion (p_a - p_b) + coast min(p, 200 m)) / A`, `p = max(height, 0)`.
-//! 6. Heights: `dry = A crust + w theta(age) - level`, with `A = 1 - 2800 / 3300`; below the sea 1.45 times that. `theta` makes
-//!    ocean floor sink by `350 sqrt(age)` to 70 Myr and towards 6400 m beyond; `w` ends it at 35 km of crust.
-//! 7. `level` moves by the missing share of land over how densely the heights lie at the coast, up to 25 m a step.
-//! 8. After `cycle`, when plates have come to a halt, or when one has 70 % of the world, new plates are made from the crust that is
-//!    there (numbered, grown from seeds at different speeds), and set off away from where the continents are.
+//! 5. Rivers and waves: on each face `q = dt / cell^2 (erosion (p_a - p_b) + coast (s_a - s_b)) / A`, `p = max(height, 0)`, and `s` the
+//!    height from -100 to 200 m where one is sea. `dh/dt = -denudation (p / 1 km)^3`, carried to the edges of the plate's shelves
+//!    (-130 m).
+//! 6. Heights: `dry = A crust + w theta(age) - level`, with `A = 1 - 2800 / 3300`; below the sea 1.45 times that. `theta` makes ocean
+//!    floor sink by `350 sqrt(age)` to 70 Myr and towards 6400 m beyond; `w` ends it at 35 km of crust.
+//! 7. `level` moves to where the heights around the coast give the share of land that is aimed at, up to 25 m a step, and at once where
+//!    that would be 2 points off; the aim follows `land` by half a point a step.
+//! 8. After `cycle`, when plates have come to a halt, or when one has 70 % of the world, new plates are made from the crust that is there
+//!    (numbered, grown from seeds at different speeds, with borders frayed by noise), and set off away from where the continents are.
 //!
 //! # Source
 //! The course of a step follows Viitanen (2012). Crust floats by Airy (1855), the ocean floor sinks by Parsons and Sclater (1977), new
-//! crust is as thick as White, McKenzie and O'Nions (1992) found it. Plates grow by Dijkstra (1959), noise is Perlin's (2002).
+//! crust is as thick as White, McKenzie and O'Nions (1992) found it. Land is worn down the faster the higher it stands, more than in
+//! proportion (Ahnert 1970; Montgomery and Brandon 2002). Plates grow by Dijkstra (1959), noise is Perlin's (2002).
 //!
 //! # Differences
 //! - Overlaps are counted for a whole cycle, so that an area can be their limit: within a step it never is.
@@ -34,17 +39,17 @@
 //!
 //! # Layers
 //! Reads and writes `height` (m), `plate`, `crust` (m) and `crust_age` (Myr). On a flat world it makes continents of its own; any other
-//! land gets the crust that carries it. What others add to the height becomes crust with the root that belongs to it, seven metres
-//! for one, so that the height stays.
+//! land gets the crust that carries it. What others add to the height becomes crust with the root that belongs to it, seven metres for
+//! one, so that the height stays.
 //!
 //! # Limits
 //! Plates shift and do not rotate. A plate crosses at most 8 cells in a step, and rivers take 64 passes at most; recipes beyond are
-//! refused. Crust above 100 km sinks. There can be 100 plates. Over open rims continents leave for good, and then no level keeps the
-//! share of land.
+//! refused. Crust that is thicker than 1.1 `max_crust` after it flowed sinks. There can be 100 plates. Over open rims continents leave
+//! for good, and then no level keeps the share of land.
 //!
 //! # Conserves
-//! Crust, exactly: start, ridges, arcs and deposits make it, subduction, delamination, removal and open rims take it
-//! (`crust.*` in the ledger; `crust_is_accounted_for`).
+//! Crust, exactly: start, ridges, arcs and deposits make it, subduction, delamination, removal and open rims take it (`crust.*` in the
+//! ledger; `crust_is_accounted_for`).
 
 use crate::analyse::{Report, hypsometry};
 use crate::beside::{Beside, Made};
@@ -76,7 +81,16 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[Entry {
     defaults: defaults_of::<Tectonics>,
     make: |table| Ok(Box::new(Drift::new(parameters_from(table)?))),
     about: about!("process.rs"),
-    cites: &["airy1855", "dijkstra1959", "parsons1977", "perlin2002", "viitanen2012", "white1992"],
+    cites: &[
+        "ahnert1970",
+        "airy1855",
+        "dijkstra1959",
+        "montgomery2002",
+        "parsons1977",
+        "perlin2002",
+        "viitanen2012",
+        "white1992",
+    ],
 }];
 
 /// Plates as a process of a world.
