@@ -106,7 +106,7 @@ pub struct Humidity {
 
 impl Default for Humidity {
     fn default() -> Self {
-        Self { water_add: 1.0, land_dry: 0.1, ice_dry: 0.2, land_add: 0.22, soil: 16.0, mixing: 5e5, storms: 1.1e6 }
+        Self { water_add: 1.0, land_dry: 0.1, ice_dry: 0.2, land_add: 0.22, soil: 16.0, mixing: 5e5, storms: 1.8e6 }
     }
 }
 
@@ -344,7 +344,7 @@ impl Rule for Moisten {
         let fallen = c.here(7) + R::of(0.1) * (p.per_year * rain - c.here(7));
         let on_soil = sea.pick(zero, rain);
         let wetter = (p.soil * kept - risen).positive() + on_soil;
-        let soil = sea.pick(zero, wetter.min(p.soil) * p.per_soil).flushed().named("(7) soil");
+        let soil = sea.pick(zero, (wetter * p.per_soil).min(one)).flushed().named("(7) soil");
         let ran_off = wetter - p.soil * soil;
         let sums = [
             p.depth * (uptake + risen),
