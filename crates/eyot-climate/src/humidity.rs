@@ -30,7 +30,7 @@
 //!
 //! # Layers
 //! Reads `height`, `water`, `ice` (m), `temperature` (degrees Celsius), `wind_x`, `wind_y` (m/s); reads and writes
-//! `humidity`, `soil` (1) and `precipitation` (mm a year).
+//! `humidity`, `soil_moisture` (1) and `precipitation` (mm a year).
 //!
 //! # Limits
 //! Stable for all values: no more leaves a cell than is there. On fine grids storms carry less than asked for.
@@ -65,7 +65,7 @@ pub const PRECIPITATION: LayerSpec =
 
 /// Rain that waits in the soil.
 pub const SOIL: LayerSpec =
-    LayerSpec::new("soil", "1", "How full the soil is of rain that it keeps until it dries", (0.0, 1.0));
+    LayerSpec::new("soil_moisture", "1", "How full the soil is of rain that it keeps until it dries", (0.0, 1.0));
 
 const LEFT: Tally = Tally {
     account: "humidity.left",
@@ -106,7 +106,7 @@ pub struct Humidity {
 
 impl Default for Humidity {
     fn default() -> Self {
-        Self { water_add: 1.0, land_dry: 0.1, ice_dry: 0.2, land_add: 0.22, soil: 16.0, mixing: 5e5, storms: 1.1e6 }
+        Self { water_add: 1.0, land_dry: 0.1, ice_dry: 0.2, land_add: 0.22, soil: 16.0, mixing: 5e5, storms: 1.8e6 }
     }
 }
 
@@ -268,9 +268,9 @@ impl Rule for Moisten {
         read("water", 0),
         read("ice", 0),
         read("precipitation", 0),
-        read("soil", 0),
+        read("soil_moisture", 0),
     ];
-    const WRITES: &'static [&'static str] = &["humidity", "precipitation", "soil"];
+    const WRITES: &'static [&'static str] = &["humidity", "precipitation", "soil_moisture"];
     const TALLIES: &'static [Tally] = &[
         Tally {
             account: "humidity.taken_up",
@@ -291,15 +291,20 @@ impl Rule for Moisten {
             meaning: "Water that land and ice took from the air without rain",
         },
         LEFT,
-        Tally { account: "soil.rained", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell on soil" },
         Tally {
-            account: "soil.taken_up",
+            account: "soil_moisture.rained",
+            unit: TallyUnit::Thickness,
+            sign: 1,
+            meaning: "Rain that fell on soil",
+        },
+        Tally {
+            account: "soil_moisture.taken_up",
             unit: TallyUnit::Thickness,
             sign: -1,
             meaning: "Water that the air took up over soil",
         },
         Tally {
-            account: "soil.ran_off",
+            account: "soil_moisture.ran_off",
             unit: TallyUnit::Thickness,
             sign: -1,
             meaning: "Rain that the soil could not keep",
@@ -339,7 +344,7 @@ impl Rule for Moisten {
         let fallen = c.here(7) + R::of(0.1) * (p.per_year * rain - c.here(7));
         let on_soil = sea.pick(zero, rain);
         let wetter = (p.soil * kept - risen).positive() + on_soil;
-        let soil = sea.pick(zero, wetter.min(p.soil) * p.per_soil).flushed().named("(7) soil");
+        let soil = sea.pick(zero, (wetter * p.per_soil).min(one)).flushed().named("(7) soil");
         let ran_off = wetter - p.soil * soil;
         let sums = [
             p.depth * (uptake + risen),

@@ -31,7 +31,7 @@
 //! - The clock turns by 0.262 rad/h, a day of 24 h, instead of 0.02 rad a step. 0 stops it: a world that is tidally locked.
 //!
 //! # Layers
-//! Reads `height` (m), `soil` (1), `wind_x`, `wind_y` (m/s); reads and writes `temperature` (degrees Celsius).
+//! Reads `height` (m), `soil_moisture` (1), `wind_x`, `wind_y` (m/s); reads and writes `temperature` (degrees Celsius).
 //!
 //! # Limits
 //! Stable for all values: (3) to (5) are means. On fine grids storms mix less than asked for.
@@ -275,7 +275,7 @@ pub struct Warm;
 impl Rule for Warm {
     const NAME: &'static str = "temperature_warm";
     const READS: &'static [Read] =
-        &[read("temperature", 1), read("wind_x", 1), read("wind_y", 1), read("height", 0), read("soil", 0)];
+        &[read("temperature", 1), read("wind_x", 1), read("wind_y", 1), read("height", 0), read("soil_moisture", 0)];
     const WRITES: &'static [&'static str] = &["temperature"];
     type Params = WarmParams<()>;
     type Out<R: Real> = [R; 1];

@@ -36,7 +36,7 @@
 //!
 //! # Limits
 //! Stable for all values: (4) and (6) are means. `turbulence` is made from the world's seed if it is empty. On more than
-//! 2300 columns the heat low is felt less far.
+//! 1500 columns the heat low is felt less far.
 
 use crate::sky::{Seasons, cosine, edge_latitude, latitude, polewards, rows, sine};
 use crate::temperature::TEMPERATURE;
@@ -157,8 +157,8 @@ const RISE_HOURS: f64 = 60.0;
 const NEAR: f32 = 0.05;
 /// Share that spreads between next but one neighbours in a pass, 1.
 const FAR: f32 = 0.15;
-/// Passes in a step at most: on grids above 2300 columns warmth is felt less far.
-const MOST_PASSES: f64 = 8.0;
+/// Passes in a step at most: on grids above 1500 columns warmth is felt less far.
+const MOST_PASSES: f64 = 5.0;
 /// Half the difference of temperature between equator and poles that drives the belts and no monsoon, degrees: less
 /// than the sun makes, since winds and seas carry warmth.
 const BELTS_CONTRAST: f32 = 13.0;

@@ -54,7 +54,7 @@ fn sand_with_erosion() {
 fn humidity_with_uptake_rain_and_drying() {
     check(
         &[one(Humidity { water_add: 5.0, land_add: 2.0, land_dry: 5.0, ..Default::default() })],
-        &[("humidity", f64::from(AIR_WATER)), ("soil", SOIL_M)],
+        &[("humidity", f64::from(AIR_WATER)), ("soil_moisture", SOIL_M)],
     );
 }
 
@@ -70,7 +70,7 @@ fn a_world_with_everything() {
     }
     run(&mut after, &processes, 1500);
     for (layer, factor) in
-        [("water", 1.0), ("ice", 1.0), ("sand", 1.0), ("humidity", f64::from(AIR_WATER)), ("soil", SOIL_M)]
+        [("water", 1.0), ("ice", 1.0), ("sand", 1.0), ("humidity", f64::from(AIR_WATER)), ("soil_moisture", SOIL_M)]
     {
         assert_closed(&before, &after, layer, factor, 1e-5, "planet");
     }

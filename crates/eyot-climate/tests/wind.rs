@@ -44,7 +44,7 @@ fn a_blob_keeps_its_mass_and_moves_with_the_wind() {
         let mut world = planet(128, Rim::WRAP);
         fill(&mut world, &processes, "wind_x", |_, _| wind);
         // So hot that nothing rains.
-        fill(&mut world, &processes, "temperature", |_, _| 190.0);
+        fill(&mut world, &processes, "temperature", |_, _| 290.0);
         fill(&mut world, &processes, "humidity", |x, y| {
             let (dx, dy) = (x as f32 - 64.0, y as f32 - 32.0);
             0.1 * (-(dx * dx + dy * dy) / 50.0).exp()

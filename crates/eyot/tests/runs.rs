@@ -267,7 +267,7 @@ fn commands_that_do_not_fit_the_recipe_are_refused_before_the_run() {
         (entry(1, "hydraulic.rain=0.1"), "simulates nothing there"),
         (entry(7, "hydraulic.rain=0.1"), "simulates nothing there"),
         (entry(2, "thermal.enabled=false"), "does not simulate `thermal`"),
-        (entry(2, "hydraulic.rain=wet"), "must be a number"),
+        (entry(2, "hydraulic.rain=wet"), "nothing is called `wet`"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");

@@ -59,7 +59,7 @@ enabled = false
 "#;
 
 /// Depth of the water in air of humidity 1, m; as `eyot_climate::units::AIR_WATER`.
-const AIR_WATER: f64 = 1e-3 * 2500.0 * 96.0 / 8766.0;
+const AIR_WATER: f64 = 0.0325;
 
 fn parse(text: &str, set: &[&str]) -> Result<Recipe, String> {
     let overrides = Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), ..Overrides::default() };
