@@ -45,7 +45,7 @@ fn the_world_has_wet_tropics_dry_belts_and_cold_poles() {
     assert!([22.5, -22.5].into_iter().filter_map(dry_land).any(|mm| mm < 500.0));
     // Plates made the continents and went on while the weather ran.
     let plates = eyot::plates::report(&world).unwrap().unwrap();
-    assert!(plates.steps == 265 + 9 && plates.plates.len() > 4, "{plates:?}");
+    assert!(plates.steps == 265 + 12 && plates.plates.len() > 4, "{plates:?}");
     assert!(plates.hypsometry.peaks_m.is_some(), "{:?}", plates.hypsometry);
     world.check_finite("the end").unwrap();
 }
@@ -53,7 +53,7 @@ fn the_world_has_wet_tropics_dry_belts_and_cold_poles() {
 #[test]
 fn an_ice_age_has_more_ice() {
     let (_, now) = of("world", &["life.steps=1200"]);
-    let (_, then) = of("iceage", &["life.steps=900"]);
+    let (_, then) = of("iceage", &["life.steps=1200"]);
     assert!(then.temperature_c < now.temperature_c - 4.0, "{} {}", then.temperature_c, now.temperature_c);
     assert!(then.ice_share > 1.1 * now.ice_share, "{} {}", then.ice_share, now.ice_share);
 }
