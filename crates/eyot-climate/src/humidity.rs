@@ -41,9 +41,9 @@
 //! The rain of the map falls as `water.rain` in its own, slower time; see `water`.
 
 use crate::carry::{Carrier, mixing, shares, storms};
+use crate::ice::ICE;
 use crate::level::out;
 use crate::sky::{edge_latitude, latitude, rows, storminess};
-use crate::ice::ICE;
 use crate::temperature::TEMPERATURE;
 use crate::units::{AIR_WATER, CELSIUS_AT_ZERO, HOURS_PER_YEAR, RAIN_HOURS, hours_per_step};
 use crate::wind::{WIND_X, WIND_Y};
@@ -291,12 +291,7 @@ impl Rule for Moisten {
             meaning: "Water that land and ice took from the air without rain",
         },
         LEFT,
-        Tally {
-            account: "soil.rained",
-            unit: TallyUnit::Thickness,
-            sign: 1,
-            meaning: "Rain that fell on soil",
-        },
+        Tally { account: "soil.rained", unit: TallyUnit::Thickness, sign: 1, meaning: "Rain that fell on soil" },
         Tally {
             account: "soil.taken_up",
             unit: TallyUnit::Thickness,

@@ -37,8 +37,8 @@
 //! Stable for all values: (3) to (5) are means. On fine grids storms mix less than asked for.
 
 use crate::carry::{Carrier, mixing, shares, storms};
-use crate::sky::{Seasons, cosine, hours, latitude, polewards, rows, sine, storminess, turned};
 use crate::humidity::SOIL;
+use crate::sky::{Seasons, cosine, hours, latitude, polewards, rows, sine, storminess, turned};
 use crate::units::{CELSIUS_AT_ZERO, CELSIUS_PER_UNIT, hours_per_step};
 use crate::wind::{WIND_X, WIND_Y};
 use eyot_core::layer::known::HEIGHT;
@@ -169,7 +169,13 @@ impl Process for Temperature {
         });
         let (passes, share) = storms(&moment.grid, self.storms);
         for _ in 0..passes {
-            plan.push::<Storm>(StormParams { rows, half_row, share, lapse: 1e-3 * self.lapse, sea: moment.sea_level_m as f32 });
+            plan.push::<Storm>(StormParams {
+                rows,
+                half_row,
+                share,
+                lapse: 1e-3 * self.lapse,
+                sea: moment.sea_level_m as f32,
+            });
         }
     }
 }
@@ -268,7 +274,8 @@ pub struct Warm;
 
 impl Rule for Warm {
     const NAME: &'static str = "temperature_warm";
-    const READS: &'static [Read] = &[read("temperature", 1), read("wind_x", 1), read("wind_y", 1), read("height", 0), read("soil", 0)];
+    const READS: &'static [Read] =
+        &[read("temperature", 1), read("wind_x", 1), read("wind_y", 1), read("height", 0), read("soil", 0)];
     const WRITES: &'static [&'static str] = &["temperature"];
     type Params = WarmParams<()>;
     type Out<R: Real> = [R; 1];

@@ -179,7 +179,14 @@ impl Wind {
 
 impl Process for Wind {
     fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO), (WIND_X, 0.0), (WIND_Y, 0.0), (TURBULENCE, 0.0), (HEAT_LOW, 0.0)]
+        vec![
+            (HEIGHT, 0.0),
+            (TEMPERATURE, CELSIUS_AT_ZERO),
+            (WIND_X, 0.0),
+            (WIND_Y, 0.0),
+            (TURBULENCE, 0.0),
+            (HEAT_LOW, 0.0),
+        ]
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -407,7 +414,8 @@ const LOW: usize = 4;
 
 impl Rule for Blow {
     const NAME: &'static str = "wind_blow";
-    const READS: &'static [Read] = &[read("height", 1), read("wind_x", 1), read("wind_y", 1), read("turbulence", 2), read("heat_low", 1)];
+    const READS: &'static [Read] =
+        &[read("height", 1), read("wind_x", 1), read("wind_y", 1), read("turbulence", 2), read("heat_low", 1)];
     const WRITES: &'static [&'static str] = &["wind_x", "wind_y"];
     type Params = BlowParams<()>;
     type Out<R: Real> = [R; 2];

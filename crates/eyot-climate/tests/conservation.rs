@@ -69,7 +69,9 @@ fn a_world_with_everything() {
         before.ensure(&spec, value);
     }
     run(&mut after, &processes, 1500);
-    for (layer, factor) in [("water", 1.0), ("ice", 1.0), ("sand", 1.0), ("humidity", f64::from(AIR_WATER)), ("soil", SOIL_M)] {
+    for (layer, factor) in
+        [("water", 1.0), ("ice", 1.0), ("sand", 1.0), ("humidity", f64::from(AIR_WATER)), ("soil", SOIL_M)]
+    {
         assert_closed(&before, &after, layer, factor, 1e-5, "planet");
     }
     assert!(after.ledger.amount("water.melted") > 0.0 && after.ledger.amount("water.frozen") > 0.0);

@@ -12,7 +12,15 @@ mod common;
 
 /// Nothing but transport.
 fn air() -> Scheduled {
-    one(Humidity { water_add: 0.0, land_dry: 0.0, land_add: 0.0, ice_dry: 0.0, mixing: 0.0, storms: 0.0, ..Default::default() })
+    one(Humidity {
+        water_add: 0.0,
+        land_dry: 0.0,
+        land_add: 0.0,
+        ice_dry: 0.0,
+        mixing: 0.0,
+        storms: 0.0,
+        ..Default::default()
+    })
 }
 
 /// Column of the middle of mass of a layer on a ring of `width`, by the phase of its first harmonic.

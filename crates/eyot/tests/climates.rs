@@ -168,7 +168,8 @@ fn the_earth_has_its_climates() {
     let (west, east) = (at("rain_mean", -46.0, -75.0), at("rain_mean", -46.0, -68.0));
     assert!(east < 0.8 * west, "{west} mm west of the Andes, {east} mm east of them");
     // Monsoons: it rains in the summer of either hemisphere.
-    let summer = |north: f64, east: f64| north.signum() as f32 * at("rain_sin", north, east) / at("rain_mean", north, east);
+    let summer =
+        |north: f64, east: f64| north.signum() as f32 * at("rain_sin", north, east) / at("rain_mean", north, east);
     let (sahel, lusaka, moscow) = (summer(8.0, 20.0), summer(-15.0, 28.0), summer(55.5, 37.5));
     assert!(sahel > 0.4 && lusaka > 0.4 && moscow > 0.2, "{sahel} {lusaka} {moscow}");
     let greenland = at("temperature_mean", 72.0, -40.0);

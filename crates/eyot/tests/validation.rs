@@ -323,7 +323,9 @@ fn one_sun_shines_on_all_processes() {
     assert!(told.contains("`temperature.tilt` is 0, but `wind.tilt` is 23.4"), "{told}");
     assert!(told.contains("write wind.tilt = 0 and climate.tilt = 0 as well"), "{told}");
 
-    let two = parsed(&text.replace("zones.every", "wind.year = 500.0\nclimate.year = 500.0\nzones.every"), &[]).err().unwrap();
+    let two = parsed(&text.replace("zones.every", "wind.year = 500.0\nclimate.year = 500.0\nzones.every"), &[])
+        .err()
+        .unwrap();
     let place = two.diagnostics[0].span.as_ref().unwrap();
     assert!(text.lines().nth(two.line_column(place).0 - 1).unwrap().starts_with("zones.every"), "{two}");
     assert!(two.to_string().contains("write temperature.year = 500.0 as well"), "{two}");
