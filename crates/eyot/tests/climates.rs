@@ -49,7 +49,7 @@ fn the_world_has_wet_tropics_dry_belts_and_cold_poles() {
 #[test]
 fn an_ice_age_has_more_ice() {
     let (_, now) = of("world", &["life.steps=1200"]);
-    let (_, then) = of("iceage", &["life.steps=900"]);
+    let (_, then) = of("iceage", &["life.steps=1200"]);
     assert!(then.temperature_c < now.temperature_c - 4.0, "{} {}", then.temperature_c, now.temperature_c);
     assert!(then.ice_share > 1.1 * now.ice_share, "{} {}", then.ice_share, now.ice_share);
 }
