@@ -299,7 +299,7 @@ impl Validator<'_> {
     fn shared(&mut self, node: &Node, processes: &[ProcessUse]) {
         let mut values: BTreeMap<String, Vec<(&str, Value)>> = BTreeMap::new();
         for u in processes.iter().filter(|u| u.enabled) {
-            let schema = u.actor.schema().to_value();
+            let schema = u.actor.schema();
             let shared = schema["properties"].as_object().into_iter().flatten().filter(|(_, p)| p["shared"] == true);
             for (key, property) in shared.filter(|(key, _)| u.terms.list().iter().all(|t| t.parameter() != *key)) {
                 let value = u.parameters.get(key).unwrap_or(&property["default"]).clone();
