@@ -42,6 +42,7 @@ use crate::sky::{Seasons, cosine, edge_latitude, latitude, polewards, rows, sine
 use crate::temperature::TEMPERATURE;
 use crate::turbulence;
 use crate::units::{CELSIUS_AT_ZERO, FULL_WIND, FULL_WIND_CELLS, hours_per_step};
+use eyot_core::layer::Beyond;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, check_ranges};
@@ -60,8 +61,13 @@ pub const WIND_Y: LayerSpec =
     LayerSpec::new("wind_y", "m/s", "Wind to the south through the southern edge", (-FULL_WIND, FULL_WIND))
         .on(Stagger::FaceY);
 /// Stream function of the eddies.
-pub const TURBULENCE: LayerSpec =
-    LayerSpec::new("turbulence", "1", "Stream function of the wind's eddies at the south-eastern corner", (-1e3, 1e3));
+pub const TURBULENCE: LayerSpec = {
+    let meaning = "Stream function of the wind's eddies at the south-eastern corner";
+    let mut spec = LayerSpec::new("turbulence", "1", meaning, (-1e3, 1e3));
+    // None crosses a pole, and the northern one has no corners of its own.
+    spec.beyond_closed = Beyond::Zero;
+    spec
+};
 
 /// Where warm air rises and cold air sinks.
 pub const HEAT_LOW: LayerSpec = LayerSpec::new(

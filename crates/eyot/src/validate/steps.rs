@@ -307,14 +307,17 @@ impl Validator<'_> {
                 values.entry(key.clone()).or_default().push((u.actor.name(), value));
             }
         }
-        let same = |a: &Value, b: &Value| a.as_f64() == b.as_f64();
+        // Parameters are single precision, and their defaults would show it.
+        let number = |v: &Value| v.as_f64().map(|x| x as f32);
+        let told = |v: &Value| number(v).map_or_else(|| v.to_string(), |x| x.to_string());
+        let same = |a: &Value, b: &Value| number(a) == number(b);
         for (key, of) in values {
             let given = |name: &str| node.get(name).and_then(|table| table.get(&key));
             let Some((name, value)) = of.iter().find(|(name, _)| given(name).is_some()) else { continue };
             let others: Vec<&str> = of.iter().filter(|(_, v)| !same(v, value)).map(|(n, _)| *n).collect();
             let (Some(first), Some(place)) = (of.iter().find(|(_, v)| !same(v, value)), given(name)) else { continue };
-            let message = format!("`{name}.{key}` is {value}, but `{}.{key}` is {}", first.0, first.1);
-            let remedy: Vec<String> = others.iter().map(|n| format!("{n}.{key} = {value}")).collect();
+            let message = format!("`{name}.{key}` is {}, but `{}.{key}` is {}", told(value), first.0, told(&first.1));
+            let remedy: Vec<String> = others.iter().map(|n| format!("{n}.{key} = {}", told(value))).collect();
             let help = format!("the processes of a world share it: write {} as well", remedy.join(" and "));
             self.out.push(Diagnostic::at(place.span.clone(), message, "not what the others have").help(help));
         }
