@@ -112,7 +112,7 @@ impl Default for Humidity {
 
 impl Process for Humidity {
     fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let own = [(HUMIDITY, 0.2), (PRECIPITATION, 0.0), (SOIL, 1.0)];
+        let own = [(HUMIDITY, 0.0), (PRECIPITATION, 0.0), (SOIL, 0.0)];
         let others = [(HEIGHT, 0.0), (WATER, 0.0), (ICE, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)];
         others.into_iter().chain([(WIND_X, 0.0), (WIND_Y, 0.0)]).chain(own).collect()
     }
