@@ -197,14 +197,14 @@ impl Rule for Storm {
 #[inline(always)]
 fn storm_east<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, at: isize) -> R {
     let storms = p.share * storminess(latitude(p.rows, p.half_row, c.y()));
-    storms * (c.at(0, at, 0) - c.at(0, at + 1, 0))
+    (storms * (c.at(0, at, 0) - c.at(0, at + 1, 0))).rounded()
 }
 
 /// What storms carry through the southern face of the cell `at` rows south.
 #[inline(always)]
 fn storm_south<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, at: isize) -> R {
     let storms = p.share * storminess(edge_latitude(p.rows, p.half_row, c.y() + R::of(at as f32)));
-    storms * (c.at(0, 0, at) - c.at(0, 0, at + 1))
+    (storms * (c.at(0, 0, at) - c.at(0, 0, at + 1))).rounded()
 }
 
 rule_params! {
@@ -343,9 +343,9 @@ impl Rule for Moisten {
         let humidity = ((left - dried) + (uptake + risen)).flushed();
         let fallen = c.here(7) + R::of(0.1) * (p.per_year * rain - c.here(7));
         let on_soil = sea.pick(zero, rain);
-        let wetter = (p.soil * kept - risen).positive() + on_soil;
+        let wetter = ((p.soil * kept).rounded() - risen).positive() + on_soil;
         let soil = sea.pick(zero, (wetter * p.per_soil).min(one)).flushed().named("(7) soil");
-        let ran_off = wetter - p.soil * soil;
+        let ran_off = wetter - (p.soil * soil).rounded();
         let sums = [
             p.depth * (uptake + risen),
             p.depth * rain,

@@ -213,14 +213,14 @@ impl Rule for Storm {
         let here = at_sea_level(p, c, 0, 0);
         let x = (at_sea_level(p, c, 1, 0) - here) + (at_sea_level(p, c, -1, 0) - here);
         let y = (at_sea_level(p, c, 0, 1) - here) + (at_sea_level(p, c, 0, -1) - here);
-        ([c.at(0, 0, 0) + storms * (x + y)], [])
+        ([c.at(0, 0, 0) + (storms * (x + y)).rounded()], [])
     }
 }
 
 /// Temperature that the air would have at the level of the sea, degrees Celsius.
 #[inline(always)]
 fn at_sea_level<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
-    c.at(0, dx, dy) + p.lapse * (c.at(1, dx, dy) - p.sea).positive()
+    c.at(0, dx, dy) + (p.lapse * (c.at(1, dx, dy) - p.sea).positive()).rounded()
 }
 
 rule_params! {

@@ -325,9 +325,10 @@ impl Rule for Rise {
         let quarter = R::of(std::f32::consts::FRAC_PI_2);
         let s = sine((latitude(p.rows, p.half_row, c.y()) - p.turn).clamp(-quarter, quarter));
         let z = (c.here(2) - p.sea).clamp(R::of(0.0), R::of(12_000.0));
-        let warmer = c.here(1) + R::of(LAPSE) * z + R::of(BELTS_CONTRAST) * polewards(s);
+        // The monsoon is made of small differences of it: see `Real::rounded`.
+        let warmer = c.here(1) + (R::of(LAPSE) * z).rounded() + (R::of(BELTS_CONTRAST) * polewards(s)).rounded();
         let low = c.here(0);
-        ([low + p.rate * (warmer - low)], [])
+        ([low + (p.rate * (warmer - low)).rounded()], [])
     }
 }
 
@@ -357,7 +358,7 @@ impl Rule for Spread {
         let low = c.at(0, 0, 0);
         let around = |d: isize| (c.at(0, d, 0) + c.at(0, -d, 0)) + (c.at(0, 0, d) + c.at(0, 0, -d));
         let (near, far) = (around(1) - R::of(4.0) * low, around(2) - R::of(4.0) * low);
-        ([low + (p.near * near + p.far * far)], [])
+        ([low + ((p.near * near).rounded() + (p.far * far).rounded())], [])
     }
 }
 
@@ -441,8 +442,10 @@ impl Rule for Blow {
         let down = low(c, 0, 1) - low(c, 0, 0);
         let down_east = ((low(c, 1, 0) + low(c, 1, 1)) - (low(c, -1, 0) + low(c, -1, 1))) * R::of(0.25);
         let (f, f_edge) = (p.bend * sine(here + p.turn), p.bend * sine(south + p.turn));
-        let monsoon_x = (p.monsoon_x * east - f * (p.monsoon_y * east_down)) / (R::of(1.0) + f * f);
-        let monsoon_y = (p.monsoon_y * down + f_edge * (p.monsoon_x * down_east)) / (R::of(1.0) + f_edge * f_edge);
+        let (across_x, across_y) = ((p.monsoon_y * east_down).rounded(), (p.monsoon_x * down_east).rounded());
+        let monsoon_x = ((p.monsoon_x * east).rounded() - (f * across_x).rounded()) / (R::of(1.0) + (f * f).rounded());
+        let monsoon_y = ((p.monsoon_y * down).rounded() + (f_edge * across_y).rounded())
+            / (R::of(1.0) + (f_edge * f_edge).rounded());
         let (monsoon_x, monsoon_y) = (monsoon_x.named("(5) monsoon_x"), monsoon_y.named("(5) monsoon_y"));
 
         let x = settled(c, X, belts_x + eddies_x + slope_x + monsoon_x, p.most);
