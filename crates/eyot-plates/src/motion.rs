@@ -20,7 +20,7 @@ const RESPONSE_MYR: f64 = 20.0;
 /// Plates that are so much nearer or farther than they should be slip by a cell, cells.
 const APART: f64 = 0.8;
 /// Most cells that a plate may cross in a step; each is a shift of its own.
-pub(crate) const MOST_SHIFTS: f64 = 8.0;
+pub(crate) const MOST_SHIFTS: f64 = 32.0;
 
 /// Moves the velocities on by a step.
 pub(crate) fn accelerate(plates: &mut [Plate], p: &Tectonics) {

@@ -13,7 +13,7 @@ pub struct Tectonics {
     /// Plates at the beginning of a cycle.
     #[schemars(range(min = 2, max = 60), extend("unit" = "1"))]
     pub count: u32,
-    /// Time that passes in a step. A plate may cross 8 cells in a step at most.
+    /// Time that passes in a step. A plate may cross 32 cells in a step at most.
     #[schemars(range(min = 100.0, max = 10000000.0), extend("unit" = "yr"))]
     pub years_per_step: f32,
     /// Usual speed of a plate that nothing holds; Earth's have 0.01 to 0.1.

@@ -43,7 +43,7 @@
 //! one, so that the height stays.
 //!
 //! # Limits
-//! Plates shift and do not rotate. A plate crosses at most 8 cells in a step, and rivers take 64 passes at most; recipes beyond are
+//! Plates shift and do not rotate. A plate crosses at most 32 cells in a step, and rivers take 64 passes at most; recipes beyond are
 //! refused. Crust that is thicker than 1.1 `max_crust` after it flowed sinks. There can be 100 plates. Over open rims continents leave
 //! for good, and then no level keeps the share of land.
 //!

@@ -450,7 +450,7 @@ fn what_cannot_work_is_refused_by_name() {
     let small = Grid::new(64, 64, 1000.0, Rim::WRAP, &Limits::default()).unwrap();
     let said = |g: &Grid, p: Tectonics| Plates::new(g, 1, p, Start::Noise).err().unwrap().to_string();
     let text = said(&small, Tectonics::default());
-    assert!(text.contains("plates.years_per_step") && text.contains("80000 at most"), "{text}");
+    assert!(text.contains("plates.years_per_step") && text.contains("320000 at most"), "{text}");
     let text = said(&small, Tectonics { years_per_step: 1e5, speed: 0.01, erosion: 10_000.0, ..Tectonics::default() });
     assert!(text.contains("plates.erosion"), "{text}");
     let g = grid(16, 16, Rim::WRAP);
