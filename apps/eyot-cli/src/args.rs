@@ -545,7 +545,7 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, slope, bodies, world or plates;
+    /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, slope, bodies, world, plates or drift;
     /// on a graphics card also island, 3000 steps of the recipe of that name
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,

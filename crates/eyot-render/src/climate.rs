@@ -86,8 +86,8 @@ pub(crate) fn rivers(world: &World) -> Option<Vec<f32>> {
     Some(cells.map(|(cx, cy)| smoothstep(RIVER_M3S.0, RIVER_M3S.1, strongest(cx, cy))).collect())
 }
 
-/// Discharges at which a river begins and ends to show: that of the Rhine, and that of the Mississippi.
-const RIVER_M3S: (f32, f32) = (2300.0, 16_000.0);
+/// Discharges at which a river begins and ends to show: that of the Rhone at Lyons, and that of the Danube.
+const RIVER_M3S: (f32, f32) = (1000.0, 6500.0);
 
 /// Thickness from which ice covers a place, m; more of it looks the same.
 const ICE_SHOWN: f32 = 0.9;

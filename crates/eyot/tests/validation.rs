@@ -323,6 +323,13 @@ fn one_sun_shines_on_all_processes() {
     assert!(told.contains("`temperature.tilt` is 0, but `wind.tilt` is 23.4"), "{told}");
     assert!(told.contains("write wind.tilt = 0 and climate.tilt = 0 as well"), "{told}");
 
+    for set in ["temperature.tilt=\"0\"", "temperature.tilt=\"23.4 * steps / 100\""] {
+        let one = parsed(text, &[set]).err().unwrap_or_else(|| panic!("{set}")).to_string();
+        assert!(one.contains("but `wind.tilt` is 23.4"), "{one}");
+    }
+    let all = ["temperature", "wind", "climate"].map(|p| format!("{p}.tilt=\"10 + 0.01 * steps\""));
+    assert!(parsed(text, &all.each_ref().map(String::as_str)).is_ok());
+
     let two = parsed(&text.replace("zones.every", "wind.year = 500.0\nclimate.year = 500.0\nzones.every"), &[])
         .err()
         .unwrap();

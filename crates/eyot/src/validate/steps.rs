@@ -302,8 +302,10 @@ impl Validator<'_> {
         for u in processes.iter().filter(|u| u.enabled) {
             let schema = u.actor.schema();
             let shared = schema["properties"].as_object().into_iter().flatten().filter(|(_, p)| p["shared"] == true);
-            for (key, property) in shared.filter(|(key, _)| u.terms.list().iter().all(|t| t.parameter() != *key)) {
-                let value = u.parameters.get(key).unwrap_or(&property["default"]).clone();
+            for (key, property) in shared {
+                let number = || u.parameters.get(key).unwrap_or(&property["default"]).clone();
+                let term = u.terms.list().iter().find(|t| t.parameter() == *key);
+                let value = term.map_or_else(number, |t| Value::from(t.text()));
                 values.entry(key.clone()).or_default().push((u.actor.name(), value));
             }
         }
