@@ -177,7 +177,7 @@ fn lost_frames_are_named_by_every_verb() {
     std::fs::write(f.join("out/timeline.zarr/height/c/1/0/0"), "damaged").unwrap();
     let lost = "frame 2 of step 20 cannot be read";
     said(f, &["timeline", "out"], 0, &["5 frames and 1 damaged", lost, "2.eyot", "frame 2 is missing"]);
-    said(f, &["branch", "out", "--frame", "2", "--out", "x"], 2, &[lost, "`eyot timeline` lists those that are whole"]);
+    said(f, &["branch", "out", "--frame", "2", "--out", "x"], 2, &[lost, "`eyot timeline` lists them"]);
     let film = ["film", "out", "--recording", "--size", "64x40", "--video", "none", "--out", "film"];
     said(f, &film, 0, &[lost, "frame 1 of step 10", "another frame is shown in its place", "6 pictures"]);
     let words = [lost, "frame 1 of step 10", "height", "at frame 0, 0 steps done"];

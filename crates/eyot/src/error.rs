@@ -160,7 +160,8 @@ impl RunError {
         Some(match self {
             Self::Input { help, .. } => return help.map(str::to_owned),
             Self::Step { source: Core::NotFinite { .. }, .. } => {
-                "the parameters of this step are too strong for the grid; lower them, or report it if they are all within their ranges".to_owned()
+                "if a rule of the recipe makes that layer, guard its divisions, roots and logarithms; if not, the parameters of this step \
+                 are too strong for the grid: lower them, or report it if they are all within their ranges".to_owned()
             }
             Self::Step { source: Core::Limit { remedy, .. }, .. } => (*remedy).to_owned(),
             Self::Step { source: Core::BadParameter { owner, .. }, .. } => format!("`eyot describe {owner}` explains its parameters"),

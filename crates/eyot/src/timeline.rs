@@ -370,7 +370,7 @@ pub(crate) fn check(recipe: &Recipe, options: &RunOptions) -> Result<(), RunErro
 }
 
 /// What to do about a frame that cannot be read.
-const OTHER_FRAME: &str = "choose another frame: `eyot timeline` lists those that are whole";
+const OTHER_FRAME: &str = "choose another frame: `eyot timeline` lists them, and those whose head is lost";
 
 /// A frame that could be read.
 pub(crate) struct Found {
