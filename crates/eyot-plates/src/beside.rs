@@ -71,6 +71,7 @@ impl Made {
             age: plates.maps.age.clone(),
             height: plates.height.clone(),
         };
+        plates.followed = true;
         plates.step();
         Self { plates, before }
     }

@@ -170,27 +170,55 @@ pub(crate) fn pass(g: &Geometry, p: &Tectonics, years: f64, height: &[f32], crus
     };
     let (east, south) = (rates(g.cell_m.0), rates(g.cell_m.1));
     let w = g.width;
-    next.par_chunks_mut(w).enumerate().with_min_len(rows_at_once(w)).for_each(|(y, out)| {
-        let row = |y: usize| (&height[y * w..][..w], &crust[y * w..][..w]);
-        let (h, c) = row(y);
+    let blocks = w.div_ceil(BLOCK);
+    let still = still(w, p.max_crust, height, crust);
+    // What flows through the western face of each cell, and through the eastern one of the last.
+    let flows = vec![0i32; w + 1];
+    next.par_chunks_mut(w).enumerate().with_min_len(rows_at_once(w)).for_each_with(flows, |flows, (y, out)| {
+        let row = |y: usize| (&height[y * w..][..w], &crust[y * w..][..w], &still[y * blocks..][..blocks]);
+        let (h, c, quiet) = row(y);
         out.copy_from_slice(c);
         for other in [g.row(y as isize - 1), g.row(y as isize + 1)].into_iter().flatten() {
-            let (oh, oc) = row(other);
-            for x in 0..w {
-                out[x] -= flux(south, (h[x], c[x]), (oh[x], oc[x]));
+            let (oh, oc, other_quiet) = row(other);
+            for b in (0..blocks).filter(|&b| !(quiet[b] && other_quiet[b])) {
+                for x in b * BLOCK..((b + 1) * BLOCK).min(w) {
+                    out[x] -= flux(south, (h[x], c[x]), (oh[x], oc[x]));
+                }
             }
         }
-        for x in 0..w - 1 {
-            let q = flux(east, (h[x], c[x]), (h[x + 1], c[x + 1]));
-            out[x] -= q;
-            out[x + 1] += q;
+        for b in 0..blocks {
+            let faces = b * BLOCK..((b + 1) * BLOCK).min(w - 1);
+            let flows = &mut flows[faces.start + 1..=faces.end];
+            if quiet[b] && quiet.get(b + 1).is_none_or(|&q| q) {
+                flows.fill(0);
+                continue;
+            }
+            let cells = |shift: usize| h[faces.start + shift..].iter().zip(&c[faces.start + shift..]);
+            for ((flow, (&h, &c)), (&nh, &nc)) in flows.iter_mut().zip(cells(0)).zip(cells(1)) {
+                *flow = flux(east, (h, c), (nh, nc));
+            }
         }
-        if let Some(first) = g.column(w as isize) {
-            let q = flux(east, (h[w - 1], c[w - 1]), (h[first], c[first]));
-            out[w - 1] -= q;
-            out[first] += q;
+        let round = g.column(w as isize).map_or(0, |first| flux(east, (h[w - 1], c[w - 1]), (h[first], c[first])));
+        (flows[0], flows[w]) = (round, round);
+        out.iter_mut().zip(flows.windows(2)).for_each(|(out, f)| *out += f[0] - f[1]);
+    });
+}
+
+/// Cells of a row that are looked at together.
+const BLOCK: usize = 64;
+
+/// Which blocks of cells are below the reach of waves, on crust that does not spread: between two such nothing flows.
+fn still(w: usize, max_crust: f32, height: &[f32], crust: &[i32]) -> Vec<bool> {
+    let blocks = w.div_ceil(BLOCK);
+    let mut still = vec![false; blocks * (height.len() / w)];
+    let rows = still.par_chunks_mut(blocks).zip(height.par_chunks(w)).zip(crust.par_chunks(w));
+    rows.with_min_len(rows_at_once(w)).for_each(|((still, h), c)| {
+        for ((still, h), c) in still.iter_mut().zip(h.chunks(BLOCK)).zip(c.chunks(BLOCK)) {
+            let deep = h.iter().fold(true, |all, &h| all & (h <= -WAVES_DOWN_M));
+            *still = deep & c.iter().fold(true, |all, &c| all & (metres(c) <= 0.8 * max_crust));
         }
     });
+    still
 }
 
 /// Crust from cell a to cell b, units; the other way round with the other sign.

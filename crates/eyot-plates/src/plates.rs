@@ -106,7 +106,9 @@ pub struct Plates {
     pub(crate) clock: Clock,
     pub(crate) budget: Budget,
     pub(crate) volcanoes: Volcanoes,
-    /// How far the plates went in the last step; `None` if none went anywhere.
+    /// True if somebody wants to know how far the plates go.
+    pub(crate) followed: bool,
+    /// How far they went in the last step; `None` if none went anywhere.
     pub(crate) course: Option<Course>,
     /// The maps of the step before: memory to write the next into.
     pub(crate) spare: Maps,
@@ -155,6 +157,7 @@ impl Plates {
             },
             budget: Budget::default(),
             volcanoes: Volcanoes::new(&g, seed),
+            followed: false,
             course: None,
             spare: Maps::empty(g.cells()),
             parameters,
@@ -222,7 +225,9 @@ impl Plates {
                 ways.iter_mut().zip(&shifts).for_each(|(way, s)| add(way, s));
             }
         }
-        self.course = Course::new(&self.g, &self.maps.owner, ways);
+        if self.followed {
+            self.course = Course::new(&self.g, &self.maps.owner, ways);
+        }
         if self.clock.steps.is_multiple_of(TIDY_EVERY) {
             self.tidy();
         }

@@ -89,6 +89,7 @@ impl Plates {
             clock,
             budget: Budget::default(),
             volcanoes: Volcanoes::new(&g, seed),
+            followed: false,
             course: None,
             spare: Maps::empty(g.cells()),
         };
