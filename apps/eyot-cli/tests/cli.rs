@@ -433,7 +433,7 @@ fn statistics_of_a_planet_are_tables() {
     let f = dir.path();
     said(f, &["run", "world", "--size", "32", "--set", "drift.steps=4", "--set", "life.steps=8", "--quiet"], 0, &[]);
     let output = eyot(f, &["stats", "world"]).output().unwrap();
-    common::assert_said(&output, 0, &["zonal", "land_rain_mm", "plates", "speed_m_per_year", "shares"]);
+    assert_said(&output, 0, &["zonal", "land_rain_mm", "plates", "speed_m_per_year", "shares"]);
     let words = String::from_utf8(output.stdout).unwrap();
     for line in words.lines() {
         assert!(!line.contains("{\"") && !line.contains('['), "{line}");
