@@ -449,6 +449,11 @@ pub(crate) struct Look {
 }
 
 impl Look {
+    /// Whether it says where a camera stands or how it sees.
+    pub(crate) fn has_camera(&self) -> bool {
+        [self.azimuth, self.elevation, self.distance, self.field_of_view].iter().any(Option::is_some)
+    }
+
     /// The view in a picture of `size`.
     pub(crate) fn view(&self, size: [u32; 2]) -> Result<View, Failure> {
         if !size.iter().all(|n| (16..=16384).contains(n)) {

@@ -5,7 +5,7 @@ use crate::progress::{bar, time};
 use crate::{Failure, look, print, report};
 use clap::Args;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Subject, Video};
-use eyot::{Cancel, Control, Limits, RunError, Scenery, View};
+use eyot::{Cancel, Control, Limits, RunError, Scenery, Timeline, View};
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -23,6 +23,7 @@ Examples:
   eyot film island --drape water --frames 60
   eyot film island --run --frames 100                      how it came to be, step by step
   eyot film island --recording --path orbit                its recording, a picture for each frame
+  eyot film world --run --size 1920x1080                   a planet's history, as a map
 
 A file of key frames:
   closed = false             # true: the last key is the first again
@@ -32,6 +33,10 @@ A file of key frames:
   [[key]]
   time = 5
   azimuth = 300              # what a key leaves out is as in the key before
+
+Runs whose recipe says `from_above` in its view, as those of planets do, are drawn from above as a map, unless a path, a camera or \
+--drape asks for a view. The map keeps its shape: it is as large as fits into --size, with even sides, and has no bars beside it. \
+The processor draws it, also with --engine gpu.
 
 The same command goes on with a film that was stopped. With ffmpeg installed, a video is made of the pictures.")]
 pub(crate) struct Film {
@@ -46,7 +51,8 @@ pub(crate) struct Film {
     /// Play the recording that `eyot run --record` made
     #[arg(long, conflicts_with = "run")]
     recording: bool,
-    /// The way of the camera: orbit, fly, still, or a TOML file of key frames [default: orbit; still with --run and --recording]
+    /// The way of the camera: orbit, fly, still, or a TOML file of key frames; or above, which draws a map [default: as the recipe's
+    /// `from_above` says, above, or orbit; still with --run and --recording]
     #[arg(long, value_name = "PATH", value_parser = way)]
     path: Option<FilmPath>,
     /// Pictures in all [default: 10 seconds, the time of the key frames, or the frames of the recording]
@@ -55,7 +61,7 @@ pub(crate) struct Film {
     /// Pictures a second
     #[arg(long, value_name = "F", default_value = "25", allow_negative_numbers = true, value_parser = |s: &str| crate::args::number(s, 1.0, 240.0))]
     fps: f32,
-    /// Width x height of the pictures in pixels
+    /// Width x height of the pictures in pixels; a map keeps its shape within them
     #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = size)]
     size: Option<(u32, Option<u32>)>,
     /// Show the land in the colours of this layer, with a legend
@@ -86,14 +92,22 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     if let (Some(layer), Some(opened)) = (&args.drape, &opened) {
         look::known(opened, &args.from, "drape", layer)?;
     }
+    let path = match (&args.path, &opened) {
+        (Some(path), _) => path.clone(),
+        _ if args.drape.is_some() || args.look.has_camera() => args.way_of_camera(),
+        (None, Some(opened)) if opened.from_above => FilmPath::Above,
+        (None, None) if is_from_above(&args.from)? => FilmPath::Above,
+        _ => args.way_of_camera(),
+    };
     let size = match args.size {
         None => View::default().size,
+        Some((w, None)) if path == FilmPath::Above => [w, w],
         Some((w, h)) => [w, h.unwrap_or((w * 5 / 8).max(1))],
     };
     let view = args.look.view(size)?;
     let options = FilmOptions {
         scenery: Scenery { view, drape: args.drape.clone(), engine: args.engine.options()? },
-        path: args.path.clone().unwrap_or(if args.run || args.recording { FilmPath::Still } else { FilmPath::Orbit }),
+        path,
         frames: args.frames,
         fps: args.fps,
         video: args.video,
@@ -148,6 +162,19 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     }
 }
 
+impl Film {
+    /// The way of a camera about which nothing was said.
+    fn way_of_camera(&self) -> FilmPath {
+        if self.run || self.recording { FilmPath::Still } else { FilmPath::Orbit }
+    }
+}
+
+/// Whether the recipe of a recorded run wants its view from above.
+fn is_from_above(folder: &Path) -> Result<bool, Failure> {
+    let timeline = Timeline::open(folder, &Limits::default());
+    timeline.and_then(|t| t.is_from_above()).map_err(|e| report::run(&e))
+}
+
 /// How far the film is, on the terminal.
 struct Shown {
     quiet: bool,
@@ -189,8 +216,9 @@ fn way(text: &str) -> Result<FilmPath, String> {
         "orbit" => Ok(FilmPath::Orbit),
         "fly" => Ok(FilmPath::Fly),
         "still" => Ok(FilmPath::Still),
+        "above" => Ok(FilmPath::Above),
         file if Path::new(file).extension().is_some_and(|e| e == "toml") => Ok(FilmPath::File(file.into())),
-        _ => Err("choose orbit, fly or still, or give a .toml file of key frames".to_owned()),
+        _ => Err("choose orbit, fly, still or above, or give a .toml file of key frames".to_owned()),
     }
 }
 

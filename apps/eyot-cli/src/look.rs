@@ -114,14 +114,70 @@ fn table(value: &Value, depth: usize) -> Result<(), Failure> {
                 print::line(&format!("{pad}{key}"))?;
                 table(v, depth + 1)?;
             }
-            Value::Null => print::line(&format!("{pad}{key:<28} unknown"))?,
-            Value::Number(n) if n.is_f64() => {
-                print::line(&format!("{pad}{key:<28} {}", short(n.as_f64().unwrap_or(f64::NAN))))?
+            Value::Array(items) if items.iter().any(Value::is_object) => {
+                print::line(&format!("{pad}{key}"))?;
+                rows(items, &"  ".repeat(depth + 1))?;
             }
-            other => print::line(&format!("{pad}{key:<28} {other}"))?,
+            Value::Array(items) if items.len() > PAIR => {
+                print::line(&format!("{pad}{key}"))?;
+                let of = |name: &str| value[name].as_f64();
+                let (first, each) = of("lowest_m").zip(of("bin_m")).unwrap_or((0.0, 1.0));
+                numbers(items, &"  ".repeat(depth + 1), first, each)?;
+            }
+            other => print::line(&format!("{pad}{key:<28} {}", plain(other)))?,
         }
     }
     Ok(())
+}
+
+/// Longest list that stands on the line of its name.
+const PAIR: usize = 3;
+
+/// Numbers on a line of a longer list.
+const ON_A_LINE: usize = 8;
+
+/// A list of things of one kind: a line each under the names of their values.
+fn rows(items: &[Value], pad: &str) -> Result<(), Failure> {
+    let names: Vec<&String> = items.first().and_then(Value::as_object).into_iter().flatten().map(|(k, _)| k).collect();
+    let cells: Vec<Vec<String>> =
+        items.iter().map(|item| names.iter().map(|name| plain(&item[name.as_str()])).collect()).collect();
+    let width = |column: usize, name: &str| cells.iter().map(|row| row[column].len()).fold(name.len(), usize::max);
+    let widths: Vec<usize> = names.iter().enumerate().map(|(i, name)| width(i, name)).collect();
+    let line = |row: &mut dyn Iterator<Item = &str>| {
+        let padded: Vec<String> = row.zip(&widths).map(|(text, &w)| format!("{text:>w$}")).collect();
+        print::line(&format!("{pad}{}", padded.join("  ")))
+    };
+    line(&mut names.iter().map(|n| n.as_str()))?;
+    cells.iter().try_for_each(|row| line(&mut row.iter().map(String::as_str)))
+}
+
+/// A list of numbers in lines, each after what its first number belongs to: `first` for the first of the list, and `each` more for
+/// every other. Lines of zeros at both ends are left out.
+fn numbers(items: &[Value], pad: &str, first: f64, each: f64) -> Result<(), Failure> {
+    let of: Vec<f64> = items.iter().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect();
+    let shares = of.iter().all(|x| (0.0..=1.0).contains(x));
+    let texts: Vec<String> = of.iter().map(|&x| if shares { format!("{x:.4}") } else { short(x) }).collect();
+    let width = texts.iter().map(String::len).fold(0, usize::max);
+    let lines: Vec<usize> = (0..of.len()).step_by(ON_A_LINE).collect();
+    let has = |i: &usize| of[*i..].iter().take(ON_A_LINE).any(|x| *x != 0.0);
+    let Some((from, to)) = lines.iter().position(has).zip(lines.iter().rposition(has)) else {
+        return print::line(&format!("{pad}all 0"));
+    };
+    for &i in &lines[from..=to] {
+        let line: Vec<String> = texts[i..].iter().take(ON_A_LINE).map(|t| format!("{t:>width$}")).collect();
+        print::line(&format!("{pad}{:>7}:  {}", first + each * i as f64, line.join("  ")))?;
+    }
+    Ok(())
+}
+
+/// A value for people.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::Null => "unknown".to_owned(),
+        Value::Number(n) if n.is_f64() => short(n.as_f64().unwrap_or(f64::NAN)),
+        Value::Array(items) => items.iter().map(plain).collect::<Vec<_>>().join(", "),
+        other => other.to_string(),
+    }
 }
 
 /// Five significant digits.

@@ -425,3 +425,25 @@ fn a_wrong_instruction_set_is_refused_and_a_lesser_one_changes_nothing() {
     worlds.sort();
     assert_eq!(worlds.first(), worlds.last());
 }
+
+/// Lists in statistics are tables: no line of the text is JSON, and none has digits that say nothing.
+#[test]
+fn statistics_of_a_planet_are_tables() {
+    let dir = tempfile::tempdir().unwrap();
+    let f = dir.path();
+    said(f, &["run", "world", "--size", "32", "--set", "drift.steps=4", "--set", "life.steps=8", "--quiet"], 0, &[]);
+    let output = eyot(f, &["stats", "world"]).output().unwrap();
+    assert_said(&output, 0, &["zonal", "land_rain_mm", "plates", "speed_m_per_year", "shares"]);
+    let words = String::from_utf8(output.stdout).unwrap();
+    for line in words.lines() {
+        assert!(!line.contains("{\"") && !line.contains('['), "{line}");
+        let digits = |word: &str| word.chars().filter(char::is_ascii_digit).count();
+        assert!(line.split_whitespace().all(|word| digits(word) <= 12), "{line}");
+    }
+    // Twelve belts from the north, in columns as wide as their names.
+    let lines: Vec<&str> = words.lines().collect();
+    let zonal = lines.iter().position(|l| l.trim() == "zonal").unwrap();
+    let belts = &lines[zonal + 1..zonal + 14];
+    assert!(belts.iter().all(|l| l.len() == belts[0].len()), "{belts:#?}");
+    assert!(belts[12].contains("-82.500"), "{belts:#?}");
+}

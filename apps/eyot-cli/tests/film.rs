@@ -105,7 +105,7 @@ fn what_cannot_be_filmed_or_drawn_is_refused() {
     hill(dir.path());
     let refused: [(&[&str], &[&str]); 8] = [
         (&["film", "hill", "--path", "way.toml"], &["way.toml", "[[key]]"]),
-        (&["film", "hill", "--path", "round"], &["orbit, fly or still"]),
+        (&["film", "hill", "--path", "round"], &["orbit, fly, still or above"]),
         (&["film", "hill", "--drape", "heigth"], &["did you mean --drape height?"]),
         (&["film", "nowhere"], &["nowhere"]),
         (&["render", "hill", "--engine", "gpu", "--adapter", "no such card"], &["no graphics adapter", "no such card"]),
@@ -143,4 +143,31 @@ fn a_graphics_card_draws_the_same_view() {
     assert!(o.status.success() && words.contains("drawn by gpu ("), "{words}");
     assert!(dir.path().join("hill/render.png").is_file());
     said(dir.path(), &["render", "hill", "--engine", "auto", "--size", "64x40"], 0, &["drawn by"]);
+}
+
+/// A planet is filmed as its map, unless a camera or a path is named; then as ever.
+#[test]
+fn planets_are_filmed_from_above() {
+    let dir = tempfile::tempdir().unwrap();
+    let recipe = "name = \"Planet\"\n[grid]\nsize = [48, 24]\nextent_m = [4e7, 2e7]\n[view]\nfrom_above = true\n[[step]]\n\
+                  generate = \"fbm\"\namplitude = 4000.0\n[[step]]\nsimulate = [\"thermal\"]\nsteps = 4\n";
+    std::fs::write(dir.path().join("planet.toml"), recipe).unwrap();
+    said(dir.path(), &["run", "planet.toml", "--record", "2", "--quiet"], 0, &[]);
+    let size = |out: &str, more: &[&str]| {
+        let args: Vec<&str> = ["film", "planet", "--size", "64x40", "--frames", "2", "--video", "none", "--out", out]
+            .into_iter()
+            .chain(more.iter().copied())
+            .collect();
+        said(dir.path(), &args, 0, &["2 pictures"]);
+        // Width and height stand at the beginning of every PNG.
+        let png = std::fs::read(dir.path().join(out).join("frame_00001.png")).unwrap();
+        [16, 20].map(|at| u32::from_be_bytes(png[at..at + 4].try_into().unwrap()))
+    };
+    assert_eq!(size("still", &[]), [64, 32]);
+    assert_eq!(size("run", &["--run"]), [64, 32]);
+    assert_eq!(size("recording", &["--recording"]), [64, 32]);
+    assert_eq!(size("light", &["--sun-azimuth", "20"]), [64, 32]);
+    assert_eq!(size("path", &["--path", "still"]), [64, 40]);
+    assert_eq!(size("camera", &["--run", "--elevation", "40"]), [64, 40]);
+    assert!(size("worn", &["--recording", "--drape", "height"])[1] > 40);
 }

@@ -40,7 +40,7 @@ pub(crate) struct Head {
     pub(crate) layers: Vec<LayerHeader>,
     /// Names of the features, and how many numbers they have.
     features: Vec<(String, u64)>,
-    recipe_toml: String,
+    pub(crate) recipe_toml: String,
     pub(crate) state: Value,
 }
 

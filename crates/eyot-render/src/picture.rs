@@ -42,10 +42,11 @@ impl Picture {
         if width.max(height) > 16384 { self } else { self.resampled(width, height) }
     }
 
-    /// The picture with so many pixels along its longer side, linearly between the pixels.
-    pub(crate) fn with_longer_side(self, n: usize) -> Self {
+    /// The picture with so many pixels along its longer side, linearly between the pixels; if `even`, with the nearest even sides.
+    pub(crate) fn with_longer_side(self, n: usize, even: bool) -> Self {
         let longer = self.width.max(self.height);
-        let side = |old: usize| ((old as f64 * n as f64 / longer as f64).round() as usize).max(1);
+        let unit = if even { 2 } else { 1 };
+        let side = |old: usize| unit * ((old as f64 * n as f64 / (longer * unit) as f64).round() as usize).max(1);
         let (width, height) = (side(self.width), side(self.height));
         self.resampled(width, height)
     }

@@ -23,6 +23,8 @@ pub struct ReliefOptions {
     pub min_size: usize,
     /// Pixels of the longer side, instead of the two bounds; pixels are then between cells where whole factors do not fit.
     pub size: Option<usize>,
+    /// With a `size`, both sides are whole pairs of pixels, as videos want them.
+    pub even: bool,
     /// Bearing of the light. Maps are lit from the north-west by custom.
     pub sun_azimuth_deg: f32,
     /// Height of the light over the horizon, 1 to 89.
@@ -37,6 +39,8 @@ pub struct ReliefOptions {
     pub sea: bool,
     /// Depth at which the sea's bottom is all but lost, m. `None` as in perspective views.
     pub sea_clarity_m: Option<f32>,
+    /// Depth at which the sea's tint is darkest, m. `None` takes the deepest place.
+    pub deepest_m: Option<f32>,
     /// Draw rivers and lakes of the layer `water`.
     pub fresh_water: bool,
 }
@@ -47,6 +51,7 @@ impl Default for ReliefOptions {
             max_size: 2048,
             min_size: 512,
             size: None,
+            even: false,
             sun_azimuth_deg: 315.0,
             sun_elevation_deg: 42.0,
             vertical_exaggeration: None,
@@ -54,6 +59,7 @@ impl Default for ReliefOptions {
             variation: 1.0,
             sea: true,
             sea_clarity_m: None,
+            deepest_m: None,
             fresh_water: true,
         }
     }
@@ -100,7 +106,7 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
     let (sun, open) = cast(&z, [w, h], cell, sea, azimuth, elevation, exaggeration);
     let shadows = finite(o.shadows, 0.45).clamp(0.0, 1.0);
     // Deep water: the tint goes on falling from the end of sight to the deepest place.
-    let deepest = (-quantile(&ground.z, 0.0)).max(2.0 * clarity);
+    let deepest = o.deepest_m.map_or_else(|| deepest(&ground), |d| finite(d, 0.0)).max(2.0 * clarity);
 
     let mut pixels = vec![[0u8; 3]; w * h];
     pixels.par_chunks_mut(w).enumerate().try_for_each(|(y, row)| {
@@ -144,12 +150,33 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
     })?;
     let picture = Picture { width: w, height: h, pixels }.square(cell);
     Ok(match o.size {
-        Some(n) => picture.with_longer_side(n.clamp(1, 16384)),
+        Some(n) => picture.with_longer_side(n.clamp(1, 16384), o.even),
         None => picture,
     })
 }
 
+/// Depth of the deepest place, m.
+fn deepest(ground: &Ground) -> f32 {
+    -quantile(&ground.z, 0.0)
+}
+
 impl ReliefOptions {
+    /// These options with this world's own numbers for what they leave open, so that reliefs of other states of it have the same scale: the
+    /// pictures of a film do not flicker.
+    ///
+    /// # Errors
+    /// If the world has no layer `height`.
+    pub fn scaled_to(self, world: &World) -> Result<Self> {
+        let ground = Ground::new(world)?;
+        let exaggeration = self.vertical_exaggeration.unwrap_or_else(|| automatic_exaggeration(&ground));
+        Ok(Self {
+            vertical_exaggeration: Some(exaggeration),
+            sea_clarity_m: Some(crate::stage::clarity(self.sea_clarity_m, &ground)),
+            deepest_m: Some(self.deepest_m.unwrap_or_else(|| deepest(&ground))),
+            ..self
+        })
+    }
+
     /// How cells become pixels, before the picture is brought to its size.
     pub(crate) fn raster(&self, width: usize, height: usize) -> Raster {
         let longer = width.max(height);

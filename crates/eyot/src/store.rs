@@ -5,10 +5,13 @@ use crate::backend::io::{self, ReadOptions, checkpoint};
 use crate::error::RunError;
 use crate::import;
 use crate::keys::View;
+use crate::node::{Kind, Node};
 use crate::outputs;
+use crate::registry::Registry;
+use crate::set;
 use eyot_core::layer::known;
 use eyot_core::{Control, Grid, Limits, Rim, World};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// The world of a finished run.
@@ -43,6 +46,8 @@ pub struct Opened {
     pub file: PathBuf,
     /// False for height maps, which say nothing of a sea.
     pub has_sea: bool,
+    /// Whether the recipe's view is from above, as a map.
+    pub from_above: bool,
     /// Things to know about it.
     pub notes: Vec<String>,
 }
@@ -99,7 +104,7 @@ pub(crate) fn of_raster(mut raster: io::Raster, path: &Path, limits: &Limits) ->
     world.put(&known::HEIGHT, raster.field).map_err(RunError::input)?;
     // A bare height map has no sea: far below everything.
     world.sea_level_m = f64::from(known::HEIGHT.range.0);
-    Ok(Opened { world, file: path.to_owned(), has_sea: false, notes })
+    Ok(Opened { world, file: path.to_owned(), has_sea: false, from_above: false, notes })
 }
 
 /// What one should know of a height map; `holes_stay` if what is made of it marks missing cells.
@@ -150,6 +155,7 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, RunError>> 
     let opened = open(&folder.join(name), limits).map(|mut opened| {
         opened.world.sea_level_m = report["sea_level_m"].as_f64().unwrap_or_default();
         opened.has_sea = true;
+        opened.from_above = seen_from_above(&report["recipe"], &report["set"]);
         opened.notes.push(format!("the run was streamed; this is its export `{name}`"));
         opened
     });
@@ -162,7 +168,20 @@ fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
     if saved.state["finished"] != Value::Bool(true) {
         notes.push("this run is not finished; this is its last checkpoint".to_owned());
     }
-    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea: true, notes })
+    let from_above = seen_from_above(&json!(saved.recipe_toml), &saved.state["overrides"]["set"]);
+    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea: true, from_above, notes })
+}
+
+/// Whether a run's recipe, a text, with its `--set`, a list of texts, wants its view from above.
+pub(crate) fn seen_from_above(recipe: &Value, set: &Value) -> bool {
+    let Ok(mut doc) = Node::parse(recipe.as_str().unwrap_or_default(), 0) else { return false };
+    // What a run was begun with has passed its checks.
+    let (mut sources, mut problems) = (Vec::new(), Vec::new());
+    for flag in set.as_array().into_iter().flatten().filter_map(Value::as_str) {
+        set::apply(&mut doc, flag, &Registry::standard(), &mut sources, &mut problems);
+    }
+    let value = doc.get("view").and_then(|view| view.get("from_above"));
+    value.is_some_and(|v| matches!(v.kind, Kind::Bool(true)))
 }
 
 /// What a picture shows.

@@ -117,6 +117,17 @@ impl Timeline {
         })
     }
 
+    /// Whether the view of its recipe is from above, as a map.
+    ///
+    /// # Errors
+    /// If the head of its last frame cannot be read any more.
+    pub fn is_from_above(&self) -> Result<bool, RunError> {
+        let Some(last) = self.frames.last() else { return Ok(false) };
+        let recipe = self.store.recipe_toml(last.frame).map_err(RunError::input)?;
+        let state = self.store.state(last.frame).map_err(RunError::input)?;
+        Ok(store::seen_from_above(&recipe.into(), &state["overrides"]["set"]))
+    }
+
     /// The world of the frame with the number `i`.
     ///
     /// # Errors

@@ -301,3 +301,77 @@ fn dry_land_is_dry_from_the_first_picture_on() {
     };
     assert!(first(&wet) != first(&desert));
 }
+
+const PLANET: &str = r#"
+name = "Planet"
+[grid]
+size = [48, 24]
+extent_m = [4e7, 2e7]
+rim = ["wrap", "closed"]
+[view]
+from_above = true
+[[step]]
+generate = "fbm"
+amplitude = 4000.0
+[[step]]
+simulate = ["thermal"]
+steps = 6
+[[step]]
+generate = "fbm"
+merge = "add"
+amplitude = 2000.0
+"#;
+
+/// Each picture is the relief of its world, in the map's shape and not in that of the size.
+#[test]
+fn a_film_from_above_is_of_reliefs() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = dir.path().join("run");
+    let options_of_run = RunOptions {
+        out: Some(run.clone()),
+        record: Some(Record { every: 2, max_bytes: 1 << 30 }),
+        ..RunOptions::default()
+    };
+    let world = Run::start(common::recipe(PLANET, &[]), options_of_run).unwrap().join().unwrap().world;
+    let mut o = FilmOptions { frames: Some(2), ..options(FilmPath::Above) };
+    o.scenery.view.size = [96, 60];
+    // Maps are the processor's, whoever is asked.
+    o.scenery.engine.choice = eyot::EngineChoice::Gpu;
+    let relief = dir.path().join("relief.png");
+    let subject = eyot::store::Subject::ReliefAt(96);
+    eyot::store::draw(&world, &o.scenery.view, subject, &relief, &Limits::default()).unwrap();
+    let relief = std::fs::read(relief).unwrap();
+    for (name, subject) in
+        [("still", Subject::World(&world)), ("run", Subject::Run(&run)), ("recording", Subject::Recording(&run))]
+    {
+        let out = dir.path().join(name);
+        let filmed = film(subject, &o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        assert!(filmed.notes.iter().any(|n| n.contains("96 x 48 pixels")), "{:?}", filmed.notes);
+        assert!(filmed.notes.iter().any(|n| n.contains("by the processor")), "{:?}", filmed.notes);
+        let pictures = frames(&out);
+        assert!(pictures["frame_00001.png"] == relief, "{name}: the last picture is no relief of the world");
+        assert_eq!(pictures["frame_00000.png"] == relief, name == "still", "{name}");
+    }
+    o.scenery.drape = Some("height".to_owned());
+    assert!(make(&o, &dir.path().join("worn"), &mut |_| {}).unwrap_err().is_refusal());
+}
+
+/// The recipe of a run says how it is seen, in its file or by `--set`.
+#[test]
+fn a_run_knows_whether_it_is_seen_from_above() {
+    let dir = tempfile::tempdir().unwrap();
+    let seen = |name: &str, set: &[&str]| {
+        let out = dir.path().join(name);
+        let overrides =
+            eyot::Overrides { set: set.iter().map(|s| (*s).to_owned()).collect(), ..eyot::Overrides::default() };
+        let recipe = common::parse(PLANET, &[], overrides, &Limits::default()).unwrap();
+        let record = Some(Record { every: 2, max_bytes: 1 << 30 });
+        let options = RunOptions { out: Some(out.clone()), record, ..RunOptions::default() };
+        Run::start(recipe, options).unwrap().join().unwrap();
+        let recorded = Timeline::open(&out, &Limits::default()).unwrap().is_from_above().unwrap();
+        assert_eq!(eyot::store::open(&out, &Limits::default()).unwrap().from_above, recorded);
+        recorded
+    };
+    assert!(seen("map", &[]));
+    assert!(!seen("view", &["view.from_above=false"]));
+}

@@ -96,6 +96,14 @@ impl Timeline {
         Ok(self.open_head(i)?.1.head.state)
     }
 
+    /// The recipe of the run in frame `i`.
+    ///
+    /// # Errors
+    /// As [`Timeline::state`].
+    pub fn recipe_toml(&self, i: usize) -> Result<String> {
+        Ok(self.open_head(i)?.1.head.recipe_toml)
+    }
+
     /// As [`Timeline::state`], of a frame whose files are all there. What they hold shows when it is loaded.
     ///
     /// # Errors

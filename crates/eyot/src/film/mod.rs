@@ -3,6 +3,7 @@
 //! A film is a folder of numbered PNG files and a `film.json` that says what they show. Each picture appears whole or not at all, so
 //! a film that was stopped goes on with the first one that is missing.
 
+mod map;
 mod path_file;
 mod reel;
 mod rerun;
@@ -11,13 +12,16 @@ mod video;
 use crate::artist::{Artist, Scenery};
 use crate::backend::{self, io, render};
 use crate::error::{RunError, shell_word};
+use crate::keys::View;
 use crate::outputs::view_options;
 use eyot_core::layer::known::ARIDITY;
 use eyot_core::{Control, Limits, World};
+use map::Map;
 use reel::{Playing, Reel};
-use render::CameraPath;
+use render::{CameraPath, Picture};
 use rerun::{Made, Rerun};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -41,6 +45,9 @@ pub enum FilmPath {
     Fly,
     /// The camera stands where the view puts it.
     Still,
+    /// No camera: reliefs of the land from above, north up, drawn by the processor. They are as large as the view's size allows in the
+    /// map's own shape, with even sides.
+    Above,
     /// Key frames from a TOML file.
     File(PathBuf),
 }
@@ -224,22 +231,19 @@ fn shoot(
         _ => None,
     };
     check(options)?;
-    let mut artist = Artist::new(land.world, &options.scenery, limits, control)?;
-    let view = view_options(&options.scenery.view);
-    let path = match (&options.path, &keys) {
-        (FilmPath::Fly, _) => CameraPath::fly(artist.stage(), &view),
-        (FilmPath::Still, _) => CameraPath::still(artist.stage(), &view),
-        (_, Some(keys)) => keys.path(artist.stage().pose(&view)),
-        _ => CameraPath::orbit(artist.stage(), &view),
+    let mut eye = Eye::open(land, options, keys.as_ref(), limits, control)?;
+    let seconds = if let (Some(true), Eye::Camera { path, .. }) = (keys.map(|k| k.is_timed()), &eye) {
+        path.duration()
+    } else {
+        USUAL_SECONDS
     };
-    let seconds = if keys.is_some_and(|k| k.is_timed()) { path.duration() } else { USUAL_SECONDS };
     let usual = || match land.moves {
         Some(Moves::Recording(reel)) => reel.usual_frames(),
         _ => (seconds * options.fps).round().clamp(1.0, MOST_FRAMES as f32) as u32,
     };
     let frames = options.frames.unwrap_or_else(usual);
 
-    let manifest = manifest(land, options, &path, frames, &artist.name());
+    let manifest = manifest(land, options, &eye, frames);
     prepare(out, &manifest, options.restart)?;
     let name = |i: u32| out.join(format!("frame_{i:05}.png"));
     let missing: Vec<u32> = (0..frames).filter(|i| !is_picture(&name(*i))).collect();
@@ -250,24 +254,92 @@ fn shoot(
         control.check().map_err(|_| RunError::Stopped)?;
         let left = (missing.len() - drawn) as f64;
         let seconds_left = (drawn > 0).then(|| begun.elapsed().as_secs_f64() / drawn as f64 * left);
-        tell(&FilmProgress { done: frames - left as u32, frames, seconds_left, engine: artist.name() });
+        tell(&FilmProgress { done: frames - left as u32, frames, seconds_left, engine: eye.name() });
         if let Some(states) = &mut states
             && let Some(world) = states.of(i, frames, control)?
         {
-            artist.follow(&land.whole(world, options.scenery.drape.as_deref()), control)?;
+            eye.follow(land.whole(world, options.scenery.drape.as_deref()), control)?;
         }
-        // A closed path's last picture is the one before its first.
-        let last = if path.closed { frames } else { (frames - 1).max(1) };
-        let camera = artist.stage().camera_at(&path.pose(i as f32 / last as f32));
-        let picture = artist.draw(&camera, options.scenery.view.size, i as f32 / options.fps, control)?;
+        let picture = eye.picture(i, frames, options, land.world, control)?;
         io::write_rgb_png(&name(i), picture.width, picture.height, &picture.pixels)
             .map_err(|e| RunError::File(e.to_string()))?;
     }
-    tell(&FilmProgress { done: frames, frames, seconds_left: Some(0.0), engine: artist.name() });
-    let mut notes = artist.notes;
+    tell(&FilmProgress { done: frames, frames, seconds_left: Some(0.0), engine: eye.name() });
+    let mut notes = eye.notes();
     notes.extend(states.into_iter().flat_map(States::notes));
     let video = video::make(out, options.video, options.fps, frames, &mut notes, control)?;
     Ok(Filmed { drawn: missing.len() as u32, frames, video, notes })
+}
+
+/// What looks at the land.
+enum Eye {
+    Camera { artist: Artist, path: CameraPath },
+    Above(Map),
+}
+
+impl Eye {
+    fn open(
+        land: &Land<'_>,
+        options: &FilmOptions,
+        keys: Option<&path_file::Keys>,
+        limits: &Limits,
+        control: &Control<'_>,
+    ) -> Result<Self, RunError> {
+        if options.path == FilmPath::Above {
+            return Map::of(land.world, land.moves.is_some(), &options.scenery, limits).map(Self::Above);
+        }
+        let artist = Artist::new(land.world, &options.scenery, limits, control)?;
+        let view = view_options(&options.scenery.view);
+        let path = match (&options.path, keys) {
+            (FilmPath::Fly, _) => CameraPath::fly(artist.stage(), &view),
+            (FilmPath::Still, _) => CameraPath::still(artist.stage(), &view),
+            (_, Some(keys)) => keys.path(artist.stage().pose(&view)),
+            _ => CameraPath::orbit(artist.stage(), &view),
+        };
+        Ok(Self::Camera { artist, path })
+    }
+
+    /// The engine at work, for people.
+    fn name(&self) -> String {
+        match self {
+            Self::Camera { artist, .. } => artist.name(),
+            Self::Above(_) => "cpu".to_owned(),
+        }
+    }
+
+    /// Takes over a later state of the world.
+    fn follow(&mut self, world: Arc<World>, control: &Control<'_>) -> Result<(), RunError> {
+        match self {
+            Self::Camera { artist, .. } => artist.follow(&world, control),
+            Self::Above(map) => map.draw(&world, control),
+        }
+    }
+
+    fn picture(
+        &mut self,
+        i: u32,
+        frames: u32,
+        options: &FilmOptions,
+        land: &World,
+        control: &Control<'_>,
+    ) -> Result<Cow<'_, Picture>, RunError> {
+        match self {
+            Self::Camera { artist, path } => {
+                // A closed path's last picture is the one before its first.
+                let last = if path.closed { frames } else { (frames - 1).max(1) };
+                let camera = artist.stage().camera_at(&path.pose(i as f32 / last as f32));
+                artist.draw(&camera, options.scenery.view.size, i as f32 / options.fps, control).map(Cow::Owned)
+            }
+            Self::Above(map) => map.picture(land, control).map(Cow::Borrowed),
+        }
+    }
+
+    fn notes(self) -> Vec<String> {
+        match self {
+            Self::Camera { artist, .. } => artist.notes,
+            Self::Above(map) => map.notes,
+        }
+    }
 }
 
 fn check(o: &FilmOptions) -> Result<(), RunError> {
@@ -278,14 +350,21 @@ fn check(o: &FilmOptions) -> Result<(), RunError> {
     if !(o.fps.is_finite() && (1.0..=240.0).contains(&o.fps)) {
         return refuse(format!("{} pictures a second", o.fps), "choose --fps from 1 to 240");
     }
+    if o.path == FilmPath::Above && o.scenery.drape.is_some() {
+        return refuse(
+            "a film from above shows the land in its own colours".to_owned(),
+            "choose another --path, or leave out --drape",
+        );
+    }
     Ok(())
 }
 
 /// Everything that decides the pictures.
-fn manifest(land: &Land<'_>, o: &FilmOptions, path: &CameraPath, frames: u32, engine: &str) -> Value {
+fn manifest(land: &Land<'_>, o: &FilmOptions, eye: &Eye, frames: u32) -> Value {
+    let path = if let Eye::Camera { path, .. } = eye { Some(path) } else { None };
     let keys: Vec<Value> = path
-        .keys
-        .iter()
+        .into_iter()
+        .flat_map(|p| &p.keys)
         .map(|k| {
             let p = &k.pose;
             json!({
@@ -298,12 +377,12 @@ fn manifest(land: &Land<'_>, o: &FilmOptions, path: &CameraPath, frames: u32, en
         "engine_version": crate::VERSION,
         "world": format!("{:016x}", land.world.fingerprint()),
         "shows": land.moves.map_or("the world", Moves::name),
-        "engine": engine,
+        "engine": eye.name(),
         "frames": frames,
         "fps": o.fps,
-        "view": o.scenery.view,
+        "view": View { from_above: path.is_none(), ..o.scenery.view.clone() },
         "drape": o.scenery.drape,
-        "closed": path.closed,
+        "closed": path.is_some_and(|p| p.closed),
         "keys": keys,
     })
 }

@@ -1,0 +1,93 @@
+//! Pictures of a film from above: reliefs, for worlds that no camera on the ground sees.
+
+use crate::artist::Scenery;
+use crate::backend::render::{Picture, ReliefOptions, relief_controlled};
+use crate::engines::EngineChoice;
+use crate::error::RunError;
+use crate::need;
+use crate::outputs::{relief_options, stopped};
+use crate::store::Subject;
+use eyot_core::{Control, Grid, Limits, World};
+
+/// A world from above, whose last state scales all pictures.
+pub(super) struct Map {
+    options: ReliefOptions,
+    /// What was drawn last.
+    drawn: Option<Picture>,
+    /// Things to know.
+    pub(super) notes: Vec<String>,
+}
+
+impl Map {
+    /// Makes ready for pictures of `world` and, if it `moves`, its earlier states.
+    ///
+    /// # Errors
+    /// If the world has no height, or there is not enough memory.
+    pub(super) fn of(world: &World, moves: bool, scenery: &Scenery, limits: &Limits) -> Result<Self, RunError> {
+        let view = &scenery.view;
+        let size = best_fit(&world.grid, view.size);
+        let longer = size[0].max(size[1]);
+        let bytes = need::picture(&world.grid, view, Subject::ReliefAt(longer));
+        need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY).map_err(stopped)?;
+        let options = ReliefOptions { even: true, ..relief_options(view, Some(longer)) };
+        let mut notes = Vec::new();
+        if size != view.size {
+            notes.push(format!("the pictures have the shape of the map: {} x {} pixels", size[0], size[1]));
+        }
+        if scenery.engine.choice == EngineChoice::Gpu {
+            notes.push("reliefs from above are drawn by the processor".to_owned());
+        }
+        if !moves {
+            notes.push(
+                "a map of the finished world stands still; --run and --recording show how it came to be".to_owned(),
+            );
+        }
+        Ok(Self { options: options.scaled_to(world).map_err(stopped)?, drawn: None, notes })
+    }
+
+    /// Draws a state of the world.
+    ///
+    /// # Errors
+    /// If it has no height, and on a request to stop.
+    pub(super) fn draw(&mut self, world: &World, control: &Control<'_>) -> Result<(), RunError> {
+        self.drawn = Some(relief_controlled(world, &self.options, control).map_err(stopped)?);
+        Ok(())
+    }
+
+    /// The picture that was drawn last, or that of `world` if there is none.
+    ///
+    /// # Errors
+    /// As [`Map::draw`].
+    pub(super) fn picture(&mut self, world: &World, control: &Control<'_>) -> Result<&Picture, RunError> {
+        if self.drawn.is_none() {
+            self.draw(world, control)?;
+        }
+        self.drawn.as_ref().ok_or(RunError::Stopped)
+    }
+}
+
+/// The largest even sides, in pixels, of a picture of the whole map within `size`.
+fn best_fit(grid: &Grid, size: [u32; 2]) -> [u32; 2] {
+    let across = grid.width as f64 * grid.cell_x_m;
+    let down = grid.height as f64 * grid.cell_y_m;
+    let pairs = size.map(|n| f64::from((n / 2).max(1)));
+    let scale = (pairs[0] / across).min(pairs[1] / down);
+    [across, down].map(|m| 2 * ((m * scale).round() as u32).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eyot_core::Rim;
+
+    #[test]
+    fn the_whole_map_fits_in_even_sides() {
+        let fit = |cells: [usize; 2], size| {
+            best_fit(&Grid::new(cells[0], cells[1], 20.0, Rim::CLOSED, &Limits::default()).unwrap(), size)
+        };
+        assert_eq!(fit([512, 256], [1280, 800]), [1280, 640]);
+        assert_eq!(fit([512, 256], [1281, 500]), [1000, 500]);
+        assert_eq!(fit([100, 300], [640, 640]), [214, 640]);
+        assert_eq!(fit([300, 100], [301, 301]), [300, 100]);
+    }
+}
