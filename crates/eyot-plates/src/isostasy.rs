@@ -13,7 +13,7 @@
 //! Airy (1855) for 1; Parsons and Sclater (1977), equations 21 and 22, for 3. The exponential is the 1024th power of
 //! `1 - x / 1024`, which is 1 m off at most and the same on every machine.
 
-use crate::crust::OCEANIC_M;
+use crate::crust::{OCEANIC_M, metres};
 
 const RHO_CRUST: f32 = 2800.0;
 const RHO_MANTLE: f32 = 3300.0;
@@ -29,16 +29,51 @@ const THETA_0: f32 = A * (36_000.0 - OCEANIC_M) - 500.0 - 2500.0 / L;
 /// The oldest floor that an imported depth can stand for, Myr.
 const OLDEST_MYR: f32 = 180.0;
 
+/// Age up to which the floor sinks with the root of its age, Myr.
+const YOUNG_MYR: f32 = 70.0;
+
 /// Depth of the sea floor, m, at an age in Myr.
 #[inline(always)]
 pub fn depth_m(age_myr: f32) -> f32 {
-    let young = 2500.0 + 350.0 * age_myr.sqrt();
+    if age_myr < YOUNG_MYR { young_depth_m(age_myr) } else { old_depth_m(age_myr) }
+}
+
+#[inline(always)]
+fn young_depth_m(age_myr: f32) -> f32 {
+    2500.0 + 350.0 * age_myr.sqrt()
+}
+
+#[inline(always)]
+fn old_depth_m(age_myr: f32) -> f32 {
     let mut e = (1.0 - age_myr * (1.0 / (62.8 * 1024.0))).max(0.0);
     for _ in 0..10 {
         e *= e;
     }
-    let old = 6400.0 - 3200.0 * e;
-    if age_myr < 70.0 { young } else { old }
+    6400.0 - 3200.0 * e
+}
+
+/// [`height_m`] of several cells. Where all are of one kind, and most neighbours are, there is less to do.
+pub(crate) fn heights_m(crust: &[i32], age: &[f32], level: f32, height: &mut [f32]) {
+    let ageless = crust.iter().fold(true, |all, &c| all & (metres(c) >= AGELESS_M));
+    let young = age.iter().fold(true, |all, &a| all & (a < YOUNG_MYR));
+    let old = age.iter().fold(true, |all, &a| all & (a >= YOUNG_MYR));
+    if ageless {
+        fill_heights(crust, age, level, height, |_| 2500.0);
+    } else if young {
+        fill_heights(crust, age, level, height, young_depth_m);
+    } else if old {
+        fill_heights(crust, age, level, height, old_depth_m);
+    } else {
+        fill_heights(crust, age, level, height, depth_m);
+    }
+}
+
+#[inline(always)]
+fn fill_heights(crust: &[i32], age: &[f32], level: f32, height: &mut [f32], depth: impl Fn(f32) -> f32) {
+    for ((&c, &a), h) in crust.iter().zip(age).zip(height) {
+        let dry = A * metres(c) + weight(metres(c)) * theta(depth(a)) - level;
+        *h = if dry < 0.0 { dry * L } else { dry };
+    }
 }
 
 /// Age, Myr, at which the sea floor lies so deep, m; 0 above the ridges, 180 below the oldest floor.
@@ -58,14 +93,14 @@ fn weight(crust_m: f32) -> f32 {
 }
 
 #[inline(always)]
-fn theta(age_myr: f32) -> f32 {
-    (2500.0 - depth_m(age_myr)) * (1.0 / L) + THETA_0
+fn theta(depth_m: f32) -> f32 {
+    (2500.0 - depth_m) * (1.0 / L) + THETA_0
 }
 
 /// Height of dry ground above an arbitrary level, m.
 #[inline(always)]
 pub(crate) fn buoyancy(crust_m: f32, age_myr: f32) -> f32 {
-    A * crust_m + weight(crust_m) * theta(age_myr)
+    A * crust_m + weight(crust_m) * theta(depth_m(age_myr))
 }
 
 /// Height above the sea, m, of crust with that thickness (m) and age (Myr) when the sea stands at `level` of its buoyancy.
@@ -91,7 +126,7 @@ pub(crate) fn dry_m(height: f32) -> f32 {
 #[inline(always)]
 pub fn crust_m(height: f32, age_myr: f32, level: f32) -> f32 {
     let buoyancy = level + dry_m(height);
-    let theta = theta(age_myr);
+    let theta = theta(depth_m(age_myr));
     let per_m = theta / (AGELESS_M - OCEANIC_M);
     // Each of the three pieces, of which one is right: so there is no branch.
     let (ageless, thin) = (buoyancy / A, (buoyancy - theta) / A);

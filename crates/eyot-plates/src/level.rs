@@ -7,9 +7,8 @@
 //! all heights, at which the share is `FARTHEST` from the aim. Continents themselves keep their area: collisions shorten them, rivers,
 //! stretching and arcs widen them.
 
-use crate::crust::metres;
 use crate::geometry::rows_at_once;
-use crate::isostasy::{dry_m, height_above, height_m};
+use crate::isostasy::{dry_m, height_above, heights_m};
 use rayon::prelude::*;
 
 /// The level moves no faster, m a step.
@@ -58,9 +57,9 @@ pub(crate) fn heights(width: usize, crust: &[i32], age: &mut [f32], myr: f32, le
     let rows = crust.par_chunks(width).zip(age.par_chunks_mut(width)).zip(height.par_chunks_mut(width));
     rows.with_min_len(rows_at_once(width))
         .map(|((crust, age), height)| {
-            for ((c, a), h) in crust.iter().zip(age.iter_mut()).zip(height.iter_mut()) {
-                *a += myr;
-                *h = height_m(metres(*c), *a, level);
+            age.iter_mut().for_each(|a| *a += myr);
+            for ((crust, age), height) in crust.chunks(64).zip(age.chunks(64)).zip(height.chunks_mut(64)) {
+                heights_m(crust, age, level, height);
             }
             Coast::of(height)
         })
