@@ -71,8 +71,7 @@ pub(crate) fn heights_m(crust: &[i32], age: &[f32], level: f32, height: &mut [f3
 #[inline(always)]
 fn fill_heights(crust: &[i32], age: &[f32], level: f32, height: &mut [f32], depth: impl Fn(f32) -> f32) {
     for ((&c, &a), h) in crust.iter().zip(age).zip(height) {
-        let dry = A * metres(c) + weight(metres(c)) * theta(depth(a)) - level;
-        *h = if dry < 0.0 { dry * L } else { dry };
+        *h = height_above(A * metres(c) + weight(metres(c)) * theta(depth(a)) - level);
     }
 }
 
@@ -106,8 +105,7 @@ pub(crate) fn buoyancy(crust_m: f32, age_myr: f32) -> f32 {
 /// Height above the sea, m, of crust with that thickness (m) and age (Myr) when the sea stands at `level` of its buoyancy.
 #[inline(always)]
 pub fn height_m(crust_m: f32, age_myr: f32, level: f32) -> f32 {
-    let dry = buoyancy(crust_m, age_myr) - level;
-    if dry < 0.0 { dry * L } else { dry }
+    height_above(buoyancy(crust_m, age_myr) - level)
 }
 
 /// The height of ground that a rise of the level by so much would bring to the sea, m: what is under water stands higher without.
