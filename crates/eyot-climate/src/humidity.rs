@@ -37,7 +37,7 @@
 //!
 //! # Conserves
 //! Water in the air with uptake, rain and drying in the ledger, as the depth it would have, and water in the soil with what
-//! runs off (`tests/conservation.rs`).
+//! runs off (`tests/it/conservation.rs`).
 //! The rain of the map falls as `water.rain` in its own, slower time; see `water`.
 
 use crate::carry::{Carrier, mixing, shares, storms};

@@ -25,7 +25,7 @@
 //! Stable for all values: four faces take at most all that a cell has.
 //!
 //! # Conserves
-//! Ice and water together, with the sea's part and what breaks off in the ledger (`tests/conservation.rs`).
+//! Ice and water together, with the sea's part and what breaks off in the ledger (`tests/it/conservation.rs`).
 
 use crate::level::{flow, out};
 use crate::temperature::TEMPERATURE;

@@ -8,7 +8,7 @@
 //! In the source every process reads the state before the step, so that their order does not matter. Here a process
 //! reads what those before it in the recipe have left, as everywhere in Eyot: nothing needs to be kept twice, and
 //! matter that one process moves cannot be moved again by another. The recipes' order is wind, temperature, humidity,
-//! water, ice, weathering, sand, climate, zones; another one shifts what happens by at most a step (`tests/worlds.rs`).
+//! water, ice, weathering, sand, climate, zones; another one shifts what happens by at most a step (`tests/it/worlds.rs`).
 //!
 //! # Time
 //! A step is as long as the strongest wind needs for a fifth of a cell, see [`units::hours_per_step`]. What the ground

@@ -22,7 +22,7 @@
 //! Stable for all values: four faces take at most two thirds of a cell's sand, and no slope turns round.
 //!
 //! # Conserves
-//! Sand with what becomes of rock in the ledger; the ground to rounding (`tests/conservation.rs`).
+//! Sand with what becomes of rock in the ledger; the ground to rounding (`tests/it/conservation.rs`).
 
 use crate::level::{flow, out};
 use crate::units::discharge_per_metre;

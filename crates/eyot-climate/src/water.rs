@@ -26,7 +26,7 @@
 //! Stable for all values: four faces take at most all that a cell has.
 //!
 //! # Conserves
-//! Water with rain, evaporation and drainage in the ledger; with `ice`, what freezes and melts (`tests/conservation.rs`).
+//! Water with rain, evaporation and drainage in the ledger; with `ice`, what freezes and melts (`tests/it/conservation.rs`).
 
 use crate::humidity::PRECIPITATION;
 use crate::level::{flow, out};

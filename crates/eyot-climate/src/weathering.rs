@@ -19,7 +19,7 @@
 //! Stable for every strength within 0..=5: the shares sum to an eighth.
 //!
 //! # Conserves
-//! Ground, to rounding (`tests/conservation.rs`).
+//! Ground, to rounding (`tests/it/conservation.rs`).
 
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;

@@ -1,16 +1,16 @@
 //! What actions and generators hold while they work is what they say: runs are refused by these numbers before they begin.
 
-#[path = "../../eyot-core/tests/counting/mod.rs"]
-mod counting;
-
-use counting::peak;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Entry, Generator, Moment, Process, Site};
 use eyot_core::{Control, Field, Grid, LayerSpec, Limits, Rim, World};
 use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::PROCESSES;
+use eyot_testing::counting::{Counting, peak};
 use serde_json::{Value, json};
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
 
 /// The height at (column, row).
 type Heights = fn(usize, usize) -> f32;

@@ -1,12 +1,12 @@
 //! What plates hold beside the world is what they say: runs are refused by this number before they begin.
 
-#[path = "../../eyot-core/tests/counting/mod.rs"]
-mod counting;
-
-use counting::peak;
 use eyot_core::process::{Moment, Process};
 use eyot_core::{Control, Edge, Grid, Limits, Rim, World};
 use eyot_plates::{Drift, Tectonics};
+use eyot_testing::counting::{Counting, peak};
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
 
 #[test]
 fn a_step_holds_what_it_says() {

@@ -26,7 +26,7 @@
 //! `humidity_province`, `koeppen`.
 //!
 //! # Limits
-//! A limit itself belongs to the colder or drier class; `tests/zones.rs` checks all of them.
+//! A limit itself belongs to the colder or drier class; `tests/it/zones.rs` checks all of them.
 
 mod holdridge;
 mod koeppen;

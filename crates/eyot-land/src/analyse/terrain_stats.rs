@@ -9,7 +9,7 @@
 //! of a tiny grid, the streams of a grid smaller than the channel threshold, anything of a grid without land.
 //!
 //! # Source
-//! Definitions are in the files of the algorithms, `tests/analyse_jacksboro.rs` holds them against a real tile.
+//! Definitions are in the files of the algorithms, `tests/it/analyse_jacksboro.rs` holds them against a real tile.
 
 use super::curvature::curvatures;
 use super::geomorphons::{Landform, geomorphons};

@@ -17,7 +17,7 @@
 //!
 //! # Conserves
 //! What filling adds and breaching removes is in the ledger (`ground.filled`, `ground.breached`;
-//! `tests/drainage_process.rs`).
+//! `tests/it/drainage_process.rs`).
 
 use crate::drainage::{BreachLimits, Land, RoutingRule, breach, fill};
 use eyot_core::layer::known::{DRAINED_AREA, HEIGHT, LAKE};

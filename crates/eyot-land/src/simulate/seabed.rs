@@ -18,7 +18,7 @@
 //! Stable for every rate in the range.
 //!
 //! # Conserves
-//! Ground, to rounding (`tests/reef.rs`).
+//! Ground, to rounding (`tests/it/reef.rs`).
 
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
 use eyot_core::plan::Plan;

@@ -12,7 +12,7 @@
 //! # Differences
 //! - Usually half the height above the lowest neighbour moves, shared among all that are too low. Here each pair
 //!   exchanges only what exceeds the talus, so slopes end at the angle and not below it, one pass is enough, and both
-//!   cells of a pair compute the same amount (`tests/thermal.rs`).
+//!   cells of a pair compute the same amount (`tests/it/thermal.rs`).
 //! - Olsen's form is applied to all cells at once and not in scanning order, which would favour one direction.
 //!
 //! # Layers
@@ -22,7 +22,7 @@
 //! Stable for every rate within 0..=1: the shares of the 8 neighbours sum to `rate / 2`.
 //!
 //! # Conserves
-//! Ground, to rounding (`tests/thermal.rs`).
+//! Ground, to rounding (`tests/it/thermal.rs`).
 
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;

@@ -112,7 +112,7 @@ const CHUMBE_YEARS: [f32; 13] = [0.2, 0.43, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.51, 
 
 /// Middle of the warm spells of ordinary years (11 April) and of 1998 (5 to 6 April), days; their standard deviation, days.
 ///
-/// Only the excesses are known. These days are chosen so that the original program's cover comes out (`tests/source.rs`): the
+/// Only the excesses are known. These days are chosen so that the original program's cover comes out (`tests/it/source.rs`): the
 /// spell of 1998 straddles two months, which see an index of 29.7 and 30.2 C.
 const ORDINARY_DAY: f64 = 100.0;
 const SEVERE_DAY: f64 = 94.5;

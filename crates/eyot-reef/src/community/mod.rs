@@ -30,7 +30,7 @@
 //! # Source
 //! The individual-based model of Kubicek, Muhando and Reuter 2012 in its published parameters and described behaviour. Light
 //! limits growth after Bosscher and Schlager 1992; degree heating weeks are those of NOAA Coral Reef Watch (Liu and others 2003).
-//! `tests/source.rs` compares with runs of the original program.
+//! `tests/it/source.rs` compares with runs of the original program.
 //!
 //! # Differences
 //! With `compat` the model behaves like the original program. Without it:

@@ -19,7 +19,7 @@
 //!
 //! # Differences
 //! - One signed flux an edge instead of four one-way fluxes a cell: those run waves sqrt 2 too fast after the first
-//!   reversal and need half the time step (`tests/hydraulic_waves.rs`). `flux = "classic"` keeps the published form.
+//!   reversal and need half the time step (`tests/it/hydraulic_waves.rs`). `flux = "classic"` keeps the published form.
 //! - The capacity has a ramp with depth; without it films erode everywhere and no rivers form.
 //! - Sediment moves with the flux and is conserved; tracing it back along the velocity loses nearly all of it.
 //! - The load changes by what the ground really changed by after rounding, not by the computed amount. At a height of 40 m
@@ -36,7 +36,7 @@
 //!
 //! # Conserves
 //! Ground + sediment, and water with rain, evaporation and drainage in the ledger, to rounding
-//! (`tests/hydraulic_conservation.rs`).
+//! (`tests/it/hydraulic_conservation.rs`).
 
 mod classic;
 mod signed;

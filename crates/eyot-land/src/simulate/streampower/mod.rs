@@ -39,7 +39,7 @@
 //! # Conserves
 //! What rises is in `ground.uplifted`, what rivers carry away in `ground.incised`, what creeps into cells that hold their
 //! height in `ground.crept`, what rivers lay down in `ground.deposited`; the ledger closes to rounding
-//! (`tests/streampower.rs`).
+//! (`tests/it/streampower.rs`).
 
 mod creep;
 mod critical;

@@ -1,0 +1,70 @@
+//! Every rule of the living world: lanes = scalar = reference bit by bit on all shapes and rims; the traced graph means
+//! the same.
+
+use eyot_climate::PROCESSES;
+use eyot_core::conformance;
+use eyot_core::plan::Plan;
+use eyot_core::process::Moment;
+use eyot_core::{Grid, Limits, Rim};
+use eyot_testing::climate::{climate_start, climate_variants, world};
+
+#[test]
+fn engine_equals_reference_for_every_rule() {
+    for (name, processes) in climate_variants() {
+        println!("{name}");
+        conformance::check(&processes, &climate_start).unwrap();
+    }
+}
+
+#[test]
+fn graphs_mean_what_the_rules_mean() {
+    let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
+    for (_, processes) in climate_variants() {
+        conformance::check_graphs(&processes, grid);
+    }
+}
+
+/// What a step of all processes costs for a cell; `docs/performance.md` gives the numbers that this prints.
+#[test]
+fn a_step_is_lean() {
+    let grid = Grid::new(64, 32, 6e5, Rim::WRAP, &Limits::default()).unwrap();
+    let (mut operations, mut accesses) = (0.0, 0.0);
+    for s in world() {
+        let mut plan = Plan::default();
+        s.process.plan(&Moment { grid, step: 1, turn: 0, sea_level_m: 0.0 }, &mut plan);
+        // Zones are drawn in every tenth step.
+        let share = if s.name == "zones" { 0.1 } else { 1.0 };
+        for p in plan.passes() {
+            let (work, moved) = (p.graph().operations(), p.reads().len() + p.writes().len());
+            println!("{:20} {work} operations, {} bytes", p.name(), 4 * moved);
+            operations += share * work as f64;
+            accesses += share * moved as f64;
+        }
+    }
+    println!("a step: {operations:.0} operations, {:.0} bytes", 4.0 * accesses);
+    assert!(operations < 1000.0 && 4.0 * accesses < 400.0, "{operations} operations, {} bytes", 4.0 * accesses);
+}
+
+#[test]
+fn registry_is_sound() {
+    for e in PROCESSES {
+        let process = (e.make)((e.defaults)()).unwrap_or_else(|err| panic!("{}: {err}", e.name));
+        let layers = process.layers();
+        let mut names: Vec<&str> = layers.iter().map(|(l, _)| &*l.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), layers.len(), "{} names a layer twice", e.name);
+        let schema = (e.schema)();
+        for (name, p) in schema.as_value()["properties"].as_object().unwrap() {
+            assert!(p["description"].is_string(), "{}.{name} says nothing about itself", e.name);
+            if p["type"] == "number" || p["type"] == "integer" {
+                assert!(
+                    p["unit"].is_string() && p["minimum"].is_number() && p["maximum"].is_number(),
+                    "{}.{name}: {p}",
+                    e.name
+                );
+            }
+        }
+        process.check(&Grid::new(8, 8, 1e5, Rim::WRAP, &Limits::default()).unwrap()).unwrap();
+    }
+}

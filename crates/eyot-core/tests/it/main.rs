@@ -1,0 +1,6 @@
+//! All tests of this crate that see it from outside, in one binary.
+
+mod actions;
+mod foundations;
+mod programs;
+mod rules;

@@ -1,0 +1,10 @@
+//! All tests of this crate that see it from outside, in one binary.
+
+mod common;
+mod conformance;
+mod device;
+mod draw;
+mod draw_wgsl;
+mod engine;
+mod texts;
+mod wgsl;

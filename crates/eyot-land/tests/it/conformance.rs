@@ -1,0 +1,63 @@
+//! Every rule of every process: lanes = scalar = reference bit by bit on all shapes and rims; the traced graph means the
+//! same.
+
+use eyot_core::conformance;
+use eyot_core::process::{Moment, Process};
+use eyot_core::{Grid, LayerSpec, Limits, Rim};
+use eyot_land::simulate::PROCESSES;
+use eyot_land::simulate::hydraulic::Hydraulic;
+use eyot_testing::land::{start, variants};
+use eyot_testing::one;
+
+#[test]
+fn engine_equals_reference_for_every_rule() {
+    for (name, processes) in variants() {
+        println!("{name}");
+        conformance::check(&processes, &start).unwrap();
+    }
+}
+
+#[test]
+fn springs_conform() {
+    let with_springs = Hydraulic { springs: 0.01, ..Default::default() };
+    struct WithSprings(Hydraulic);
+    impl Process for WithSprings {
+        fn layers(&self) -> Vec<(LayerSpec, f32)> {
+            let mut l = self.0.layers();
+            l.push((eyot_land::simulate::hydraulic::SPRINGS, 0.0));
+            l
+        }
+        fn plan(&self, m: &Moment, p: &mut eyot_core::plan::Plan) {
+            self.0.plan(m, p);
+        }
+    }
+    conformance::check(&[one(WithSprings(with_springs))], &start).unwrap();
+}
+
+#[test]
+fn graphs_mean_what_the_rules_mean() {
+    let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
+    for (_, processes) in variants() {
+        conformance::check_graphs(&processes, grid);
+    }
+}
+
+#[test]
+fn registry_is_sound() {
+    for e in PROCESSES {
+        let process = (e.make)((e.defaults)()).unwrap_or_else(|err| panic!("{}: {err}", e.name));
+        assert!(!process.layers().is_empty());
+        let schema = (e.schema)();
+        let properties = schema.as_value()["properties"].as_object().unwrap();
+        for (name, p) in properties {
+            assert!(p["description"].is_string(), "{}.{name} says nothing about itself", e.name);
+            if p["type"] == "number" || p["type"] == "integer" {
+                assert!(
+                    p["unit"].is_string() && p["minimum"].is_number() && p["maximum"].is_number(),
+                    "{}.{name}: {p}",
+                    e.name
+                );
+            }
+        }
+    }
+}

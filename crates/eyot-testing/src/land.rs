@@ -1,0 +1,50 @@
+//! Every process in every variant that has rules of its own; shared by the tests of all engines.
+
+use crate::one;
+use eyot_core::process::Scheduled;
+use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic};
+use eyot_land::simulate::reef::{Light, Limit, Reef};
+use eyot_land::simulate::{Seabed, Thermal, Wetness};
+
+/// Name and processes of each.
+pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
+    // A time step that needs two parts on the suite's cells of 2 x 2.5 m.
+    let hydraulic = Hydraulic { time_step: 0.2, rain: 0.01, ..Default::default() };
+    vec![
+        ("hydraulic", vec![one(hydraulic.clone())]),
+        ("hydraulic classic", vec![one(Hydraulic { flux: FluxForm::Classic, ..hydraulic.clone() })]),
+        ("thermal", vec![one(Thermal::default())]),
+        ("thermal inverted", vec![one(Thermal { inverted: true, ..Default::default() })]),
+        ("seabed", vec![one(Seabed::default())]),
+        ("reef", vec![one(Reef { years_per_step: 1.0, diffusivity: 3.0, sea_level_rise: 0.01, ..Default::default() })]),
+        ("reef, plain diffusion", vec![one(Reef { years_per_step: 1.0, diffusivity: 0.5, ..Default::default() })]),
+        // So many stages that the engine cuts the step into several chains.
+        ("reef, 23 stages", vec![one(Reef { years_per_step: 10.0, diffusivity: 30.0, ..Default::default() })]),
+        ("reef in light", vec![one(Reef { limit: Limit::Light, light: Light::Saturating, ..Default::default() })]),
+        ("wetness", vec![one(Wetness::default())]),
+        (
+            "all",
+            vec![
+                one(hydraulic),
+                one(Thermal::default()),
+                Scheduled { name: "wetness", process: Box::new(Wetness::default()), every: 2 },
+                Scheduled { name: "seabed", process: Box::new(Seabed::default()), every: 3 },
+                one(Reef { years_per_step: 1.0, subsidence: 0.001, ..Default::default() }),
+            ],
+        ),
+    ]
+}
+
+/// A plausible value of a layer from a number within 0..1.
+pub fn start(layer: &str, u: f32) -> f32 {
+    match layer {
+        "height" => 12.0 * u - 4.0,
+        "water" => (2.0 * u - 0.8).max(0.0),
+        "sediment" => 0.1 * u,
+        "limestone" => (2.0 * u - 1.0).max(0.0),
+        "reef_floor" => 12.0 * u - 6.0,
+        name if name.starts_with("flux") => u - 0.5,
+        name if name.starts_with("outflow") => u,
+        _ => u,
+    }
+}
