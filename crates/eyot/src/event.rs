@@ -1,5 +1,6 @@
 //! What goes into a run and what comes out of it.
 
+use crate::session::Change;
 use eyot_core::{Ledger, World};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -15,8 +16,8 @@ pub enum Command {
     Resume,
     /// Do so many steps, then wait.
     Step(u64),
-    /// Change a parameter of the simulating step that is under way: `hydraulic.rain=0.004`.
-    Set(String),
+    /// Change a parameter of the simulating step that is under way.
+    Change(Change),
     /// Send the world as it is.
     Snapshot,
     /// Go back to the last recorded frame that has at most so many steps of simulation done. Later frames stay until the run

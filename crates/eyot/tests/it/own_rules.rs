@@ -114,9 +114,9 @@ fn a_stopped_and_changed_run_goes_on_and_replays() {
     handle.send(Command::Step(12));
     wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
-    handle.send(Command::Set("seep.share=0.5".into()));
+    handle.send(Command::Change("seep.share=0.5".parse().unwrap()));
     wait_for(&handle, |e| matches!(e, Event::Changed(_)));
-    handle.send(Command::Set("seep.shar=0.5".into()));
+    handle.send(Command::Change("seep.shar=0.5".parse().unwrap()));
     wait_for(&handle, |e| matches!(e, Event::Warning { message } if message.contains("did you mean `share`?")));
     handle.send(Command::Stop);
     handle.join().unwrap();
