@@ -94,7 +94,7 @@ pub use keys::{Bytes, Export, ExportFormat, FirstRow, Preset, View};
 pub use merge::Merge;
 pub use node::Span;
 pub use recipe::{Actor, GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, SimulateStep, Step, Work};
-pub use registry::Registry;
+pub use registry::{Registry, component_kinds};
 pub use run::{Handle, Outcome, Remote, Run, RunOptions};
 pub use schema::recipe_schema;
 pub use stream::{OVERVIEW, Stream};

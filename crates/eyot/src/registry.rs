@@ -2,6 +2,7 @@
 
 use crate::import::IMPORT;
 use eyot_climate::PROCESSES as CLIMATE;
+use eyot_core::ComponentKinds;
 use eyot_core::process::{Entry, Generator, Process};
 use eyot_land::{generate::GENERATORS, simulate::PROCESSES};
 use eyot_plates::PROCESSES as TECTONICS;
@@ -22,6 +23,7 @@ pub(crate) const DOCUMENT_KEYS: [&str; 10] =
 pub struct Registry {
     generators: Vec<&'static Entry<dyn Generator>>,
     processes: Vec<&'static Entry<dyn Process>>,
+    components: ComponentKinds,
 }
 
 impl Default for Registry {
@@ -36,14 +38,21 @@ impl Registry {
         let mut generators: Vec<_> = GENERATORS.iter().filter(|e| e.name != IMPORT.name).collect();
         generators.push(&IMPORT);
         let processes = PROCESSES.iter().chain(CLIMATE).chain(TECTONICS).chain(eyot_reef::PROCESSES).collect();
-        Self { generators, processes }
+        Self { generators, processes, components: component_kinds() }
     }
 
-    /// Only what is given, and the import of files.
+    /// Only what is given, the import of files, and the components that every world can have.
     pub fn new(generators: &'static [Entry<dyn Generator>], processes: &'static [Entry<dyn Process>]) -> Self {
         let mut generators: Vec<_> = generators.iter().collect();
         generators.push(&IMPORT);
-        Self { generators, processes: processes.iter().collect() }
+        Self { generators, processes: processes.iter().collect(), components: ComponentKinds::core() }
+    }
+
+    /// The same, and components of these kinds, which its processes keep in worlds.
+    #[must_use]
+    pub fn with_components(mut self, components: ComponentKinds) -> Self {
+        self.components = components;
+        self
     }
 
     #[cfg(test)]
@@ -59,6 +68,11 @@ impl Registry {
     /// All processes.
     pub fn processes(&self) -> &[&'static Entry<dyn Process>] {
         &self.processes
+    }
+
+    /// The kinds of components that worlds can have.
+    pub fn components(&self) -> &ComponentKinds {
+        &self.components
     }
 
     /// The generator of that name.
@@ -80,6 +94,11 @@ impl Registry {
     pub fn process_names(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.processes.iter().map(|e| e.name)
     }
+}
+
+/// Every kind of components that the processes of this program keep in worlds.
+pub fn component_kinds() -> ComponentKinds {
+    ComponentKinds::core()
 }
 
 #[cfg(test)]
