@@ -36,6 +36,7 @@ pub use eyot_reef as reef;
 pub use eyot_render as render;
 pub use eyot_rules as rules;
 pub use eyot_stream as network;
+pub use eyot_view as view;
 
 mod artist;
 mod backend;
@@ -79,7 +80,7 @@ pub mod timeline;
 mod validate;
 mod watch;
 
-pub use artist::{Drawn, Scenery, draw_view};
+pub use artist::{Drawn, ViewRequest, draw_view};
 pub use builtin::{BuiltIn, RECIPES};
 pub use cite::{Citation, Citations, all_citations, cite};
 pub use describe::{Choice, Description, Expression, ParameterInfo, describe};
