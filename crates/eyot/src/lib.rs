@@ -36,6 +36,7 @@ pub use eyot_reef as reef;
 pub use eyot_render as render;
 pub use eyot_rules as rules;
 pub use eyot_stream as network;
+pub use eyot_view as view;
 
 mod artist;
 mod backend;
@@ -64,7 +65,7 @@ mod stream;
 pub mod timeline;
 mod watch;
 
-pub use artist::{Drawn, Scenery, draw_view};
+pub use artist::{Drawn, ViewRequest, draw_view};
 pub use engines::{EngineChoice, EngineOptions};
 pub use error::{RunError, shell_word};
 pub use event::{Command, Event, JournalEntry, Progress};

@@ -1,14 +1,14 @@
 //! The pipelines that draw, and pictures.
 
-use super::detail::Look;
-use super::frame::Parts;
-use super::levels::PATCH;
-use super::maps::{MapMaker, Maps};
-use super::scene::Scene;
-use super::shaders;
-use super::texture::Kind;
-use crate::device::Gpu;
-use crate::error::{GpuError, Result};
+use crate::detail::Look;
+use crate::frame::Parts;
+use crate::levels::PATCH;
+use crate::maps::{MapMaker, Maps};
+use crate::scene::Scene;
+use crate::shaders;
+use crate::shot::Shot;
+use crate::texture::Kind;
+use eyot_gpu::{Gpu, GpuError, Result};
 use eyot_render::{Camera, Picture};
 use std::collections::HashMap;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
@@ -62,7 +62,7 @@ impl Renderer {
     /// # Errors
     /// If the device is lost or the driver refuses a shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        let device = &gpu.device;
+        let device = gpu.device();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
             source: wgpu::ShaderSource::Wgsl(shaders::PICTURE.into()),
@@ -104,7 +104,7 @@ impl Renderer {
         let quads = quads();
         let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
         let buffer = gpu.buffer("quads of a patch", size_of_val(&quads[..]) as u64, usage)?;
-        gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&quads));
+        gpu.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(&quads));
         let maker = MapMaker::new(gpu);
         gpu.check()?;
         Ok(Self { maker, module, layout, sampler, quads: buffer, pipelines: HashMap::new(), canvas: None })
@@ -122,7 +122,7 @@ impl Renderer {
             resource: wgpu::BindingResource::TextureView(v),
         }));
         entries.push(wgpu::BindGroupEntry { binding: 6, resource: wgpu::BindingResource::Sampler(&self.sampler) });
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("picture"),
             layout: &self.layout,
             entries: &entries,
@@ -139,7 +139,7 @@ impl Renderer {
     }
 
     fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<()> {
-        let limit = gpu.device.limits().max_texture_dimension_2d;
+        let limit = gpu.device().limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width.max(height) > limit {
             return Err(GpuError::Picture { adapter: gpu.name().to_owned(), width, height, limit });
         }
@@ -150,23 +150,32 @@ impl Renderer {
     ///
     /// # Errors
     /// If the picture is larger than the device draws, its memory is full, or it is lost.
-    pub fn draw(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2], time_s: f32) -> Result<Picture> {
+    pub fn draw(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        camera: &Camera,
+        size: [u32; 2],
+        time_s: f32,
+    ) -> Result<Shot<Picture>> {
         Self::check_size(gpu, size)?;
         let format = PICTURE;
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
         let target = Kind::new("picture", size, format, usage).make(gpu)?;
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         self.paint(gpu, scene, camera, time_s, &Canvas { view: &view, format, size })?;
-        let bytes = read(gpu, &target, 4)?;
-        let pixels = bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
-        Ok(Picture { width: size[0] as usize, height: size[1] as usize, pixels })
+        let [width, height] = size.map(|n| n as usize);
+        Shot::new(gpu, &target, 4, move |bytes| {
+            let pixels = bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
+            Picture { width, height, pixels }
+        })
     }
 
     /// Distances of what the middles of pixels show from the camera along its view, m, row by row; infinite for sky and backdrop.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
-    pub fn distances(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Result<Vec<f32>> {
+    pub fn distances(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Result<Shot<Vec<f32>>> {
         Self::check_size(gpu, size)?;
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
         let format = PICTURE;
@@ -177,8 +186,9 @@ impl Renderer {
         self.pipelines(gpu, format, 1)?;
         self.pass(gpu, scene, camera, 0.0, &targets, None, 1)?;
         let near = 1e-4 * scene.stage().extent;
-        let bytes = read(gpu, &depth, 4)?;
-        Ok(bytes.chunks_exact(4).map(|b| near / f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+        Shot::new(gpu, &depth, 4, move |bytes| {
+            bytes.chunks_exact(4).map(|b| near / f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+        })
     }
 
     /// Draws onto `canvas`.
@@ -233,17 +243,17 @@ impl Renderer {
             span,
             flows: scene.flows,
         };
-        gpu.queue.write_buffer(&scene.frame, 0, bytemuck::bytes_of(&parts.frame()));
+        gpu.queue().write_buffer(&scene.frame, 0, bytemuck::bytes_of(&parts.frame()));
         let places: Vec<[u32; 4]> = detail.patches.iter().chain(&detail.walls).copied().collect();
         let bytes: &[u8] = bytemuck::cast_slice(&places);
         let usage = BufferUsages::VERTEX | BufferUsages::COPY_DST;
         let instances = gpu.buffer("patches", (bytes.len() as u64).max(16), usage)?;
-        gpu.queue.write_buffer(&instances, 0, bytes);
+        gpu.queue().write_buffer(&instances, 0, bytes);
 
         let Some(pipelines) = self.pipelines.get(&(targets.format, samples)) else {
             return Err(GpuError::Fault("the pipelines of a picture are missing".to_owned()));
         };
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("picture"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -280,7 +290,7 @@ impl Renderer {
         pass.set_pipeline(&pipelines.backdrop);
         pass.draw(0..3, 0..1);
         drop(pass);
-        gpu.queue.submit([encoder.finish()]);
+        gpu.queue().submit([encoder.finish()]);
         gpu.check()
     }
 
@@ -289,7 +299,7 @@ impl Renderer {
         if self.pipelines.contains_key(&(format, samples)) {
             return Ok(());
         }
-        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        let layout = gpu.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("picture"),
             bind_group_layouts: &[Some(&self.layout)],
             immediate_size: 0,
@@ -304,7 +314,7 @@ impl Renderer {
             }],
         };
         let make = |name: &str, buffers: &[Option<wgpu::VertexBufferLayout<'_>>], topology, depth| {
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            gpu.device().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(name),
                 layout: Some(&layout),
                 vertex: wgpu::VertexState {
@@ -371,22 +381,4 @@ fn quads() -> Vec<u16> {
         [a, a + 1, a + side, a + side, a + 1, a + side + 1]
     };
     (0..(PATCH * PATCH) as u16).flat_map(quad).collect()
-}
-
-/// The texels of a texture, row by row without padding; waits for them.
-fn read(gpu: &Gpu, texture: &wgpu::Texture, texel: u32) -> Result<Vec<u8>> {
-    let row = texture.width() * texel;
-    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let usage = BufferUsages::COPY_DST | BufferUsages::MAP_READ;
-    let staging = gpu.buffer("picture", u64::from(padded) * u64::from(texture.height()), usage)?;
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
-        texture.size(),
-    );
-    gpu.queue.submit([encoder.finish()]);
-    let bytes = gpu.mapped(&staging)?;
-    Ok(bytes.chunks_exact(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect())
 }

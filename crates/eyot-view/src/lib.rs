@@ -6,16 +6,16 @@
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let world: eyot_core::World = todo!();
-//! use eyot_gpu::draw::{Renderer, Scene};
-//! use eyot_gpu::{Choice, Gpu};
+//! use eyot_gpu::{Choice, blocking};
 //! use eyot_render::ViewOptions;
+//! use eyot_view::{Renderer, Scene};
 //!
-//! let gpu = Gpu::open(&Choice::Best)?;
+//! let gpu = blocking::open(&Choice::Best)?;
 //! let mut renderer = Renderer::new(&gpu)?;
 //! let options = ViewOptions::default();
 //! let scene = Scene::from_world(&gpu, &renderer, &world, &options)?;
 //! let camera = scene.stage().camera(&options);
-//! let picture = renderer.draw(&gpu, &scene, &camera, [1280, 720], 0.0)?;
+//! let picture = renderer.draw(&gpu, &scene, &camera, [1280, 720], 0.0)?.take(&gpu)?;
 //! # Ok(())
 //! # }
 //! ```
@@ -35,8 +35,10 @@ mod maps;
 mod renderer;
 mod scene;
 pub mod shaders;
+mod shot;
 mod shrink;
 mod texture;
 
 pub use renderer::{Canvas, Renderer};
 pub use scene::Scene;
+pub use shot::Shot;

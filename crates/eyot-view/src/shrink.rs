@@ -1,7 +1,7 @@
 //! Worlds that are too large for a texture, in coarser cells.
 
-use crate::error::Result;
 use eyot_core::{Field, Grid, Limits, World};
+use eyot_gpu::Result;
 use std::borrow::Cow;
 
 /// Layers that a scene reads, beside the one that it may wear.

@@ -1,10 +1,9 @@
 //! The maps that pictures read, and the compute passes that make them from cells.
 
-use super::levels::{Levels, MAX_LEVELS};
-use super::shaders;
-use super::texture::{self, Kind};
-use crate::device::Gpu;
-use crate::error::Result;
+use crate::levels::{Levels, MAX_LEVELS};
+use crate::shaders;
+use crate::texture::{self, Kind};
+use eyot_gpu::{Gpu, Result};
 use eyot_render::{PENUMBRA_DEG, Stage};
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
@@ -42,14 +41,14 @@ pub(crate) struct MapMaker {
 impl MapMaker {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         let module = |name, text: &'static str| {
-            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            gpu.device().create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(name),
                 source: wgpu::ShaderSource::Wgsl(text.into()),
             })
         };
         let (maps, mips) = (module("maps", shaders::MAPS), module("mips", shaders::MIPS));
         let pipeline = |module, entry| {
-            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            gpu.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry),
                 layout: None,
                 module,
@@ -113,7 +112,7 @@ impl Maps {
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let turns = gpu.buffer("levels", ALIGN * MAX_LEVELS as u64, uniform)?;
         for level in 0..MAX_LEVELS as u32 {
-            gpu.queue.write_buffer(&turns, ALIGN * u64::from(level), bytemuck::cast_slice(&[level, 0, 0, 0]));
+            gpu.queue().write_buffer(&turns, ALIGN * u64::from(level), bytemuck::cast_slice(&[level, 0, 0, 0]));
         }
         Ok(Self {
             light_stride,
@@ -160,8 +159,8 @@ impl Maps {
 
     /// Makes what hangs on heights, on colours, or on both. `top` is the highest height.
     pub(crate) fn remake(&self, gpu: &Gpu, maker: &MapMaker, stage: &Stage, top: f32, heights: bool, colours: bool) {
-        gpu.queue.write_buffer(&self.job, 0, bytemuck::bytes_of(&self.job(stage, top)));
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        gpu.queue().write_buffer(&self.job, 0, bytemuck::bytes_of(&self.job(stage, top)));
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         if heights {
             self.dispatch(gpu, &mut pass, &maker.heights, &[0, 2, 5], 0, self.levels.nodes);
@@ -178,7 +177,7 @@ impl Maps {
             mips(gpu, &mut pass, &maker.mip, &self.ground);
         }
         drop(pass);
-        gpu.queue.submit([encoder.finish()]);
+        gpu.queue().submit([encoder.finish()]);
     }
 
     fn job(&self, stage: &Stage, top: f32) -> Job {
@@ -237,7 +236,7 @@ impl Maps {
             wgpu::BindGroupEntry { binding, resource }
         };
         let entries: Vec<_> = bindings.iter().map(entry).collect();
-        let bind = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        let bind = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &pipeline.get_bind_group_layout(0),
             entries: &entries,
@@ -251,7 +250,7 @@ impl Maps {
 /// Makes the smaller levels of a map.
 fn mips(gpu: &Gpu, pass: &mut wgpu::ComputePass<'_>, pipeline: &wgpu::ComputePipeline, texture: &wgpu::Texture) {
     for level in 1..texture.mip_level_count() {
-        let bind = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        let bind = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[

@@ -1,6 +1,6 @@
 //! The drawing shaders are sound, wherever there is a GPU or none.
 
-use eyot_gpu::draw::shaders;
+use eyot_view::shaders;
 
 /// Checks a module as a device with WebGPU's features does, and counts its storage bindings.
 fn storage_bindings(name: &str, source: &str) -> usize {

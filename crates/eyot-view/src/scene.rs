@@ -1,15 +1,14 @@
 //! A world on the device, ready to be drawn.
 
-use super::detail::Bounds;
-use super::flow::flow;
-use super::frame::Frame;
-use super::maps::Maps;
-use super::renderer::Renderer;
-use super::shrink::shrunk;
-use super::texture;
-use crate::device::Gpu;
-use crate::error::Result;
+use crate::detail::Bounds;
+use crate::flow::flow;
+use crate::frame::Frame;
+use crate::maps::Maps;
+use crate::renderer::Renderer;
+use crate::shrink::shrunk;
+use crate::texture;
 use eyot_core::World;
+use eyot_gpu::{Gpu, Result};
 use eyot_render::{LayerColours, MapOptions, Picture, Stage, ViewOptions, colour_bytes};
 use wgpu::BufferUsages;
 
@@ -180,6 +179,6 @@ fn bounds(maps: &Maps, stage: &Stage) -> Bounds {
 
 /// How many cells along a side must become one so that the surface and its coarser levels fit in a texture.
 fn coarser(gpu: &Gpu, world: &World) -> usize {
-    let most = (gpu.device.limits().max_texture_dimension_2d as usize - 64) * 2 / 3;
+    let most = (gpu.device().limits().max_texture_dimension_2d as usize - 64) * 2 / 3;
     world.grid.width.max(world.grid.height).div_ceil(most)
 }

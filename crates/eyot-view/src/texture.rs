@@ -1,7 +1,6 @@
 //! Textures that fail with an error instead of a fault.
 
-use crate::device::Gpu;
-use crate::error::{GpuError, Result};
+use eyot_gpu::{Gpu, Result};
 use wgpu::{TextureFormat, TextureUsages};
 
 /// What a texture is.
@@ -24,18 +23,7 @@ impl Kind {
     /// # Errors
     /// If it is larger than the device allows, or there is no memory for it.
     pub(crate) fn make(&self, gpu: &Gpu) -> Result<wgpu::Texture> {
-        let limit = gpu.device.limits().max_texture_dimension_2d;
-        let [width, height] = self.size;
-        if width.max(height) > limit {
-            return Err(GpuError::Limits {
-                adapter: gpu.name().to_owned(),
-                what: self.what.to_owned(),
-                needed: format!("a texture of {width}x{height}"),
-                limit: format!("{limit} a side"),
-            });
-        }
-        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        let descriptor = wgpu::TextureDescriptor {
             label: Some(self.what),
             size: extent(self.size),
             mip_level_count: self.mips,
@@ -44,13 +32,8 @@ impl Kind {
             format: self.format,
             usage: self.usage,
             view_formats: &[],
-        });
-        if pollster::block_on(scope.pop()).is_some() {
-            let bytes = u64::from(self.format.block_copy_size(None).unwrap_or(4));
-            let mib = (u64::from(width) * u64::from(height) * u64::from(self.samples) * bytes) >> 20;
-            return Err(GpuError::OutOfMemory { adapter: gpu.name().to_owned(), what: self.what.to_owned(), mib });
-        }
-        Ok(texture)
+        };
+        gpu.texture(self.what, &descriptor)
     }
 }
 
@@ -80,5 +63,5 @@ pub(crate) fn write(gpu: &Gpu, texture: &wgpu::Texture, bytes: &[u8]) {
         bytes_per_row: Some((bytes.len() / rows) as u32),
         rows_per_image: Some(texture.height()),
     };
-    gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, size);
+    gpu.queue().write_texture(texture.as_image_copy(), bytes, layout, size);
 }

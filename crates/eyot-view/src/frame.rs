@@ -1,8 +1,8 @@
 //! What the shaders of a picture are told: the uniform block of `frame.wgsl`.
 
-use super::detail::Detail;
-use super::levels::MAX_LEVELS;
-use super::maps::Maps;
+use crate::detail::Detail;
+use crate::levels::MAX_LEVELS;
+use crate::maps::Maps;
 use eyot_render::{BLOCK_COLOURS, Camera, Stage};
 
 /// As `Frame` in `frame.wgsl`, field by field.

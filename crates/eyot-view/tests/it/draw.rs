@@ -5,9 +5,9 @@ use crate::common;
 use common::gpu;
 use eyot_core::layer::known;
 use eyot_core::{Control, Field, Grid, LayerSpec, Limits, Rim, World};
-use eyot_gpu::draw::{Renderer, Scene};
 use eyot_gpu::{Gpu, GpuError};
 use eyot_render::{Camera, MapOptions, Picture, Setting, ViewOptions};
+use eyot_view::{Renderer, Scene};
 
 fn world(w: usize, h: usize, cell: f64, f: impl FnMut(usize, usize) -> f32) -> World {
     let mut world = World::new(Grid::new(w, h, cell, Rim::CLOSED, &Limits::default()).unwrap(), 5);
@@ -54,7 +54,11 @@ fn ready() -> Option<(Gpu, Renderer)> {
 
 fn draw(gpu: &Gpu, r: &mut Renderer, world: &World, o: &ViewOptions, time_s: f32) -> Picture {
     let scene = Scene::from_world(gpu, r, world, o).unwrap();
-    let picture = r.draw(gpu, &scene, &scene.stage().camera(o), [o.width as u32, o.height as u32], time_s).unwrap();
+    let picture = r
+        .draw(gpu, &scene, &scene.stage().camera(o), [o.width as u32, o.height as u32], time_s)
+        .unwrap()
+        .take(gpu)
+        .unwrap();
     keep(&picture);
     picture
 }
@@ -163,7 +167,7 @@ fn nothing_shows_through_the_ground() {
         for (u, v, height, down) in [(0.5, 0.5, 350.0, 0.6), (0.3, 0.4, 900.0, 1.2), (0.5, 0.5, 2600.0, 3.0)] {
             let eye = [u * e[0], v * e[1], height];
             let camera = Camera::looking(eye, [eye[0] + 700.0, eye[1] + 300.0, height - 761.0 * down], 40.0);
-            let far = r.distances(&gpu, &scene, &camera, [160, 120]).unwrap();
+            let far = r.distances(&gpu, &scene, &camera, [160, 120]).unwrap().take(&gpu).unwrap();
             let over = |i: usize| {
                 let d = camera.ray((i % 160) as f32 + 0.5, (i / 160) as f32 + 0.5, [160, 120]);
                 let level = (eye[2] - 150.0) / -d[2];
@@ -185,7 +189,7 @@ fn distances_are_those_of_the_surface() {
     let o = ViewOptions { vertical_exaggeration: Some(1.0), ..options(64, 48) };
     let scene = Scene::from_world(&gpu, &r, &flat, &o).unwrap();
     let camera = Camera::looking([1500.0, 1000.0, 640.0], [1500.1, 1000.0, 0.0], 50.0);
-    let far = r.distances(&gpu, &scene, &camera, [64, 48]).unwrap();
+    let far = r.distances(&gpu, &scene, &camera, [64, 48]).unwrap().take(&gpu).unwrap();
     // All of a level plane is equally far along a view straight down.
     for d in far {
         assert!((d - 600.0).abs() < 0.6, "{d}");
@@ -201,7 +205,7 @@ fn waves_and_rivers_move_and_land_does_not() {
     for (world, o) in [(sea, o.clone()), (river, close)] {
         let scene = Scene::from_world(&gpu, &r, &world, &o).unwrap();
         let camera = scene.stage().camera(&o);
-        let mut at = |t: f32| r.draw(&gpu, &scene, &camera, [200, 120], t).unwrap();
+        let mut at = |t: f32| r.draw(&gpu, &scene, &camera, [200, 120], t).unwrap().take(&gpu).unwrap();
         let (a, again, b) = (at(0.0), at(0.0), at(0.7));
         keep(&a);
         keep(&b);
@@ -228,11 +232,11 @@ fn an_update_is_as_good_as_a_new_scene() {
     after.put(&known::HEIGHT, raised).unwrap();
     let mut scene = Scene::from_world(&gpu, &r, &before, &o).unwrap();
     let camera = scene.stage().camera(&o);
-    let old = r.draw(&gpu, &scene, &camera, [160, 90], 0.0).unwrap();
+    let old = r.draw(&gpu, &scene, &camera, [160, 90], 0.0).unwrap().take(&gpu).unwrap();
     scene.update(&gpu, &r, &after, &["height"]).unwrap();
-    let updated = r.draw(&gpu, &scene, &camera, [160, 90], 0.0).unwrap();
+    let updated = r.draw(&gpu, &scene, &camera, [160, 90], 0.0).unwrap().take(&gpu).unwrap();
     let fresh = Scene::from_world(&gpu, &r, &after, &o).unwrap();
-    let fresh = r.draw(&gpu, &fresh, &camera, [160, 90], 0.0).unwrap();
+    let fresh = r.draw(&gpu, &fresh, &camera, [160, 90], 0.0).unwrap().take(&gpu).unwrap();
     assert!(difference(&old, &updated) > 1.0, "the update shows");
     let off = difference(&updated, &fresh);
     assert!(off < 0.5, "mean difference {off}");
@@ -240,7 +244,7 @@ fn an_update_is_as_good_as_a_new_scene() {
     let mut wet = after.clone();
     wet.put(&known::WETNESS, Field::new(80, 80, 1.0)).unwrap();
     scene.update(&gpu, &r, &wet, &["wetness"]).unwrap();
-    let wet = r.draw(&gpu, &scene, &camera, [160, 90], 0.0).unwrap();
+    let wet = r.draw(&gpu, &scene, &camera, [160, 90], 0.0).unwrap().take(&gpu).unwrap();
     assert!(difference(&wet, &updated) > 0.5);
     // A world of another size is not the same world.
     let e = scene.update(&gpu, &r, &island(81), &["height"]).unwrap_err();
@@ -254,7 +258,7 @@ fn the_ground_wears_the_colours_of_a_layer_and_the_picture_its_legend() {
     w.put(&known::ARIDITY, Field::from_fn(64, 64, |x, _| x as f32 / 63.0)).unwrap();
     let o = ViewOptions { elevation_deg: Some(89.0), sun_elevation_deg: 89.0, ..options(240, 240) };
     let scene = Scene::of_layer(&gpu, &r, &w, "aridity", &o, &MapOptions::default()).unwrap();
-    let picture = r.draw(&gpu, &scene, &scene.stage().camera(&o), [240, 240], 0.0).unwrap();
+    let picture = r.draw(&gpu, &scene, &scene.stage().camera(&o), [240, 240], 0.0).unwrap().take(&gpu).unwrap();
     let whole = scene.with_legend(picture.clone());
     keep(&whole);
     assert!(whole.height > picture.height);
@@ -288,17 +292,17 @@ fn pictures_beyond_the_limits_are_refused() {
     let scene = Scene::from_world(&gpu, &r, &island(16), &o).unwrap();
     let camera = scene.stage().camera(&o);
     for size in [[1_000_000, 64], [64, 1_000_000], [0, 5]] {
-        let e = r.draw(&gpu, &scene, &camera, size, 0.0).unwrap_err();
+        let Err(e) = r.draw(&gpu, &scene, &camera, size, 0.0) else { panic!("drawn") };
         assert!(matches!(e, GpuError::Picture { .. }) && e.to_string().contains("--size"), "{e}");
     }
     // Eight samples of four bytes a pixel, far more than a software renderer lends; a large card may have as much.
-    let most = gpu.device.limits().max_texture_dimension_2d;
+    let most = gpu.report.max_picture;
     match r.reserve(&gpu, [most, most]) {
         Err(e) => assert!(matches!(e, GpuError::OutOfMemory { .. }) && e.to_string().contains("picture"), "{e}"),
         Ok(()) => assert!(gpu.report.is_hardware()),
     }
     // And the renderer still works.
-    r.draw(&gpu, &scene, &camera, [64, 64], 0.0).unwrap();
+    r.draw(&gpu, &scene, &camera, [64, 64], 0.0).unwrap().take(&gpu).unwrap();
 }
 
 #[test]
@@ -312,9 +316,9 @@ fn a_large_world_is_drawn() {
     let o = options(160, 90);
     let scene = Scene::from_world(&gpu, &r, &big, &o).unwrap();
     let camera = scene.stage().camera(&o);
-    let far = r.distances(&gpu, &scene, &camera, [160, 90]).unwrap();
+    let far = r.distances(&gpu, &scene, &camera, [160, 90]).unwrap().take(&gpu).unwrap();
     assert!(far.iter().any(|d| d.is_finite()) && far.iter().any(|d| !d.is_finite()));
-    let p = r.draw(&gpu, &scene, &camera, [160, 90], 0.0).unwrap();
+    let p = r.draw(&gpu, &scene, &camera, [160, 90], 0.0).unwrap().take(&gpu).unwrap();
     keep(&p);
     let green = p.pixels.iter().filter(|c| c[1] > c[2]).count();
     assert!(green > p.pixels.len() / 50, "{green} pixels show land");
@@ -330,6 +334,6 @@ fn a_scene_can_be_stopped_being_drawn_by_the_cpu_and_go_on_with_the_gpu() {
     let scene = Scene::from_world(&gpu, &r, &w, &o).unwrap();
     assert_eq!(camera, scene.stage().camera(&o));
     let a = cpu.picture(&camera, [96, 54], &Control::none()).unwrap();
-    let b = r.draw(&gpu, &scene, &camera, [96, 54], 0.0).unwrap();
+    let b = r.draw(&gpu, &scene, &camera, [96, 54], 0.0).unwrap().take(&gpu).unwrap();
     assert!(difference(&a, &b) < 3.0);
 }

@@ -5,7 +5,7 @@
 //! free of cracks: neighbours differ by one level at most, and where they meet the finer one has morphed wholly and the coarser one
 //! not yet. Both hold if a range is at least four patches long and morphing begins after `1/2 + sqrt 2 patch / range` of it.
 
-use super::levels::{Levels, PATCH};
+use crate::levels::{Levels, PATCH};
 use eyot_render::Camera;
 
 /// Least range of the finest level, in its own patches.
