@@ -1,13 +1,13 @@
 //! What goes into a run and what comes out of it.
 
-use crate::session::Change;
 use eyot_core::{Ledger, World};
+use eyot_recipe::Change;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What a client may ask of a run. Commands take effect between two steps.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Command {
     /// Wait after the present step.

@@ -4,8 +4,8 @@ use super::Session;
 use crate::engines::{Engine, EngineChoice, EngineOptions, Failure};
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry};
-use crate::recipe::Step;
 use eyot_gpu::GpuError;
+use eyot_recipe::Step;
 
 /// A device that is lost more often than this is not tried again.
 const MAX_DEVICES_LOST: u32 = 3;

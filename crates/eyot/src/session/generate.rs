@@ -3,10 +3,9 @@
 use super::{PROGRESS_TIME, Phase, Session, label, overall};
 use crate::error::RunError;
 use crate::event::{Event, Progress};
-use crate::layers;
-use crate::recipe::{GenerateStep, Step};
 use eyot_core::process::Site;
 use eyot_core::{Control, Error};
+use eyot_recipe::{GenerateStep, Step, layers};
 use std::sync::Mutex;
 
 impl Session {

@@ -22,7 +22,6 @@
 //! # Ok::<(), eyot::RunError>(())
 //! ```
 
-mod change;
 mod device;
 mod end;
 mod generate;
@@ -36,11 +35,12 @@ mod watching;
 use crate::engines::{Engine, EngineOptions};
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
-use crate::recipe::{ProcessUse, Recipe, Step, Work};
+use crate::registry::Registry;
 use crate::state::State;
 use crate::watch::{Watcher, Watching};
 use eyot_core::{Cancel, Limits, World};
 use eyot_io::timeline::Record;
+use eyot_recipe::{ProcessUse, Recipe, Step, Work, process_set};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -49,7 +49,6 @@ use end::Ended;
 use recording::Recorder;
 use simulate::Simulation;
 
-pub use change::Change;
 pub use host::{Clock, Events, Host};
 pub(crate) use requests::{Asked, Requests};
 
@@ -456,7 +455,8 @@ pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool)
         let Some((_, uses)) = steps.iter_mut().find(|(number, _)| *number == entry.recipe_step) else {
             return Err(misfit("this recipe simulates nothing there".to_owned()));
         };
-        crate::process_set::apply(uses, &entry.set, &recipe.grid, &|_| true).map_err(|p| misfit(p.to_string()))?;
+        process_set::apply(uses, &entry.set, &Registry::standard(), &recipe.grid, &|_| true)
+            .map_err(|p| misfit(p.to_string()))?;
     }
     crate::timeline::check(recipe, options, has_folder)
 }

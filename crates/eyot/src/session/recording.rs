@@ -5,11 +5,11 @@ use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
 use crate::exports;
-use crate::recipe::ProcessUse;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, TIMELINE_STORE};
 use crate::timeline::{Damaged, Found, Moment, branch_off, find, state_of};
 use eyot_io::timeline::{self, Timeline};
+use eyot_recipe::ProcessUse;
 use serde_json::{Map, Value};
 use std::path::Path;
 

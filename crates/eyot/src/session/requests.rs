@@ -1,8 +1,8 @@
 //! What a client asks of a session while it is at work.
 
-use super::Change;
 use super::host::Events;
 use crate::event::{Command, Event};
+use eyot_recipe::Change;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 

@@ -1,15 +1,13 @@
 //! The steps of a simulation, chunk by chunk.
 
-use super::change::Change;
 use super::{Heard, Phase, Session, label, overall};
-use crate::diagnostic::Problems;
 use crate::engines::Failure;
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry, Progress};
-use crate::process_set;
-use crate::recipe::{ProcessUse, SimulateStep, Step, Work, schedule};
+use crate::registry::Registry;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Control, Error};
+use eyot_recipe::{Change, Problems, ProcessUse, SimulateStep, Step, Work, process_set, schedule};
 use std::time::Duration;
 
 /// A simulation under way.
@@ -205,7 +203,8 @@ impl Session {
     }
 
     fn apply(&self, uses: &mut [ProcessUse], set: &str) -> Result<(), Problems> {
-        process_set::apply(uses, set, &self.world.grid, &|name| self.world.get(name).is_some())
+        let has = |name: &str| self.world.get(name).is_some();
+        process_set::apply(uses, set, &Registry::standard(), &self.world.grid, &has)
     }
 
     /// Changes a parameter of the simulation under way, or warns why not.

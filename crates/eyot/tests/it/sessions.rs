@@ -73,7 +73,7 @@ fn a_paused_session_returns_at_once_and_takes_typed_commands() {
     s.command(Command::Change(Change::new("hydraulic.rain", 0.5)));
     s.command(Command::Change(Change::new("hydraulic.rian", 0.5)));
     until_paused(&mut s);
-    let entry = JournalEntry { recipe_step: 2, step: 10, set: "hydraulic.rain=0.5".into() };
+    let entry = JournalEntry { recipe_step: 2, step: 10, set: "hydraulic.rain = 0.5".into() };
     match &s.events()[..] {
         [Event::Changed(e), Event::Warning { message }] => {
             assert!(*e == entry && message.contains("did you mean `rain`?"), "{message}");
