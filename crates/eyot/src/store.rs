@@ -7,35 +7,17 @@ use crate::import;
 use crate::keys::View;
 use crate::outputs;
 use crate::registry::{Registry, component_kinds};
+pub use crate::session::files::{CHECKPOINT_FILE, REPORT_FILE, TIMELINE_STORE, WORLD_FILE};
 use eyot_core::layer::known;
 use eyot_core::{Control, Grid, Limits, Rim, World};
 use eyot_recipe::value_of;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// The world of a finished run.
-pub const WORLD_FILE: &str = "world.eyot";
-/// Where a stopped run can be continued from.
-pub const CHECKPOINT_FILE: &str = "checkpoint.eyot";
-/// The recording of a run.
-pub const TIMELINE_STORE: &str = "timeline.zarr";
 /// The land as a camera sees it.
 pub const PREVIEW_FILE: &str = "preview.png";
 /// The land from above.
 pub const RELIEF_FILE: &str = "relief.png";
-/// What the run was and what it took.
-pub const REPORT_FILE: &str = "run.json";
-
-/// Where the run in a folder can be continued from, if it did not come to its end: its checkpoint, or the world of a run
-/// that ended while it wrote its results. The report is what comes last.
-pub(crate) fn unfinished(folder: &Path) -> Option<PathBuf> {
-    let [checkpoint, world] = [CHECKPOINT_FILE, WORLD_FILE].map(|f| folder.join(f));
-    if checkpoint.exists() {
-        return Some(checkpoint);
-    }
-    (world.exists() && !folder.join(REPORT_FILE).exists()).then_some(world)
-}
-
 /// A world from a file.
 #[derive(Debug)]
 pub struct Opened {
