@@ -2,11 +2,11 @@
 
 use super::ServeOptions;
 use crate::error::RunError;
-use crate::exports::corals;
 use crate::layers;
 use crate::recipe::{Recipe, Work};
 use crate::watch::{Look, Watch};
 use eyot_core::{Cancel, Limits, Stagger, World};
+use eyot_export::corals;
 use eyot_reef::bodies::Shape;
 use eyot_reef::community::{Form, RAYS};
 use eyot_reef::corals::{CENSUS, Corals, FEATURE};
