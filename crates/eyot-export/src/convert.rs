@@ -5,7 +5,7 @@ use crate::files::{self, Job, Layer};
 use crate::import::read_raster;
 use crate::open;
 use crate::source::Source;
-use eyot_core::{Control, Georeference, Grid, Limits, World};
+use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
 use eyot_recipe::{Export, ExportFormat, FirstRow, Preset};
 use serde_json::{Map, Value};
@@ -62,7 +62,8 @@ pub struct Converted {
 ///
 /// Values change only where the format must: floats of 32 bits stay the same bits, whole numbers of 16 bits the same numbers.
 /// Cells without a value stay so in GeoTIFF and Zarr; elsewhere they are filled from their neighbours.
-/// Place, cell size, name, unit and what else a file says of itself survive in all formats.
+/// Place, cell size, name, unit and what else a file says of itself survive in all formats. Saved worlds may hold components of
+/// these `kinds`.
 ///
 /// # Errors
 /// If the input cannot be read, the output's format is not known, an option cannot apply, or the output cannot be written.
@@ -71,6 +72,7 @@ pub fn convert(
     output: &Path,
     options: &ConvertOptions,
     limits: &Limits,
+    kinds: &ComponentKinds,
 ) -> Result<Converted, ExportError> {
     // A conversion may take only some of the layers; what it leaves out would be lost.
     if let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize())
@@ -79,7 +81,8 @@ pub fn convert(
         let message = format!("`{}` would be written over itself; choose another name for the result", input.display());
         return Err(ExportError::input(message));
     }
-    let job = Conversion { input, output, from: Input::of(input)?, to: Output::of(output, options)?, options, limits };
+    let job =
+        Conversion { input, output, from: Input::of(input)?, to: Output::of(output, options)?, options, limits, kinds };
     if let Some(message) = job.misplaced() {
         return Err(ExportError::input(message));
     }
@@ -163,6 +166,7 @@ struct Conversion<'a> {
     to: Output,
     options: &'a ConvertOptions,
     limits: &'a Limits,
+    kinds: &'a ComponentKinds,
 }
 
 impl Conversion<'_> {
@@ -244,7 +248,7 @@ impl Conversion<'_> {
 
     /// From a run.
     fn run(&self) -> Result<Converted, ExportError> {
-        let opened = open::open(self.input, self.limits)?;
+        let opened = open::open(self.input, self.limits, self.kinds)?;
         let (mut world, mut notes) = (opened.world, opened.notes);
         self.say_place(world.georeference.as_ref(), &mut notes);
         if let Some((x, y)) = self.options.cell_m {

@@ -6,6 +6,7 @@ use crate::estimate;
 use crate::files::Job;
 use crate::files::write_text;
 use crate::plots::{self, Curve, Story};
+use eyot_core::component::Numbers;
 use eyot_core::process::parameters_from;
 use eyot_core::{Field, Limits, Result, World};
 use eyot_recipe::ExportFormat;
@@ -83,7 +84,8 @@ pub(crate) fn plan(corals: &Corals, world: &World) -> std::result::Result<Drawin
 
 fn rows<'a>(corals: &Corals, world: &'a World) -> Vec<&'a [f64]> {
     let columns = corals.census_columns().len();
-    world.features.get(CENSUS).map_or_else(Vec::new, |numbers| numbers.chunks_exact(columns).collect())
+    let census = world.components.get::<Numbers>(CENSUS).ok().flatten();
+    census.map_or_else(Vec::new, |numbers| numbers.0.chunks_exact(columns).collect())
 }
 
 /// What stands on the sea floor.

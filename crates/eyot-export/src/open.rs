@@ -3,7 +3,7 @@
 use crate::error::ExportError;
 use crate::import::read_raster;
 use eyot_core::layer::known;
-use eyot_core::{Grid, Limits, Rim, World};
+use eyot_core::{ComponentKinds, Grid, Limits, Rim, World};
 use eyot_io::run_folder::{CHECKPOINT_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_io::{self as io, ReadOptions, checkpoint};
 use eyot_recipe::seen_from_above;
@@ -27,33 +27,38 @@ pub struct Opened {
     pub notes: Vec<String>,
 }
 
-/// Opens the folder of a run, a saved world or any height map.
+/// Opens the folder of a run, a saved world or any height map. Saved worlds may hold components of these kinds.
 ///
 /// # Errors
 /// If there is nothing that can be opened; the text says what would be right.
-pub fn open(path: &Path, limits: &Limits) -> Result<Opened, ExportError> {
-    open_with(path, &ReadOptions { bare_numbers: true, ..ReadOptions::default() }, limits)
+pub fn open(path: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Opened, ExportError> {
+    open_with(path, &ReadOptions { bare_numbers: true, ..ReadOptions::default() }, limits, kinds)
 }
 
 /// As [`open`], with what a height map itself leaves open.
 ///
 /// # Errors
 /// As [`open`].
-pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Opened, ExportError> {
+pub fn open_with(
+    path: &Path,
+    options: &ReadOptions,
+    limits: &Limits,
+    kinds: &ComponentKinds,
+) -> Result<Opened, ExportError> {
     let nothing = |e: std::io::Error| unusable(format!("cannot open `{}`: {e}", path.display()));
     let meta = std::fs::metadata(path).map_err(nothing)?;
     if meta.is_dir() && !io::is_zarr(path) {
         let found = [WORLD_FILE, CHECKPOINT_FILE].iter().map(|f| path.join(f)).find(|f| f.is_file());
         let Some(file) = found else {
-            if let Some(opened) = streamed(path, limits) {
+            if let Some(opened) = streamed(path, limits, kinds) {
                 return opened;
             }
             return Err(unusable(format!("`{}` holds no run: there is no {WORLD_FILE} in it", path.display())));
         };
-        return saved(&file, limits);
+        return saved(&file, limits, kinds);
     }
     if path.extension().is_some_and(|e| e == "eyot") {
-        return saved(path, limits);
+        return saved(path, limits, kinds);
     }
     let raster = read_raster(&path.display().to_string(), options, limits).map_err(ExportError::input)?;
     of_raster(raster, path, limits)
@@ -111,7 +116,7 @@ pub fn notes(raster: &io::Raster, holes_stay: bool) -> Vec<String> {
 }
 
 /// The height of a streamed run from what it exported; `None` if the folder holds no such run.
-fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, ExportError>> {
+fn streamed(folder: &Path, limits: &Limits, kinds: &ComponentKinds) -> Option<Result<Opened, ExportError>> {
     /// Endings of names, exact formats first.
     const ENDINGS: [&str; 7] =
         ["height.tif", "world.zarr", "height.exr", "height.npy", "height.r32", "height.r16", "height.png"];
@@ -127,7 +132,7 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, ExportError
             folder.display()
         ))));
     };
-    let opened = open(&folder.join(name), limits).map(|mut opened| {
+    let opened = open(&folder.join(name), limits, kinds).map(|mut opened| {
         opened.world.sea_level_m = report["sea_level_m"].as_f64().unwrap_or_default();
         opened.has_sea = true;
         opened.from_above = seen_from_above(&report["recipe"], &report["set"]);
@@ -138,8 +143,8 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, ExportError
     Some(opened)
 }
 
-fn saved(file: &Path, limits: &Limits) -> Result<Opened, ExportError> {
-    let saved = checkpoint::load(file, limits).map_err(ExportError::input)?;
+fn saved(file: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Opened, ExportError> {
+    let saved = checkpoint::load(file, limits, kinds).map_err(ExportError::input)?;
     let mut notes = Vec::new();
     if saved.state["finished"] != Value::Bool(true) {
         notes.push("this run is not finished; this is its last checkpoint".to_owned());

@@ -75,7 +75,7 @@ pub use eyot_recipe::{
     RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, Work, all_citations, cite, describe,
     keys, merge, nearest, recipe_schema,
 };
-pub use registry::Registry;
+pub use registry::{Registry, component_kinds};
 pub use run::{Handle, Outcome, Remote, Run, RunOptions};
 pub use stream::{OVERVIEW, Stream};
 pub use timeline::Timeline;

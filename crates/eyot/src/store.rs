@@ -3,6 +3,7 @@
 use crate::backend::analyse;
 use crate::error::RunError;
 use crate::outputs::run_error;
+use crate::registry::component_kinds;
 use eyot_core::{Limits, World};
 use eyot_io::ReadOptions;
 use eyot_recipe::View;
@@ -28,7 +29,7 @@ pub(crate) fn unfinished(folder: &Path) -> Option<PathBuf> {
 /// # Errors
 /// If there is nothing that can be opened; the text says what would be right.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
-    eyot_export::open::open(path, limits).map_err(run_error)
+    eyot_export::open::open(path, limits, &component_kinds()).map_err(run_error)
 }
 
 /// As [`open`], with what a height map itself leaves open.
@@ -36,7 +37,7 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
 /// # Errors
 /// As [`open`].
 pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Opened, RunError> {
-    eyot_export::open::open_with(path, options, limits).map_err(run_error)
+    eyot_export::open::open_with(path, options, limits, &component_kinds()).map_err(run_error)
 }
 
 /// Draws a world into a PNG file.
