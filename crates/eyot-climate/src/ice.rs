@@ -35,7 +35,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
-use eyot_core::{Grid, LayerSpec, Result, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -81,13 +81,13 @@ impl Process for Ice {
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let each_degree = PER_DEGREE * ground_years_per_step(&moment.grid) as f32;
-        plan.push::<Glacier>(GlacierParams {
-            freezing_point: self.ice_temperature,
-            freeze: each_degree * self.freeze,
-            melt: each_degree * self.melt,
-            part: self.flow,
-            sea_ice: self.sea_ice,
-            sea: moment.sea_level_m as f32,
+        plan.push_given::<Glacier>(GlacierParams {
+            freezing_point: given!(plan, self.ice_temperature),
+            freeze: each_degree * given!(plan, self.freeze),
+            melt: each_degree * given!(plan, self.melt),
+            part: self.flow.into(),
+            sea_ice: given!(plan, self.sea_ice),
+            sea: (moment.sea_level_m as f32).into(),
         });
     }
 }

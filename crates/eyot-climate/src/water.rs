@@ -38,7 +38,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, read};
-use eyot_core::{Grid, LayerSpec, Result, Stagger, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, Stagger, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -90,13 +90,13 @@ impl Process for Water {
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let years = ground_years_per_step(&moment.grid) as f32;
-        plan.push::<Run>(RunParams {
-            rain: 1e-3 * self.rain * years,
-            dry: DRY_PER_DEGREE * self.evaporate * years,
-            from: self.evaporate_from,
-            levelling: self.levelling,
-            discharge: discharge_per_metre(&moment.grid) as f32,
-            sea: moment.sea_level_m as f32,
+        plan.push_given::<Run>(RunParams {
+            rain: 1e-3 * given!(plan, self.rain) * years,
+            dry: DRY_PER_DEGREE * given!(plan, self.evaporate) * years,
+            from: given!(plan, self.evaporate_from),
+            levelling: self.levelling.into(),
+            discharge: (discharge_per_metre(&moment.grid) as f32).into(),
+            sea: (moment.sea_level_m as f32).into(),
         });
     }
 }

@@ -8,6 +8,7 @@ pub mod control;
 pub mod engine;
 mod error;
 mod field;
+pub mod given;
 pub mod graph;
 mod grid;
 pub mod isa;
