@@ -28,6 +28,7 @@ pub mod reference;
 pub mod rng;
 pub mod rule;
 mod schedule;
+pub mod vec3;
 mod world;
 
 pub use control::{Cancel, Control};

@@ -57,7 +57,6 @@ impl Fractal {
 
 /// The value below which a share of the values lies.
 pub(crate) fn quantile(values: &[f32], share: f64) -> f32 {
-    let mut copy = values.to_vec();
-    let at = ((share.clamp(0.0, 1.0) * copy.len() as f64) as usize).min(copy.len() - 1);
-    *copy.select_nth_unstable_by(at, f32::total_cmp).1
+    let at = (share.clamp(0.0, 1.0) * values.len() as f64) as usize;
+    eyot_core::math::ordered(values, at.min(values.len() - 1))
 }
