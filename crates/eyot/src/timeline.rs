@@ -15,7 +15,6 @@ use crate::session::files::{CHECKPOINT_FILE, TIMELINE_STORE, WORLD_FILE, unfinis
 pub use crate::session::frames::{Damaged, Frame, Moment};
 use crate::session::frames::{Found, OTHER_FRAME, broken, find, fits, frame_of, of_json, position, state_of};
 use crate::state::State;
-use crate::store;
 use eyot_core::{Limits, World};
 use eyot_io::storage::Folder;
 use serde::Serialize;
@@ -86,7 +85,7 @@ impl Timeline {
         let Some(last) = self.frames.last() else { return Ok(false) };
         let recipe = self.store.recipe_toml(last.frame).map_err(RunError::input)?;
         let state = self.store.state(last.frame).map_err(RunError::input)?;
-        Ok(store::seen_from_above(&recipe.into(), &state["overrides"]["set"]))
+        Ok(eyot_recipe::seen_from_above(&recipe.into(), &state["overrides"]["set"]))
     }
 
     /// The world of the frame with the number `i`.
