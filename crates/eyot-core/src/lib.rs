@@ -27,6 +27,7 @@ pub mod reference;
 pub mod rng;
 pub mod rule;
 mod schedule;
+mod stopwatch;
 mod world;
 
 pub use control::{Cancel, Control};
@@ -37,4 +38,5 @@ pub use layer::{Beyond, Layer, LayerSpec, Stagger};
 pub use ledger::{Account, Ledger};
 pub use limits::Limits;
 pub use names::intern;
+pub use stopwatch::Stopwatch;
 pub use world::{CoordinateSystem, Fingerprint, Georeference, World};
