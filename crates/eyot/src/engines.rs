@@ -6,7 +6,7 @@ use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Control, Error, Grid, Limits, World};
-use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
+use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::PathBuf;
@@ -83,7 +83,7 @@ impl Engine {
             return Ok((Self::cpu(limits), None));
         }
         // The card's own time stands in the run's report.
-        match card(options, Options { limits, timed: true, ..Options::default() }) {
+        match card(options, Options::default().limits(limits).timed(true)) {
             Ok(engine) => Ok((Self::Gpu(Box::new(engine)), None)),
             Err(e) if options.choice == EngineChoice::Auto => {
                 Ok((Self::cpu(limits), Some(format!("{e}; the processor works instead"))))
@@ -148,7 +148,7 @@ impl Engine {
     /// For tests: takes the device away.
     pub(crate) fn lose_device(&mut self) {
         if let Self::Gpu(e) = self {
-            e.gpu().device.destroy();
+            e.gpu().destroy();
         }
     }
 
@@ -170,7 +170,7 @@ impl Engine {
 
 /// A graphics card, with the pipelines that earlier processes compiled.
 pub(crate) fn card(options: &EngineOptions, how: Options) -> Result<GpuEngine, GpuError> {
-    let gpu = Gpu::open(&options.adapter())?;
+    let gpu = blocking::open(&options.adapter())?;
     let cache = cache_file(&gpu).and_then(|path| std::fs::read(path).ok());
     GpuEngine::new(gpu, how, cache.as_deref())
 }
@@ -200,7 +200,7 @@ fn cache_file(gpu: &Gpu) -> Option<PathBuf> {
     let folder = from("XDG_CACHE_HOME")
         .or_else(|| from("LOCALAPPDATA"))
         .or_else(|| from("HOME").map(|home| home.join(".cache")))?;
-    let info = &gpu.report.info;
+    let info = &gpu.report;
     let name: String = format!("{}-{}-{:x}-{:x}", info.driver, info.driver_info, info.vendor, info.device)
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' })

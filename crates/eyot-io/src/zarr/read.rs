@@ -4,7 +4,7 @@ use super::array::{Array, metadata};
 use super::{ATTRIBUTES, METADATA, PLACE, SYSTEM};
 use crate::error::{Error, Result};
 use crate::fill::Missing;
-use crate::georef::{cell_size_m, is_nowhere, is_sound};
+use crate::georef::{cell_size_m, face_north, is_nowhere, is_sound};
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::sample::{ByteOrder, Narrowed, Sample};
 use eyot_core::{CoordinateSystem, Field, Georeference, Limits};
