@@ -13,6 +13,7 @@ const DOUBLES: u16 = 34736;
 const ASCII: u16 = 34737;
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
+#[cfg(feature = "tiff")]
 const PIXEL_IS_AREA: u16 = 1;
 /// Keys that add nothing to an EPSG code: kinds of coordinates and of pixels, citations, the code itself, and units and
 /// ellipsoid of the geographic part.
