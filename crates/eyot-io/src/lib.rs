@@ -13,7 +13,7 @@
 //! Writers take their values from [`Rows`], band by band, so that a raster need not fit in memory.
 //!
 //! ```
-//! use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
+//! use eyot_core::{ComponentKinds, Field, Grid, Limits, Rim, World, layer::known};
 //! use eyot_io::{RasterFormat, ReadOptions, checkpoint, read_raster, write_layer};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -30,7 +30,7 @@
 //!
 //! let path = folder.path().join("run.ckpt");
 //! checkpoint::save(&path, &world, "name = \"Hill\"", &serde_json::json!({"entry": 0}))?;
-//! assert_eq!(checkpoint::load(&path, &limits)?.world, world);
+//! assert_eq!(checkpoint::load(&path, &limits, &ComponentKinds::core())?.world, world);
 //! # Ok(())
 //! # }
 //! ```

@@ -78,7 +78,7 @@ pub use eyot_recipe::{
     keys, merge, nearest, recipe_schema,
 };
 pub use import::Import;
-pub use registry::Registry;
+pub use registry::{Registry, component_kinds};
 pub use run::{Handle, Outcome, Remote, Run, RunOptions};
 pub use stream::{OVERVIEW, Stream};
 pub use timeline::Timeline;

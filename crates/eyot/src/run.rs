@@ -214,7 +214,8 @@ impl Run {
         let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
         let damaged = |reason: String| RunError::Checkpoint { folder: folder.to_owned(), reason };
         let mut warnings = Vec::new();
-        let (saved, state) = timeline::latest(folder, &path, &options.limits, &mut warnings).map_err(damaged)?;
+        let (saved, state) =
+            timeline::latest(folder, &path, &options.limits, registry.components(), &mut warnings).map_err(damaged)?;
         let recipe = state.recipe(saved.recipe_toml, state.overrides.clone(), registry, &options.limits)?;
         timeline::fits(&recipe, &saved.world, &state)
             .map_err(|e| damaged(format!("`{}` does not fit its recipe: {e}", path.display())))?;
