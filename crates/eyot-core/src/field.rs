@@ -127,6 +127,30 @@ impl Field {
         self.data.len() * 4
     }
 
+    /// Rows and columns, as arrays of other libraries say their shape.
+    pub fn shape(&self) -> [usize; 2] {
+        [self.height, self.width]
+    }
+
+    /// The interior without a copy, and the stride from one row to the next, in floats: the value at (x, y) is
+    /// `values[y * stride + x]`. Values from `width` to `stride` of a row are padding: scratch space of the engine,
+    /// never a value of the field. The stride is larger than the width, and its address and size may differ from field to field.
+    pub fn as_strided(&self) -> (&[f32], usize) {
+        (&self.data[self.interior()], self.stride)
+    }
+
+    /// As [`Field::as_strided`], to write to. Whatever is written to the padding is lost.
+    pub fn as_strided_mut(&mut self) -> (&mut [f32], usize) {
+        let interior = self.interior();
+        (&mut self.data[interior], self.stride)
+    }
+
+    /// From the first to the last value.
+    fn interior(&self) -> std::ops::Range<usize> {
+        let last = if self.width == 0 { 0 } else { self.height.saturating_sub(1) * self.stride + self.width };
+        self.origin..self.origin + if self.height == 0 { 0 } else { last }
+    }
+
     /// Value at (column, row).
     ///
     /// # Panics

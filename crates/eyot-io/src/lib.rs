@@ -68,6 +68,7 @@ mod sample;
 mod scale;
 mod scene;
 mod sidecar;
+pub mod storage;
 mod table;
 pub mod timeline;
 mod zarr;

@@ -12,7 +12,7 @@ use crate::lock::FolderLock;
 use crate::need;
 use crate::recipe::{Recipe, Work};
 use crate::registry::{Registry, component_kinds};
-use crate::run::RunOptions;
+use crate::session::SessionOptions;
 use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, TIMELINE_STORE, WORLD_FILE};
 use eyot_core::{ComponentKinds, Limits, World};
@@ -359,10 +359,10 @@ fn last_frame(
 }
 
 /// Refuses recordings that cannot be: nowhere, of nothing, or within a bound that is too small.
-pub(crate) fn check(recipe: &Recipe, options: &RunOptions) -> Result<(), RunError> {
+pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool) -> Result<(), RunError> {
     let Some(record) = options.record else { return Ok(()) };
     let refuse = |reason: &str, help| Err(RunError::Input { reason: reason.to_owned(), help: Some(help) });
-    if options.out.is_none() {
+    if !has_folder {
         return refuse("a run without a folder cannot be recorded", "give it a folder for its results");
     }
     if !recipe.enabled_steps().any(|s| matches!(s.work, Work::Simulate(_))) {

@@ -294,14 +294,14 @@ fn expressions_set_by_hand_are_those_of_the_recipe() {
         ("hydraulic.time_step=\"0.1 + 0.1 * moss\"", "1:21", "cannot differ from cell to cell"),
         ("thermal.talus=\"30 + 5 * moss\"", "1:15", "between two cells"),
     ] {
-        handle.send(Command::Set(set.into()));
+        handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
         let told = std::cell::RefCell::new(String::new());
         wait(&|e| matches!(e, Event::Warning { message } if { told.replace(message.clone()); true }));
         let told = told.into_inner();
         assert!(told.contains(place) && told.contains(words), "{set}:\n{told}");
     }
     for set in sets {
-        handle.send(Command::Set(set.into()));
+        handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
         wait(&|e| matches!(e, Event::Changed(_)));
     }
     handle.send(Command::Step(9));
