@@ -3,8 +3,11 @@
 // Reason for the exception: the engine hands out rows of one field to several threads at once.
 #![allow(unsafe_code)]
 
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::lanes::WIDTH;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Floats left of column 0. One lane block, so that rules may be evaluated at column -1 and read one further.
 pub(crate) const PAD_LEFT: usize = 2 * WIDTH;
@@ -12,6 +15,8 @@ pub(crate) const PAD_LEFT: usize = 2 * WIDTH;
 pub(crate) const PAD_TOP: usize = 1;
 /// Staggers that differ: two cache lines each make 4096 bytes.
 pub(crate) const STAGGERS: usize = 32;
+/// Rows that are handed out between two looks at the stop button.
+const BAND: usize = 128;
 
 /// A `width` x `height` array of `f32`, row 0 north, stored in rows with padding on both sides.
 ///
@@ -39,6 +44,26 @@ impl Field {
     /// A field of `value`s.
     pub fn new(width: usize, height: usize, value: f32) -> Self {
         Self::staggered(width, height, value, 0)
+    }
+
+    /// Computes some `rows` of a larger field in parallel; `row` gets the row's number there and its cells, which are 0.
+    ///
+    /// # Errors
+    /// On a request to stop.
+    pub fn from_rows(
+        width: usize,
+        rows: Range<usize>,
+        control: &Control<'_>,
+        row: impl Fn(usize, &mut [f32]) + Sync,
+    ) -> Result<Self> {
+        let mut field = Self::new(width, rows.len(), 0.0);
+        let mut made: Vec<&mut [f32]> = field.rows_mut().collect();
+        for (band, cells) in made.chunks_mut(BAND).enumerate() {
+            let first = rows.start + band * BAND;
+            control.tick((first - rows.start) as u64, rows.len() as u64)?;
+            cells.par_iter_mut().enumerate().for_each(|(y, cells)| row(first + y, cells));
+        }
+        Ok(field)
     }
 
     /// As [`Field::new`], with the rows moved by `stagger` cache lines.

@@ -9,6 +9,7 @@ pub mod control;
 pub mod engine;
 mod error;
 mod field;
+pub mod given;
 pub mod graph;
 mod grid;
 pub mod isa;
@@ -29,6 +30,7 @@ pub mod rng;
 pub mod rule;
 mod schedule;
 mod stopwatch;
+pub mod vec3;
 mod world;
 
 pub use component::{Component, ComponentKind, ComponentKinds, Components};

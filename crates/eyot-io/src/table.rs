@@ -1,5 +1,6 @@
 //! Tables of numbers, and their text as CSV.
 
+use eyot_core::component;
 use serde_json::{Map, Value};
 
 /// A column of a [`Table`].
@@ -25,6 +26,17 @@ pub struct Table {
 }
 
 impl Table {
+    /// A table of a world, and what is to be said about it.
+    pub fn of(table: &component::Table, about: Map<String, Value>) -> Self {
+        let column = |c: &component::Attribute| Column {
+            name: c.name.clone(),
+            unit: c.unit.clone(),
+            is_whole: c.values.of().is_whole(),
+            values: (0..table.len()).map(|i| c.values.number(i)).collect(),
+        };
+        Self { columns: table.columns().iter().map(column).collect(), about }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |c| c.values.len())

@@ -51,5 +51,5 @@ impl DerefMut for Registry {
 
 /// Every kind of components that the processes of this program keep in worlds.
 pub fn component_kinds() -> ComponentKinds {
-    ComponentKinds::core()
+    ComponentKinds::core().with(eyot_plates::COMPONENTS).with(eyot_reef::COMPONENTS)
 }

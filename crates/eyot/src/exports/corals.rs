@@ -8,12 +8,12 @@ use crate::error::RunError;
 use crate::keys::ExportFormat;
 use crate::need;
 use crate::recipe::{Actor, Recipe, Work};
-use eyot_core::component::Numbers;
+use eyot_core::component::Attribute;
 use eyot_core::process::parameters_from;
 use eyot_core::{Field, Limits, Result, World};
 use eyot_reef::bodies::{Bodies, Body, Detail};
-use eyot_reef::community::{Alga, CensusColumn, Colony, Heat, Plot, Species};
-use eyot_reef::corals::{CENSUS, CORALS, Corals};
+use eyot_reef::community::{Alga, Colony, Heat, Plot, Species};
+use eyot_reef::corals::{CORALS, Corals};
 use io::{Scene, SceneMaterial, SceneMesh, SceneNode};
 use mesh::{Blend, Blobs, Kernel, Lattice, MeshingOptions, Primitive, Solid, mesh_field};
 use serde_json::{Value, json};
@@ -34,56 +34,38 @@ pub(crate) fn of(recipe: &Recipe) -> Option<Corals> {
 }
 
 /// The census: a row for each month.
-pub(super) fn census(job: &Job<'_>, corals: &Corals) -> io::Table {
-    let rows = rows(corals, job.world);
-    let column = |(i, c): (usize, CensusColumn)| io::Column {
-        name: c.name,
-        unit: c.unit.to_owned(),
-        is_whole: c.is_whole,
-        values: rows.iter().map(|r| r[i]).collect(),
-    };
-    io::Table {
-        columns: corals.census_columns().into_iter().enumerate().map(column).collect(),
-        about: job.attributes.clone(),
-    }
+pub(super) fn census(job: &Job<'_>, corals: &Corals) -> Result<io::Table> {
+    Ok(io::Table::of(&*corals.census(job.world)?, job.attributes.clone()))
 }
 
 /// Cover of each species over the years.
-pub(super) fn cover(corals: &Corals, world: &World, title: &str) -> Drawing {
-    let (columns, rows) = (corals.census_columns(), rows(corals, world));
-    let series = |i: usize| -> Vec<f64> { rows.iter().map(|r| r[i]).collect() };
-    let named = |name: &str| columns.iter().position(|c| c.name == name).map_or_else(Vec::new, series);
-    let ending = |ending: &'static str| {
-        let all = columns.iter().enumerate().filter(move |(_, c)| c.name.ends_with(ending));
-        all.map(|(i, _)| i).collect::<Vec<_>>()
-    };
+pub(super) fn cover(corals: &Corals, world: &World, title: &str) -> Result<Drawing> {
+    let census = corals.census(world)?;
+    let series = |c: &Attribute| -> Vec<f64> { (0..census.len()).map(|i| c.values.number(i)).collect() };
+    let named = |name: &str| census.get(name).map_or_else(Vec::new, series);
+    let ending =
+        |ending: &str| census.columns().iter().filter(|c| c.name.ends_with(ending)).collect::<Vec<&Attribute>>();
     let (species, rules) = (&corals.community.species, &corals.community.heat);
-    let of = |(s, i): (&'_ Species, usize)| (s.name.clone(), s.colour, series(i));
+    let of = |(s, c): (&'_ Species, &Attribute)| (s.name.clone(), s.colour, series(c));
     let corals: Vec<_> = species.iter().zip(ending(".cover")).map(of).collect();
     let mut curves: Vec<Curve<'_>> =
         corals.iter().map(|(name, colour, cover)| Curve { name, colour: *colour, cover: cover.clone() }).collect();
     curves.push(Curve { name: "macroalgae", colour: plots::ALGAE, cover: named("algae_cover") });
     let (bleached, all) = (ending(".bleached"), ending(".colonies"));
-    let sum = |row: &[f64], of: &[usize]| of.iter().map(|&i| row[i]).sum::<f64>();
-    let bleached = rows.iter().map(|r| sum(r, &bleached) / sum(r, &all).max(1.0)).collect();
+    let sum = |row: usize, of: &[&Attribute]| of.iter().map(|c| c.values.number(row)).sum::<f64>();
+    let bleached = (0..census.len()).map(|row| sum(row, &bleached) / sum(row, &all).max(1.0)).collect();
     let heat = named("heat_index_c").into_iter().zip(named("degree_heating_weeks"));
     let bleaches = |(index, weeks): (f64, f64)| {
         let heat = Heat { index: index as f32, heating_weeks: weeks as f32, ..Heat::default() };
         species.iter().any(|s| heat.risks(rules, s).0 > 0.0)
     };
     let hot = heat.enumerate().filter(|(_, h)| bleaches(*h)).map(|(m, _)| m).collect();
-    plots::cover(&Story { title, curves, bleached, hot })
+    Ok(plots::cover(&Story { title, curves, bleached, hot }))
 }
 
 /// The plot from above.
 pub(super) fn plan(corals: &Corals, world: &World) -> std::result::Result<Drawing, RunError> {
     Ok(plots::plan(&corals.plot(world).map_err(RunError::file)?))
-}
-
-fn rows<'a>(corals: &Corals, world: &'a World) -> Vec<&'a [f64]> {
-    let columns = corals.census_columns().len();
-    let census = world.components.get::<Numbers>(CENSUS).ok().flatten();
-    census.map_or_else(Vec::new, |numbers| numbers.0.chunks_exact(columns).collect())
 }
 
 /// What stands on the sea floor.
@@ -278,17 +260,17 @@ pub(super) fn write(
 ) -> std::result::Result<(), RunError> {
     match format {
         ExportFormat::Census => {
-            let text = census(job, corals).csv();
+            let text = census(job, corals).map_err(RunError::file)?.csv();
             let path = job.file(&files[0])?;
             backend::write_text(&path, &text).map_err(RunError::file)
         }
         ExportFormat::Parquet => {
-            let table = census(job, corals);
+            let table = census(job, corals).map_err(RunError::file)?;
             let path = job.file(&files[0])?;
             io::write_parquet(&path, &table).map_err(RunError::file)
         }
         ExportFormat::Plots => {
-            let drawings = [cover(corals, job.world, job.name), plan(corals, job.world)?];
+            let drawings = [cover(corals, job.world, job.name).map_err(RunError::file)?, plan(corals, job.world)?];
             let (texts, pictures) = files.split_at(drawings.len());
             for (name, drawing) in texts.iter().zip(&drawings) {
                 let path = job.file(name)?;
