@@ -7,7 +7,8 @@
 use crate::crust::metres;
 use crate::geometry::rows_at_once;
 use crate::plates::Plates;
-use crate::process::{CRUST, CRUST_AGE, PLATE, numbers};
+use crate::process::{CRUST, CRUST_AGE, PLATE, STATE};
+use crate::store::PlateState;
 use eyot_core::{Field, Grid, World};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub(crate) struct Before {
     grid: Grid,
     seed: u64,
-    numbers: Vec<f64>,
+    pub(crate) state: PlateState,
     pub(crate) owner: Vec<u8>,
     crust: Vec<i32>,
     age: Vec<f32>,
@@ -29,9 +30,9 @@ pub(crate) struct Before {
 impl Before {
     /// True if `world` keeps these.
     fn are_of(&self, world: &World) -> bool {
-        let Ok(numbers) = numbers(world) else { return false };
-        let bits = |v: &[f64]| v.iter().map(|n| n.to_bits()).collect::<Vec<_>>();
-        if (world.grid, world.seed) != (self.grid, self.seed) || bits(numbers) != bits(&self.numbers) {
+        let Ok(Some(state)) = world.components.get::<PlateState>(STATE) else { return false };
+        let bits = |s: &PlateState| s.numbers().into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        if (world.grid, world.seed) != (self.grid, self.seed) || bits(state) != bits(&self.state) {
             return false;
         }
         let [Some(plate), Some(crust), Some(age)] = [&PLATE, &CRUST, &CRUST_AGE].map(|l| world.get(&l.name)) else {
@@ -59,13 +60,13 @@ pub(crate) struct Made {
 }
 
 impl Made {
-    /// Makes a step of plates that a world keeps with these `numbers`.
-    pub(crate) fn new(grid: &Grid, numbers: Vec<f64>, mut plates: Plates) -> Self {
+    /// Makes a step of plates that a world keeps with this state.
+    pub(crate) fn new(grid: &Grid, state: PlateState, mut plates: Plates) -> Self {
         plates.forget();
         let before = Before {
             grid: *grid,
             seed: plates.seed,
-            numbers,
+            state,
             owner: plates.maps.owner.clone(),
             crust: plates.maps.crust.clone(),
             age: plates.maps.age.clone(),
@@ -102,7 +103,7 @@ struct Work {
 
 enum Step {
     /// Not begun.
-    Waits(Vec<f64>, Box<Plates>),
+    Waits(Box<(PlateState, Plates)>),
     UnderWay(Receiver<Made>),
 }
 
@@ -112,9 +113,9 @@ impl Beside {
         self.work().step.is_none()
     }
 
-    /// Begins a step of plates that a world keeps with these `numbers`. If not `at_once`, it is only begun when it is asked for: for
+    /// Begins a step of plates that a world keeps with this state. If not `at_once`, it is only begun when it is asked for: for
     /// a world that does nothing in the meantime.
-    pub(crate) fn begin(&self, grid: &Grid, numbers: Vec<f64>, plates: Plates, at_once: bool) {
+    pub(crate) fn begin(&self, grid: &Grid, state: PlateState, plates: Plates, at_once: bool) {
         let mut work = self.work();
         if work.threads.is_none() && at_once {
             // As many as the world's own: whoever waits for the step should not wait longer than for one of its own.
@@ -122,22 +123,24 @@ impl Beside {
             // A step that panics drops its sender, and is made again where its message can be seen.
             work.threads = threads.thread_name(|_| "plates".into()).panic_handler(|_| ()).build().ok();
         }
-        let plates = Box::new(plates);
         work.step = Some(match &work.threads {
             Some(threads) if at_once => {
                 let (sender, receiver) = sync_channel(1);
                 let grid = *grid;
-                threads.spawn(move || drop(sender.send(Made::new(&grid, numbers, *plates))));
+                threads.spawn(move || drop(sender.send(Made::new(&grid, state, plates))));
                 Step::UnderWay(receiver)
             }
-            _ => Step::Waits(numbers, plates),
+            _ => Step::Waits(Box::new((state, plates))),
         });
     }
 
     /// The step that was begun, if it is one of the plates in `world`; waits for it.
     pub(crate) fn take(&self, world: &World) -> Option<Made> {
         let made = match self.work().step.take()? {
-            Step::Waits(numbers, plates) => Made::new(&world.grid, numbers, *plates),
+            Step::Waits(waiting) => {
+                let (state, plates) = *waiting;
+                Made::new(&world.grid, state, plates)
+            }
             Step::UnderWay(receiver) => receiver.recv().ok()?,
         };
         made.before.are_of(world).then_some(made)
