@@ -30,6 +30,7 @@ pub mod rng;
 pub mod rule;
 mod schedule;
 mod stopwatch;
+pub mod text;
 pub mod vec3;
 mod world;
 
