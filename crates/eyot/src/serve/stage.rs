@@ -2,12 +2,12 @@
 
 use super::ServeOptions;
 use crate::error::RunError;
-use crate::exports::corals;
 use crate::layers;
 use crate::recipe::{Recipe, Work};
 use crate::watch::{Look, Watch};
 use eyot_core::component::Table;
 use eyot_core::{Cancel, Limits, Stagger, World};
+use eyot_export::corals;
 use eyot_reef::bodies::Shape;
 use eyot_reef::community::{Form, Population, RAYS};
 use eyot_reef::corals::{Corals, POPULATION};
