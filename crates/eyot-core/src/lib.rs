@@ -29,6 +29,8 @@ pub mod reference;
 pub mod rng;
 pub mod rule;
 mod schedule;
+mod stopwatch;
+pub mod text;
 pub mod vec3;
 mod world;
 
@@ -41,4 +43,5 @@ pub use layer::{Beyond, Layer, LayerSpec, Stagger};
 pub use ledger::{Account, Ledger};
 pub use limits::Limits;
 pub use names::intern;
+pub use stopwatch::Stopwatch;
 pub use world::{CoordinateSystem, Fingerprint, Georeference, World};
