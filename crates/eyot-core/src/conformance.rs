@@ -38,8 +38,8 @@ pub fn random_world(
     grid.cell_y_m = 2.5;
     let mut world = World::new(grid, seed);
     for s in processes {
-        for (spec, value) in s.process.layers() {
-            world.ensure(&spec, value);
+        for l in s.process.layers() {
+            world.ensure(&l.spec, l.start);
         }
     }
     let names: Vec<String> = world.layers().iter().map(|l| l.spec.name.to_string()).collect();

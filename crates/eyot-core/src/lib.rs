@@ -27,6 +27,7 @@ pub mod reference;
 pub mod rng;
 pub mod rule;
 mod schedule;
+pub mod stepper;
 mod world;
 
 pub use control::{Cancel, Control};

@@ -14,6 +14,7 @@ mod group;
 mod reduce;
 mod shader;
 pub mod shaders;
+mod stepped;
 
 pub use wgpu;
 

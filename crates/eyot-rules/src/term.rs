@@ -17,11 +17,11 @@ use crate::rule::{DeclaredLayer, complete, split, stream};
 use crate::unit::Measure;
 use eyot_core::graph::{Graph, Node, Op};
 use eyot_core::plan::{Plan, RuleKind};
-use eyot_core::process::{Action, Entry, Moment, Process};
+use eyot_core::process::{Access, Action, Entry, LayerUse, Moment, Process};
 use eyot_core::program::Program;
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Slot};
-use eyot_core::{Edge, Error, Grid, LayerSpec, Limits, Result, Rim, World, intern};
+use eyot_core::{Edge, Error, Grid, Limits, Result, Rim, World, intern};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
 use std::fmt;
@@ -577,7 +577,8 @@ impl Replaced {
         if let Some((_, term)) = self.varying().find(|(_, t)| between(t)) {
             return Some((&term.parameter, Obstacle::Between));
         }
-        let layers = |p: &dyn Process| p.layers().into_iter().map(|(s, v)| (s.name, v.to_bits())).collect::<Vec<_>>();
+        let layers =
+            |p: &dyn Process| p.layers().into_iter().map(|l| (l.spec.name, l.start.to_bits())).collect::<Vec<_>>();
         let moment = Moment { grid: *grid, step: 0, turn: 0, sea_level_m: 0.0 };
         let sea = |p: &dyn Process| {
             let mut moved = moment;
@@ -651,11 +652,16 @@ fn alike(a: &Plan, b: &Plan) -> bool {
 }
 
 impl Process for Replaced {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<LayerUse> {
         let mut layers = self.plain.layers();
-        for layer in self.declared() {
-            layers.push((layer.spec.clone(), 0.0));
-        }
+        // What the process writes alone is read now if a term names it.
+        let named = |name: &str| self.terms.list.iter().any(|t| t.needs.iter().any(|n| *n == name));
+        layers.iter_mut().filter(|l| named(&l.spec.name)).for_each(|l| {
+            if l.access == Access::Write {
+                l.access = Access::Change;
+            }
+        });
+        layers.extend(self.declared().iter().map(|layer| layer.spec.clone().read(0.0)));
         layers
     }
 
@@ -667,7 +673,7 @@ impl Process for Replaced {
     }
 
     fn needs(&self) -> Vec<&'static str> {
-        let own: Vec<_> = self.plain.layers().into_iter().map(|(spec, _)| spec.name).collect();
+        let own: Vec<_> = self.plain.layers().into_iter().map(|l| l.spec.name).collect();
         let mut needs = self.plain.needs();
         needs.extend(self.terms.list.iter().flat_map(|t| &t.needs).filter(|n| !own.iter().any(|o| o == *n)));
         needs.sort_unstable();

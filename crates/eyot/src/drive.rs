@@ -265,7 +265,7 @@ impl Driver {
         let mut rate = 0.0;
         loop {
             if self.state.done >= work.steps {
-                match self.bring_back() {
+                match self.download() {
                     Ok(()) => return Ok(Flow::Continue),
                     Err(Failure::Work(e)) => return Err(fail(e)),
                     Err(Failure::Device(e)) => {
@@ -369,16 +369,16 @@ impl Driver {
     }
 
     /// Brings the world up to what the engine has done.
-    fn bring_back(&mut self) -> Result<(), Failure> {
-        self.engine.bring_back(&mut self.world)?;
+    fn download(&mut self) -> Result<(), Failure> {
+        self.engine.download(&mut self.world)?;
         self.settled = self.state.done;
         Ok(())
     }
 
-    /// As [`Driver::bring_back`] where the run is about to stop or to look at the world: if the device is lost, the world is
+    /// As [`Driver::download`] where the run is about to stop or to look at the world: if the device is lost, the world is
     /// what it was before, and so is the count of its steps.
     fn settle(&mut self) {
-        if let Err(Failure::Device(e)) = self.bring_back() {
+        if let Err(Failure::Device(e)) = self.download() {
             let message =
                 format!("{e}; {} steps since the world was last saved are lost", self.state.done - self.settled);
             self.tell(Event::Warning { message });

@@ -131,10 +131,10 @@ impl Engine {
     }
 
     /// Brings the world's layers and its ledger up to date.
-    pub(crate) fn bring_back(&mut self, world: &mut World) -> Result<(), Failure> {
+    pub(crate) fn download(&mut self, world: &mut World) -> Result<(), Failure> {
         match self {
             Self::Cpu(_) => Ok(()),
-            Self::Gpu(e) => e.bring_back(world).map_err(Failure::from),
+            Self::Gpu(e) => e.download(world).map_err(Failure::from),
         }
     }
 

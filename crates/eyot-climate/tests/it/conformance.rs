@@ -50,7 +50,7 @@ fn registry_is_sound() {
     for e in PROCESSES {
         let process = (e.make)((e.defaults)()).unwrap_or_else(|err| panic!("{}: {err}", e.name));
         let layers = process.layers();
-        let mut names: Vec<&str> = layers.iter().map(|(l, _)| &*l.name).collect();
+        let mut names: Vec<&str> = layers.iter().map(|l| &*l.spec.name).collect();
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), layers.len(), "{} names a layer twice", e.name);

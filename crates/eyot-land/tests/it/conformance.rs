@@ -3,7 +3,7 @@
 
 use eyot_core::conformance;
 use eyot_core::process::{Moment, Process};
-use eyot_core::{Grid, LayerSpec, Limits, Rim};
+use eyot_core::{Grid, Limits, Rim};
 use eyot_land::simulate::PROCESSES;
 use eyot_land::simulate::hydraulic::Hydraulic;
 use eyot_testing::land::{start, variants};
@@ -22,9 +22,9 @@ fn springs_conform() {
     let with_springs = Hydraulic { springs: 0.01, ..Default::default() };
     struct WithSprings(Hydraulic);
     impl Process for WithSprings {
-        fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
             let mut l = self.0.layers();
-            l.push((eyot_land::simulate::hydraulic::SPRINGS, 0.0));
+            l.push(eyot_land::simulate::hydraulic::SPRINGS.changed(0.0));
             l
         }
         fn plan(&self, m: &Moment, p: &mut eyot_core::plan::Plan) {
