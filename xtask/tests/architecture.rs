@@ -102,6 +102,18 @@ fn the_small_crates_stand_on_the_core_and_do_no_io() {
 }
 
 #[test]
+fn recipes_stand_on_core_and_rules_and_open_files_in_one_place() {
+    let manifest = fs::read_to_string(root().join("crates/eyot-recipe/Cargo.toml")).unwrap();
+    let needed = manifest.split("[dev-dependencies]").next().unwrap();
+    let own: Vec<&str> = needed.lines().filter(|l| l.starts_with("eyot")).collect();
+    assert!(own.iter().all(|l| l.starts_with("eyot-core") || l.starts_with("eyot-rules")), "{own:?}");
+    for heavy in ["png", "zarr", "wgpu", "meshopt", "tungstenite", "zstd"] {
+        assert!(!needed.lines().any(|l| l.starts_with(heavy)), "eyot-recipe depends on {heavy}");
+    }
+    assert_absent("crates/eyot-recipe/src", &["std::fs", "std::net", "File::"], &["src/fs.rs"]);
+}
+
+#[test]
 fn only_io_opens_files() {
     for folder in ["crates/eyot-mesh/src", "crates/eyot-render/src"] {
         assert_absent(folder, &["std::fs", "File::"], &[]);
@@ -120,12 +132,16 @@ fn only_the_stream_crate_opens_connections() {
 }
 
 #[test]
-fn only_the_gpu_crate_names_wgpu() {
+fn only_the_gpu_crates_name_wgpu_and_one_file_waits() {
     for krate in ["eyot-core", "eyot-land", "eyot-io", "eyot-mesh", "eyot-render", "eyot"] {
         let manifest = fs::read_to_string(root().join("crates").join(krate).join("Cargo.toml")).unwrap();
         assert!(!manifest.lines().any(|l| l.starts_with("wgpu")), "{krate} depends on wgpu");
     }
-    assert_absent("crates/eyot-gpu/src", &["std::fs", "File::"], &[]);
+    for folder in ["crates/eyot-gpu/src", "crates/eyot-view/src"] {
+        assert_absent(folder, &["std::fs", "File::"], &[]);
+        // A browser has no thread that may wait.
+        assert_absent(folder, &["pollster", "PollType::Wait", "std::time::Instant"], &["blocking.rs", "clock.rs"]);
+    }
 }
 
 #[test]
@@ -143,6 +159,7 @@ fn front_ends_use_the_facade() {
         "eyot-render",
         "eyot-rules",
         "eyot-stream",
+        "eyot-view",
     ] {
         assert!(!manifest.lines().any(|l| l.starts_with(below)), "the command line depends on {below}");
     }

@@ -5,7 +5,7 @@ use crate::progress::{bar, time};
 use crate::{Failure, look, print, report};
 use clap::Args;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Subject, Video};
-use eyot::{Cancel, Control, Limits, RunError, Scenery, Timeline, View};
+use eyot::{Cancel, Control, Limits, RunError, Timeline, View, ViewRequest};
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -106,7 +106,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     };
     let view = args.look.view(size)?;
     let options = FilmOptions {
-        scenery: Scenery { view, drape: args.drape.clone(), engine: args.engine.options()? },
+        request: ViewRequest { view, drape: args.drape.clone(), engine: args.engine.options()? },
         path,
         frames: args.frames,
         fps: args.fps,

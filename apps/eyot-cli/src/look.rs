@@ -3,7 +3,7 @@
 use crate::args::{Bench, Measured, Render, Stats};
 use crate::{Failure, print, report};
 use eyot::store::Subject;
-use eyot::{EngineChoice, EngineOptions, Limits, Scenery, View, bench, bench_gpu, store};
+use eyot::{EngineChoice, EngineOptions, Limits, View, ViewRequest, bench, bench_gpu, store};
 use serde_json::Value;
 use std::path::Path;
 
@@ -46,8 +46,8 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     });
     let limits = Limits::default();
     if subject == Subject::View {
-        let scenery = Scenery { view, drape: args.drape.clone(), engine };
-        let drawn = eyot::draw_view(&opened.world, &scenery, &out, &limits).map_err(|e| report::run(&e))?;
+        let request = ViewRequest { view, drape: args.drape.clone(), engine };
+        let drawn = eyot::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
         if opened.world.features.contains_key(eyot::reef::corals::FEATURE) {
             print::note(

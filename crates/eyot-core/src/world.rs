@@ -25,6 +25,16 @@ pub struct Georeference {
     pub system: Option<CoordinateSystem>,
 }
 
+impl Georeference {
+    /// Of the same extent in other cells: columns and rows before, and now.
+    #[must_use]
+    pub fn rescaled(&self, from: (usize, usize), to: (usize, usize)) -> Self {
+        let (sx, sy) = (from.0 as f64 / to.0 as f64, from.1 as f64 / to.1 as f64);
+        let t = self.transform;
+        Self { transform: [t[0], t[1] * sx, t[2] * sy, t[3], t[4] * sx, t[5] * sy], ..self.clone() }
+    }
+}
+
 /// A coordinate system that no EPSG code says, or not all of it, as a file had it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

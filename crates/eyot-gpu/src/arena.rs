@@ -7,8 +7,13 @@
 use crate::device::Gpu;
 use crate::error::{GpuError, Result};
 use crate::group::{GHOST, TILE};
+use crate::layer_view::{LayerPart, LayerView};
+use crate::reading::Reading;
 use crate::shader::BASE;
 use eyot_core::{Edge, Field, Grid};
+use std::pin::Pin;
+use std::sync::atomic::Ordering;
+use std::task::{Context, Poll};
 use wgpu::BufferUsages;
 
 /// Bytes that are moved to or from the card at once.
@@ -216,24 +221,34 @@ impl Arena {
                     );
                 }
                 gpu.queue.submit([encoder.finish()]);
-                let (tell, told) = std::sync::mpsc::channel();
-                staging.map_async(wgpu::MapMode::Read, .., move |outcome| {
-                    // Nobody may be waiting any more.
-                    let _ = tell.send(outcome.is_ok());
-                });
-                pieces.push(Piece { first: piece[0], rows: piece.len(), staging, told });
+                pieces.push(Piece { first: piece[0], rows: piece.len(), bytes: gpu.read_mapped(staging) });
             }
         }
         gpu.check()?;
+        gpu.traffic.layers.fetch_add(1, Ordering::Relaxed);
         Ok(Pending { width: self.grid.width, height: self.grid.height, pieces, arrived: 0 })
     }
 
+    /// A slot where it lies.
+    pub(crate) fn view(&self, slot: usize) -> LayerView<'_> {
+        let more_rows = if self.split() { GHOST } else { 0 };
+        let parts = self.slabs.iter().map(|slab| LayerPart {
+            buffer: &slab.state,
+            first_row: slab.first,
+            rows: slab.rows,
+            more_rows,
+            offset: (self.offset(slab, slot, slab.first as isize) / 4 + 1) as usize,
+            row_stride: self.slots * self.stride,
+        });
+        LayerView { width: self.grid.width, height: self.grid.height, parts: parts.collect() }
+    }
+
     /// The sum of each account, folded in the order of the tiles.
-    pub(crate) fn totals(&self, gpu: &Gpu) -> Result<Vec<f64>> {
+    pub(crate) async fn totals(&self, gpu: &Gpu) -> Result<Vec<f64>> {
         if self.accounts == 0 {
             return Ok(Vec::new());
         }
-        let bytes = gpu.read(&self.sums, 0, 8 * (self.accounts * self.groups) as u64)?;
+        let bytes = gpu.read(&self.sums, 0, 8 * (self.accounts * self.groups) as u64)?.await?;
         let pairs: Vec<[f32; 2]> = bytes.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();
         let total = |tiles: &[[f32; 2]]| tiles.iter().map(|[sum, rest]| f64::from(*sum) + f64::from(*rest)).sum();
         Ok(pairs.chunks_exact(self.groups).map(total).collect())
@@ -243,11 +258,10 @@ impl Arena {
 struct Piece {
     first: isize,
     rows: usize,
-    staging: wgpu::Buffer,
-    told: std::sync::mpsc::Receiver<bool>,
+    bytes: Reading,
 }
 
-/// A layer on its way back from the card; nothing waits for it until [`Pending::take`].
+/// A layer on its way back from the card: a future, or something to look at now and then with [`Pending::try_take`].
 pub struct Pending {
     width: usize,
     height: usize,
@@ -260,43 +274,64 @@ impl Pending {
     ///
     /// # Errors
     /// If the device was lost.
-    pub fn is_ready(&mut self, gpu: &Gpu) -> Result<bool> {
-        // A failed poll means a lost device, which `check` reports.
-        let _ = gpu.device.poll(wgpu::PollType::Poll);
-        gpu.check()?;
+    pub fn is_ready(&mut self) -> Result<bool> {
         while let Some(piece) = self.pieces.get(self.arrived) {
-            match piece.told.try_recv() {
-                Ok(true) => self.arrived += 1,
-                Ok(false) => return Err(GpuError::Lost("it gave back no memory".into())),
-                Err(_) => return Ok(false),
+            if !piece.bytes.is_ready()? {
+                return Ok(false);
             }
+            self.arrived += 1;
         }
         Ok(true)
+    }
+
+    /// The layer once it has arrived. Does not wait.
+    ///
+    /// # Errors
+    /// If the device was lost.
+    pub fn try_take(&mut self) -> Result<Option<Field>> {
+        if self.is_ready()? { self.field().map(Some) } else { Ok(None) }
     }
 
     /// The layer; waits for it if need be.
     ///
     /// # Errors
-    /// If the device was lost.
-    pub fn take(mut self, gpu: &Gpu) -> Result<Field> {
-        if !self.is_ready(gpu)? {
-            gpu.wait(None)?;
-        }
+    /// If the device was lost, and in a browser, which does not wait, if it has not arrived.
+    pub fn take(self, gpu: &Gpu) -> Result<Field> {
+        gpu.complete(self)
+    }
+
+    fn field(&self) -> Result<Field> {
         let mut field = Field::new(self.width, self.height, 0.0);
         let mut faces = vec![0.0; self.height + self.width];
         for piece in &self.pieces {
-            let bytes = piece.staging.get_mapped_range(..).map_err(|e| GpuError::Lost(e.to_string()))?;
-            let values: &[f32] = bytemuck::cast_slice(&bytes);
-            for (row, y) in values.chunks_exact(self.width + 1).take(piece.rows).zip(piece.first..) {
-                if y < 0 {
-                    faces[self.height..].copy_from_slice(&row[1..]);
-                } else {
-                    faces[y as usize] = row[0];
-                    field.row_mut(y as usize).copy_from_slice(&row[1..]);
+            piece.bytes.with(|bytes| {
+                let values: &[f32] = bytemuck::cast_slice(bytes);
+                for (row, y) in values.chunks_exact(self.width + 1).take(piece.rows).zip(piece.first..) {
+                    if y < 0 {
+                        faces[self.height..].copy_from_slice(&row[1..]);
+                    } else {
+                        faces[y as usize] = row[0];
+                        field.row_mut(y as usize).copy_from_slice(&row[1..]);
+                    }
                 }
-            }
+            })?;
         }
         field.set_outer_faces(&faces)?;
         Ok(field)
+    }
+}
+
+impl Future for Pending {
+    type Output = Result<Field>;
+
+    fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        while let Some(piece) = self.pieces.get(self.arrived) {
+            match piece.bytes.poll_ready(context) {
+                Poll::Ready(Ok(())) => self.arrived += 1,
+                Poll::Ready(Err(e)) => return Poll::Ready(Err(e)),
+                Poll::Pending => return Poll::Pending,
+            }
+        }
+        Poll::Ready(self.field())
     }
 }

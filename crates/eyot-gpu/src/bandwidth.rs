@@ -1,8 +1,8 @@
 //! How fast the card's memory is: the bound of most rules.
 
+use crate::clock::Instant;
 use crate::device::Gpu;
 use crate::error::Result;
-use std::time::Instant;
 
 /// Bytes that a copy within the card's memory reads and writes in a second, measured for about a fifth of a second.
 ///

@@ -9,9 +9,11 @@
 //! The world's own layers are out of date until [`GpuEngine::download`].
 
 use crate::arena::{Arena, Pending};
+use crate::clock::Instant;
 use crate::device::Gpu;
 use crate::error::{GpuError, Result};
 use crate::group::{Bounds, Group, JOB_WORDS, Layers, TILE, groups};
+use crate::layer_view::LayerView;
 use crate::reduce::Reducer;
 use crate::shader::{self, Setting};
 use eyot_core::control::Control;
@@ -25,14 +27,17 @@ use eyot_core::{Edge, Field, Grid, LayerSpec, Ledger, Limits, Stagger, World};
 use std::borrow::Cow;
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
 
 /// Bytes of the uniform block of a dispatch.
 pub(crate) const JOB_BYTES: u64 = 4 * JOB_WORDS as u64;
 /// Most dispatches of one submission.
 const MOST_DISPATCHES: usize = 4096;
+/// Bytes of a workgroup's memory that every WebGPU device has.
+pub(crate) const SHARED_BYTES: usize = 16384;
 /// Numbers in a workgroup's memory that every WebGPU device has, less those that the sums need.
-pub(crate) const SHARED: usize = 16384 / 4 - 4 * crate::group::THREADS;
+pub(crate) const SHARED: usize = SHARED_BYTES / 4 - 4 * crate::group::THREADS;
 /// Below so many cells the time of a dispatch is that of its launch, and several steps go into one.
 const SMALL: usize = 1 << 18;
 /// Submissions under way at a time: one on the card while the next is written.
@@ -40,6 +45,7 @@ const IN_FLIGHT: usize = 2;
 
 /// How the engine works; nothing here changes a result by more than rounding.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Options {
     /// Bounds on what may be allocated.
     pub limits: Limits,
@@ -65,8 +71,36 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// With these bounds on what may be allocated.
+    pub fn limits(self, limits: Limits) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// With so many passes of a dispatch.
+    pub fn most_passes(self, most_passes: usize) -> Self {
+        Self { most_passes, ..self }
+    }
+
+    /// With buffers of at most so many bytes.
+    pub fn most_bytes(self, most_bytes: u64) -> Self {
+        Self { most_bytes, ..self }
+    }
+
+    /// Measuring the card's own time, or not.
+    pub fn timed(self, timed: bool) -> Self {
+        Self { timed, ..self }
+    }
+
+    /// With submissions of about this long.
+    pub fn submission(self, submission: Duration) -> Self {
+        Self { submission, ..self }
+    }
+}
+
 /// What the engine has done so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Work {
     /// Steps.
     pub steps: u64,
@@ -80,6 +114,26 @@ pub struct Work {
     pub pipelines: u64,
     /// The card's own time, s; 0 without [`Options::timed`].
     pub card_s: f64,
+    /// Layers that were brought back from the card.
+    pub layers_back: u64,
+    /// Bytes that were brought back from the card: layers, sums, ranges, pictures.
+    pub bytes_back: u64,
+}
+
+impl Work {
+    /// What was done after `earlier`.
+    pub fn since(self, earlier: Self) -> Self {
+        Self {
+            steps: self.steps - earlier.steps,
+            submissions: self.submissions - earlier.submissions,
+            dispatches: self.dispatches - earlier.dispatches,
+            bytes: self.bytes - earlier.bytes,
+            pipelines: self.pipelines - earlier.pipelines,
+            card_s: self.card_s - earlier.card_s,
+            layers_back: self.layers_back - earlier.layers_back,
+            bytes_back: self.bytes_back - earlier.bytes_back,
+        }
+    }
 }
 
 /// See the module.
@@ -242,7 +296,9 @@ impl GpuEngine {
 
     /// What has been done so far.
     pub fn work(&self) -> Work {
-        self.work
+        let traffic = &self.gpu.traffic;
+        let (layers_back, bytes_back) = (traffic.layers.load(Relaxed), traffic.bytes.load(Relaxed));
+        Work { layers_back, bytes_back, ..self.work }
     }
 
     /// Compiled pipelines for [`GpuEngine::new`] of the next process, if the driver gives them away.
@@ -299,10 +355,17 @@ impl GpuEngine {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn range(&self, name: &str) -> Result<Option<crate::reduce::Range>> {
+    pub async fn range(&self, name: &str) -> Result<Option<crate::reduce::Range>> {
         let Some(r) = &self.resident else { return Ok(None) };
         let Some(layer) = r.specs[..r.world_layers].iter().position(|s| s.name == name) else { return Ok(None) };
-        self.reducer.range(&self.gpu, &r.arena, r.slots[&(layer, r.current[layer])]).map(Some)
+        self.reducer.range(&self.gpu, &r.arena, r.slots[&(layer, r.current[layer])]).await.map(Some)
+    }
+
+    /// A layer where it lies on the card, for shaders of others. `None` if no layer of that name is there.
+    pub fn layer(&self, name: &str) -> Option<LayerView<'_>> {
+        let r = self.resident.as_ref()?;
+        let layer = r.specs[..r.world_layers].iter().position(|s| s.name == name)?;
+        Some(r.arena.view(r.slots[&(layer, r.current[layer])]))
     }
 
     /// Gives the card's memory back. What was not downloaded is lost.
@@ -387,7 +450,7 @@ impl GpuEngine {
         for l in changed {
             let r = self.resident.as_ref().ok_or_else(|| GpuError::Fault("no world is on the card".into()))?;
             let slot = r.slots[&(l, r.current[l])];
-            if self.reducer.range(&self.gpu, &r.arena, slot)?.not_finite > 0 {
+            if self.gpu.complete(self.reducer.range(&self.gpu, &r.arena, slot))?.not_finite > 0 {
                 // Names the place.
                 return self.download(world);
             }
@@ -550,7 +613,7 @@ impl GpuEngine {
 
     fn read_timer(&mut self) -> Result<()> {
         if let Some(timer) = &mut self.timer {
-            self.work.card_s += timer.seconds(&self.gpu)?;
+            self.work.card_s += self.gpu.complete(timer.seconds(&self.gpu))?;
         }
         Ok(())
     }
@@ -582,25 +645,26 @@ impl GpuEngine {
     }
 
     fn compile(&mut self, name: &str, source: &str) -> Result<wgpu::ComputePipeline> {
-        let scope = self.gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = self.gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        let pipeline = self.gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(name),
-            layout: Some(&self.pipeline_layout),
-            module: &module,
-            entry_point: Some("main"),
-            // A workgroup writes its memory before it reads it.
-            compilation_options: wgpu::PipelineCompilationOptions {
-                zero_initialize_workgroup_memory: false,
-                ..Default::default()
-            },
-            cache: self.cache.as_ref(),
+        let (pipeline, error) = self.gpu.scoped(wgpu::ErrorFilter::Validation, || {
+            let module = self.gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(name),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            });
+            self.gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(&self.pipeline_layout),
+                module: &module,
+                entry_point: Some("main"),
+                // A workgroup writes its memory before it reads it.
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    zero_initialize_workgroup_memory: false,
+                    ..Default::default()
+                },
+                cache: self.cache.as_ref(),
+            })
         });
         self.work.pipelines += 1;
-        match pollster::block_on(scope.pop()) {
+        match error {
             Some(e) => Err(GpuError::Fault(format!("rule `{name}`: {e}"))),
             None => self.gpu.check().map(|()| pipeline),
         }
@@ -741,7 +805,7 @@ impl Resident {
         for l in (0..self.world_layers).filter(|&l| self.stale[l] && wanted(&self.specs[l])) {
             fields.push((l, self.arena.request(gpu, self.slots[&(l, self.current[l])])?.take(gpu)?));
         }
-        let totals = self.arena.totals(gpu)?;
+        let totals = gpu.complete(self.arena.totals(gpu))?;
         // Nothing can fail from here on: the world changes as a whole.
         for (l, field) in fields {
             world.layer_mut(&self.specs[l].name)?.field = field;
@@ -932,14 +996,14 @@ impl Timer {
     }
 
     /// The card's time since the last reading, s.
-    fn seconds(&mut self, gpu: &Gpu) -> Result<f64> {
+    async fn seconds(&mut self, gpu: &Gpu) -> Result<f64> {
         if self.used == 0 {
             return Ok(0.0);
         }
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.resolve_query_set(&self.queries, 0..2 * self.used, &self.resolved, 0);
         gpu.queue.submit([encoder.finish()]);
-        let bytes = gpu.read(&self.resolved, 0, 16 * u64::from(self.used))?;
+        let bytes = gpu.read(&self.resolved, 0, 16 * u64::from(self.used))?.await?;
         self.used = 0;
         let ticks: Vec<[u64; 2]> = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect();
         let ticks: u64 = ticks.iter().map(|[begin, end]| end.saturating_sub(*begin)).sum();

@@ -23,6 +23,17 @@ pub enum GpuError {
         /// What the driver says.
         reason: String,
     },
+    /// A device that somebody else opened lacks something.
+    #[error("`{adapter}` was opened with too little: it needs {missing}")]
+    Unfit {
+        /// Name of the adapter.
+        adapter: String,
+        /// All that is missing, with what there is.
+        missing: String,
+    },
+    /// Nothing has arrived yet, and this platform lets no thread wait for it: use the futures.
+    #[error("the graphics device is not done, and a browser cannot wait for it")]
+    CannotWait,
     /// The device is gone: unplugged, reset, or its driver crashed.
     #[error("the graphics device was lost: {0}")]
     Lost(String),

@@ -108,8 +108,8 @@ impl Reducer {
         Self { pipeline }
     }
 
-    /// The range of a slot; waits for it.
-    pub(crate) fn range(&self, gpu: &Gpu, arena: &Arena, slot: usize) -> Result<Range> {
+    /// The range of a slot.
+    pub(crate) async fn range(&self, gpu: &Gpu, arena: &Arena, slot: usize) -> Result<Range> {
         let mut range = Range { low: f32::INFINITY, high: f32::NEG_INFINITY, not_finite: 0 };
         for slab in &arena.slabs {
             let place = |y: usize| (arena.offset(slab, slot, y as isize) / 4 + 1) as u32;
@@ -146,7 +146,7 @@ impl Reducer {
             pass.dispatch_workgroups(across as u32, slab.rows.div_ceil(across) as u32, 1);
             drop(pass);
             gpu.queue.submit([encoder.finish()]);
-            for row in gpu.read(&ranges, 0, size)?.chunks_exact(size_of::<RowRange>()) {
+            for row in gpu.read(&ranges, 0, size)?.await?.chunks_exact(size_of::<RowRange>()) {
                 let row: RowRange = bytemuck::pod_read_unaligned(row);
                 range.low = range.low.min(row.low);
                 range.high = range.high.max(row.high);

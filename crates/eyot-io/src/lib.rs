@@ -79,4 +79,4 @@ pub use rows::Rows;
 pub use sample::{ByteOrder, RowOrder, Sample};
 pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};
 pub use table::{Column, Table, write_parquet};
-pub use zarr::{SECONDS, is_coordinate, store_attributes, write_store};
+pub use zarr::{SECONDS, store_attributes, write_store};

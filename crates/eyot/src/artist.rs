@@ -8,14 +8,14 @@ use crate::need;
 use crate::outputs::{stopped, view_options};
 use crate::store::{self, Subject};
 use eyot_core::{Control, Limits, World};
-use eyot_gpu::draw::{Renderer, Scene};
-use eyot_gpu::{Gpu, GpuError};
+use eyot_gpu::{Gpu, GpuError, blocking};
 use eyot_render::{Camera, LayerColours, MapOptions, Picture, Stage};
+use eyot_view::{Renderer, Scene};
 use std::path::Path;
 
 /// What is drawn.
 #[derive(Clone, Debug, Default)]
-pub struct Scenery {
+pub struct ViewRequest {
     /// Camera, sun and size.
     pub view: View,
     /// The layer whose colours the land wears; its own colours if not given.
@@ -25,57 +25,57 @@ pub struct Scenery {
 }
 
 /// A world made ready to be drawn from any number of cameras.
-pub(crate) struct Artist {
-    hand: Hand,
+pub(crate) struct ViewRenderer {
+    backend: Backend,
     /// Things to know about the choice.
     pub(crate) notes: Vec<String>,
 }
 
-enum Hand {
+enum Backend {
     Cpu { scene: Box<render::Scene>, worn: Option<LayerColours> },
     Gpu { gpu: Box<Gpu>, renderer: Box<Renderer>, scene: Box<Scene> },
 }
 
-impl Artist {
+impl ViewRenderer {
     /// Makes `world` ready.
     ///
     /// # Errors
     /// If there is no such layer or adapter, or not enough memory.
     pub(crate) fn new(
         world: &World,
-        scenery: &Scenery,
+        request: &ViewRequest,
         limits: &Limits,
         control: &Control<'_>,
     ) -> Result<Self, RunError> {
-        if let Some(layer) = &scenery.drape {
+        if let Some(layer) = &request.drape {
             world.layer(layer).map_err(RunError::input)?;
         }
-        let auto = scenery.engine.choice == EngineChoice::Auto;
+        let auto = request.engine.choice == EngineChoice::Auto;
         let mut notes = Vec::new();
-        if scenery.engine.choice != EngineChoice::Cpu {
-            match Hand::gpu(world, scenery, limits) {
-                Ok(hand) => return Ok(Self { hand, notes }),
+        if request.engine.choice != EngineChoice::Cpu {
+            match Backend::gpu(world, request, limits) {
+                Ok(backend) => return Ok(Self { backend, notes }),
                 Err(GpuError::Core(e)) => return Err(stopped(e)),
                 Err(e) if auto => notes.push(format!("{e}; the processor draws instead")),
                 Err(e) => return Err(RunError::Gpu(e)),
             }
         }
-        Ok(Self { hand: Hand::cpu(world, scenery, limits, control)?, notes })
+        Ok(Self { backend: Backend::cpu(world, request, limits, control)?, notes })
     }
 
     /// The engine at work, for people.
     pub(crate) fn name(&self) -> String {
-        match &self.hand {
-            Hand::Cpu { .. } => "cpu".to_owned(),
-            Hand::Gpu { gpu, .. } => format!("gpu ({})", gpu.name()),
+        match &self.backend {
+            Backend::Cpu { .. } => "cpu".to_owned(),
+            Backend::Gpu { gpu, .. } => format!("gpu ({})", gpu.name()),
         }
     }
 
     /// What all engines share.
     pub(crate) fn stage(&self) -> &Stage {
-        match &self.hand {
-            Hand::Cpu { scene, .. } => &scene.stage,
-            Hand::Gpu { scene, .. } => scene.stage(),
+        match &self.backend {
+            Backend::Cpu { scene, .. } => &scene.stage,
+            Backend::Gpu { scene, .. } => scene.stage(),
         }
     }
 
@@ -84,14 +84,14 @@ impl Artist {
     /// # Errors
     /// If the world is of another size or has not the layer that the land wears, on a request to stop, or if the graphics card fails.
     pub(crate) fn follow(&mut self, world: &World, control: &Control<'_>) -> Result<(), RunError> {
-        match &mut self.hand {
-            Hand::Cpu { scene, worn } => {
+        match &mut self.backend {
+            Backend::Cpu { scene, worn } => {
                 if let Some(w) = worn {
                     w.follow(world).map_err(stopped)?;
                 }
                 scene.follow(world, worn.as_ref(), control).map_err(stopped)
             }
-            Hand::Gpu { gpu, renderer, scene } => {
+            Backend::Gpu { gpu, renderer, scene } => {
                 let layers: Vec<&str> = world.layers().iter().map(|l| &*l.spec.name).collect();
                 scene.update(gpu, renderer, world, &layers).map_err(RunError::Gpu)
             }
@@ -109,22 +109,25 @@ impl Artist {
         time_s: f32,
         control: &Control<'_>,
     ) -> Result<Picture, RunError> {
-        match &mut self.hand {
-            Hand::Cpu { scene, worn } => {
+        match &mut self.backend {
+            Backend::Cpu { scene, worn } => {
                 let picture = scene.picture(camera, size.map(|n| n as usize), control).map_err(stopped)?;
                 Ok(worn.as_ref().map_or(picture.clone(), |w| w.with_legend(&picture)))
             }
-            Hand::Gpu { gpu, renderer, scene } => {
+            Backend::Gpu { gpu, renderer, scene } => {
                 control.check().map_err(stopped)?;
-                let picture = renderer.draw(gpu, scene, camera, size, time_s).map_err(RunError::Gpu)?;
+                let picture = renderer
+                    .draw(gpu, scene, camera, size, time_s)
+                    .and_then(|shot| shot.take(gpu))
+                    .map_err(RunError::Gpu)?;
                 Ok(scene.with_legend(picture))
             }
         }
     }
 }
 
-impl Hand {
-    fn cpu(world: &World, s: &Scenery, limits: &Limits, control: &Control<'_>) -> Result<Self, RunError> {
+impl Backend {
+    fn cpu(world: &World, s: &ViewRequest, limits: &Limits, control: &Control<'_>) -> Result<Self, RunError> {
         let fail = |e: eyot_core::Error| stopped(e);
         let bytes = need::picture(&world.grid, &s.view, Subject::View);
         need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY).map_err(fail)?;
@@ -140,8 +143,8 @@ impl Hand {
         Ok(Self::Cpu { scene: Box::new(scene.map_err(fail)?), worn })
     }
 
-    fn gpu(world: &World, s: &Scenery, limits: &Limits) -> Result<Self, GpuError> {
-        let gpu = Gpu::open(&s.engine.adapter())?;
+    fn gpu(world: &World, s: &ViewRequest, limits: &Limits) -> Result<Self, GpuError> {
+        let gpu = blocking::open(&s.engine.adapter())?;
         // Cells and nodes take less than for rays; a pixel has four samples of colour and depth, and is read back.
         let pixels = s.view.size.iter().map(|n| u128::from(*n)).product::<u128>();
         let bytes = need::picture(&world.grid, &s.view, Subject::View) + 47 * pixels;
@@ -171,13 +174,13 @@ pub struct Drawn {
 /// # Errors
 /// If `path` has another extension than `.png` or cannot be written, which is found out first, there is no such layer or
 /// adapter, or the picture exceeds the limits.
-pub fn draw_view(world: &World, scenery: &Scenery, path: &Path, limits: &Limits) -> Result<Drawn, RunError> {
+pub fn draw_view(world: &World, request: &ViewRequest, path: &Path, limits: &Limits) -> Result<Drawn, RunError> {
     store::check_picture_name(path)?;
     let control = Control::none();
-    let mut artist = Artist::new(world, scenery, limits, &control)?;
-    let camera = artist.stage().camera(&view_options(&scenery.view));
-    let picture = artist.draw(&camera, scenery.view.size, 0.0, &control)?;
+    let mut renderer = ViewRenderer::new(world, request, limits, &control)?;
+    let camera = renderer.stage().camera(&view_options(&request.view));
+    let picture = renderer.draw(&camera, request.view.size, 0.0, &control)?;
     io::write_rgb_png(path, picture.width, picture.height, &picture.pixels)
         .map_err(|e| RunError::File(e.to_string()))?;
-    Ok(Drawn { engine: artist.name(), notes: artist.notes })
+    Ok(Drawn { engine: renderer.name(), notes: renderer.notes })
 }

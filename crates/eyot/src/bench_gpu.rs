@@ -108,7 +108,7 @@ pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
         return Err(RunError::input(format!("seconds: {} is not within 0..=86400", options.seconds)));
     }
     let (world, phases) = case(options)?;
-    let how = Options { timed: true, most_passes: options.most_passes, ..Options::default() };
+    let how = Options::default().timed(true).most_passes(options.most_passes);
     let mut engine = engines::card(&options.engine, how)?;
     let copy_bandwidth = copy_bandwidth(engine.gpu())?;
     let cells = world.grid.cells() as f64;
@@ -242,7 +242,7 @@ impl Bench<'_> {
                 break;
             }
         }
-        let work = difference(self.engine.work(), before);
+        let work = self.engine.work().since(before);
         Ok(Timed { seconds: timed, steps: steps.iter().map(|n| n * repeats).collect(), work, repeats })
     }
 
@@ -307,17 +307,6 @@ fn within(seconds: f64, wanted: &[u64], per_step: &[f64], block: u64) -> Vec<u64
     let total: f64 = wanted.iter().zip(per_step).map(|(n, each)| *n as f64 * each).sum();
     let part = |all: u64| ((all as f64 * seconds / total) as u64).max(1).next_multiple_of(block).min(all);
     wanted.iter().map(|&all| if total <= seconds { all } else { part(all) }).collect()
-}
-
-fn difference(now: Work, before: Work) -> Work {
-    Work {
-        steps: now.steps - before.steps,
-        submissions: now.submissions - before.submissions,
-        dispatches: now.dispatches - before.dispatches,
-        bytes: now.bytes - before.bytes,
-        pipelines: now.pipelines - before.pipelines,
-        card_s: now.card_s - before.card_s,
-    }
 }
 
 #[cfg(test)]

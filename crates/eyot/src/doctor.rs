@@ -5,7 +5,7 @@ use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Control, Error, Field, Grid, Limits, Rim, World};
-use eyot_gpu::{AdapterReport, Gpu, GpuEngine, GpuError, Options};
+use eyot_gpu::{AdapterReport, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_land::simulate::{Hydraulic, Thermal};
 use serde::Serialize;
 use std::time::Instant;
@@ -83,12 +83,12 @@ pub struct Test {
 /// # Errors
 /// If the processor itself fails.
 pub fn examine(adapter: Option<&str>) -> Result<Examination, Error> {
-    let reports = eyot_gpu::adapters();
+    let reports = blocking::adapters();
     let hardware = reports.iter().find(|r| r.is_hardware());
     let (auto, because) = match (hardware, reports.first()) {
-        (Some(r), _) => (format!("gpu ({})", r.info.name), "it is hardware".to_owned()),
+        (Some(r), _) => (format!("gpu ({})", r.name), "it is hardware".to_owned()),
         (None, Some(r)) => {
-            let because = format!("`{}` only imitates a graphics card, and the processor does better", r.info.name);
+            let because = format!("`{}` only imitates a graphics card, and the processor does better", r.name);
             (format!("cpu ({})", isa().name()), because)
         }
         (None, None) => (format!("cpu ({})", isa().name()), "there is no graphics adapter".to_owned()),
@@ -105,22 +105,15 @@ pub fn examine(adapter: Option<&str>) -> Result<Examination, Error> {
 
 impl Adapter {
     fn of(r: &AdapterReport) -> Self {
-        use eyot_gpu::wgpu::{DeviceType, Features};
         Self {
-            name: r.info.name.clone(),
-            kind: match r.info.device_type {
-                DeviceType::DiscreteGpu => "discrete",
-                DeviceType::IntegratedGpu => "integrated",
-                DeviceType::VirtualGpu => "virtual",
-                DeviceType::Cpu => "software",
-                DeviceType::Other => "other",
-            },
-            backend: format!("{:?}", r.info.backend),
-            driver: format!("{} {}", r.info.driver, r.info.driver_info).trim().to_owned(),
-            max_buffer: r.limits.max_buffer_size,
-            max_binding: r.limits.max_storage_buffer_binding_size,
-            workgroup_memory: r.limits.max_compute_workgroup_storage_size,
-            timestamps: r.features.contains(Features::TIMESTAMP_QUERY),
+            name: r.name.clone(),
+            kind: r.kind.name(),
+            backend: r.backend.clone(),
+            driver: format!("{} {}", r.driver, r.driver_info).trim().to_owned(),
+            max_buffer: r.max_buffer,
+            max_binding: r.max_binding,
+            workgroup_memory: r.workgroup_memory,
+            timestamps: r.timestamps,
         }
     }
 }
@@ -146,7 +139,7 @@ fn test(adapter: Option<&str>, no_adapters: bool) -> Result<Test, Error> {
     } else {
         let options =
             EngineOptions { choice: EngineChoice::Gpu, adapter: adapter.map(str::to_owned), ..Default::default() };
-        match Gpu::open(&options.adapter()) {
+        match blocking::open(&options.adapter()) {
             Ok(gpu) => (format!("gpu ({})", gpu.name()), on_card(gpu, &mut world, &processes, span)),
             Err(e) => (format!("gpu ({})", adapter.unwrap_or("the best one")), Err(e)),
         }

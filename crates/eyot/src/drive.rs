@@ -15,6 +15,7 @@ use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, WORLD_FILE};
 use crate::watch::Watching;
 use eyot_core::process::{Site, Span};
+use eyot_core::stepper::Simulation;
 use eyot_core::{Cancel, Control, Error, World};
 use eyot_gpu::GpuError;
 use std::path::{Path, PathBuf};
@@ -260,7 +261,7 @@ impl Driver {
             self.record();
         }
         let mut uses = self.uses_now(step, work)?;
-        let mut scheduled = schedule(&uses).map_err(fail)?;
+        let mut simulation = Simulation::new(schedule(&uses).map_err(fail)?);
         let mut chunk = self.options.chunk.unwrap_or(1).max(1);
         let mut rate = 0.0;
         loop {
@@ -271,7 +272,7 @@ impl Driver {
                     Err(Failure::Device(e)) => {
                         self.go_on_without(e, step)?;
                         uses = self.uses_now(step, work)?;
-                        scheduled = schedule(&uses).map_err(fail)?;
+                        simulation = Simulation::new(schedule(&uses).map_err(fail)?);
                         continue;
                     }
                 }
@@ -285,7 +286,7 @@ impl Driver {
             self.note_engine();
             self.replay_due(step, &mut uses)?;
             if self.state.journal.len() > changes {
-                scheduled = schedule(&uses).map_err(fail)?;
+                simulation = Simulation::new(schedule(&uses).map_err(fail)?);
             }
             // The time that steps take must not decide where a graphics card's blocks of steps are cut.
             let block = if self.options.chunk.is_some() { 1 } else { self.engine.block(&self.world.grid) };
@@ -309,11 +310,11 @@ impl Driver {
                 self.engine.lose_device();
             }
             let span = Span { from: self.state.done, steps };
-            let result = self.engine.simulate(&mut self.world, &scheduled, span, &control);
+            let result = self.engine.simulate(&mut self.world, &mut simulation, span, &control);
             if let Err(Failure::Device(e)) = result {
                 self.go_on_without(e, step)?;
                 uses = self.uses_now(step, work)?;
-                scheduled = schedule(&uses).map_err(fail)?;
+                simulation = Simulation::new(schedule(&uses).map_err(fail)?);
                 continue;
             }
             let did = self.world.step - first;
@@ -464,7 +465,9 @@ impl Driver {
     }
 
     fn apply(&self, uses: &mut [ProcessUse], set: &str) -> Result<(), Problems> {
-        process_set::apply(uses, set, &self.world.grid, &|name| self.world.get(name).is_some())
+        process_set::apply(uses, set, &crate::Registry::standard(), &self.world.grid, &|name| {
+            self.world.get(name).is_some()
+        })
     }
 
     fn set(&mut self, step: &Step, uses: Option<&mut Vec<ProcessUse>>, set: String) {

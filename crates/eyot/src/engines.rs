@@ -2,11 +2,12 @@
 
 use crate::backend::io;
 use crate::error::RunError;
-use eyot_core::engine::CpuEngine;
+use eyot_core::engine::{CpuEngine, CpuRunner, Engine as _};
 use eyot_core::isa::Isa;
-use eyot_core::process::{Scheduled, Span};
+use eyot_core::process::Span;
+use eyot_core::stepper::Simulation;
 use eyot_core::{Control, Error, Grid, Limits, World};
-use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
+use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::PathBuf;
@@ -50,7 +51,7 @@ impl EngineOptions {
 
 /// Carries out plans.
 pub(crate) enum Engine {
-    Cpu(CpuEngine),
+    Cpu(CpuRunner),
     Gpu(Box<GpuEngine>),
 }
 
@@ -74,7 +75,7 @@ impl From<GpuError> for Failure {
 impl Engine {
     /// The processor.
     pub(crate) fn cpu(limits: Limits) -> Self {
-        Self::Cpu(CpuEngine { limits, ..CpuEngine::default() })
+        Self::Cpu(CpuEngine { limits, ..CpuEngine::default() }.runner())
     }
 
     /// The engine that the options ask for, and what to say if it is not the one that was wanted first.
@@ -83,7 +84,7 @@ impl Engine {
             return Ok((Self::cpu(limits), None));
         }
         // The card's own time stands in the run's report.
-        match card(options, Options { limits, timed: true, ..Options::default() }) {
+        match card(options, Options::default().limits(limits).timed(true)) {
             Ok(engine) => Ok((Self::Gpu(Box::new(engine)), None)),
             Err(e) if options.choice == EngineChoice::Auto => {
                 Ok((Self::cpu(limits), Some(format!("{e}; the processor works instead"))))
@@ -95,16 +96,16 @@ impl Engine {
     /// What is at work, for people.
     pub(crate) fn name(&self) -> String {
         match self {
-            Self::Cpu(e) => format!("cpu ({})", e.isa.name()),
-            Self::Gpu(e) => format!("gpu ({})", e.gpu().name()),
+            Self::Cpu(e) => e.name(),
+            Self::Gpu(e) => e.name(),
         }
     }
 
     /// What the bytes of a result depend on: the processor gives the same with all its instruction sets.
     pub(crate) fn kind(&self) -> String {
         match self {
-            Self::Cpu(_) => "cpu".to_owned(),
-            Self::Gpu(_) => self.name(),
+            Self::Cpu(e) => e.kind(),
+            Self::Gpu(e) => e.kind(),
         }
     }
 
@@ -116,18 +117,19 @@ impl Engine {
         }
     }
 
-    /// See [`CpuEngine::simulate`]. On a graphics card layers and ledger of the world are out of date afterwards.
+    /// See [`Simulation::advance`]. On a graphics card layers and ledger of the world are out of date afterwards.
     pub(crate) fn simulate(
         &mut self,
         world: &mut World,
-        scheduled: &[Scheduled],
+        simulation: &mut Simulation,
         span: Span,
         control: &Control<'_>,
     ) -> Result<(), Failure> {
         match self {
-            Self::Cpu(e) => e.simulate(world, scheduled, span, control).map_err(Failure::Work),
-            Self::Gpu(e) => e.simulate(world, scheduled, span, control).map_err(Failure::from),
+            Self::Cpu(e) => simulation.advance(e, world, span, control),
+            Self::Gpu(e) => simulation.advance(&mut **e, world, span, control),
         }
+        .map_err(|e| Failure::from(GpuError::from(e)))
     }
 
     /// Brings the world's layers and its ledger up to date.
@@ -148,7 +150,7 @@ impl Engine {
     /// For tests: takes the device away.
     pub(crate) fn lose_device(&mut self) {
         if let Self::Gpu(e) = self {
-            e.gpu().device.destroy();
+            e.gpu().destroy();
         }
     }
 
@@ -170,7 +172,7 @@ impl Engine {
 
 /// A graphics card, with the pipelines that earlier processes compiled.
 pub(crate) fn card(options: &EngineOptions, how: Options) -> Result<GpuEngine, GpuError> {
-    let gpu = Gpu::open(&options.adapter())?;
+    let gpu = blocking::open(&options.adapter())?;
     let cache = cache_file(&gpu).and_then(|path| std::fs::read(path).ok());
     GpuEngine::new(gpu, how, cache.as_deref())
 }
@@ -200,7 +202,7 @@ fn cache_file(gpu: &Gpu) -> Option<PathBuf> {
     let folder = from("XDG_CACHE_HOME")
         .or_else(|| from("LOCALAPPDATA"))
         .or_else(|| from("HOME").map(|home| home.join(".cache")))?;
-    let info = &gpu.report.info;
+    let info = &gpu.report;
     let name: String = format!("{}-{}-{:x}-{:x}", info.driver, info.driver_info, info.vendor, info.device)
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' })

@@ -164,8 +164,7 @@ pub fn rewind(folder: &Path, moment: Moment, forget: bool, limits: &Limits) -> R
     io::remove_leftovers(folder);
     let mut store = timeline::Timeline::open_to_write(&path, limits).map_err(RunError::input)?;
     let Found { frame, saved, state, damaged } = find(&store, moment)?;
-    let recipe =
-        Recipe::of_run(&state, saved.recipe_toml.clone(), state.overrides.clone(), &Registry::standard(), limits)?;
+    let recipe = state.recipe(saved.recipe_toml.clone(), state.overrides.clone(), &Registry::standard(), limits)?;
     fits(&recipe, &saved.world, &state).map_err(|e| of_no_run(&frame, &e))?;
     let state = state.again(&newest(folder, &store)?.changes(), forget);
     let dropped = store.frames().len() - 1 - frame.frame;
@@ -212,7 +211,7 @@ pub fn branch(
     let store = open(&path, Some(&lock), limits)?;
     let Found { frame, saved, state, damaged } = find(&store, moment)?;
     let text = saved.recipe_toml.clone();
-    let before = Recipe::of_run(&state, text.clone(), state.overrides.clone(), registry, limits)?;
+    let before = state.recipe(text.clone(), state.overrides.clone(), registry, limits)?;
     fits(&before, &saved.world, &state).map_err(|e| of_no_run(&frame, &e))?;
     let mut state = state.again(&newest(folder, &store)?.changes(), how.forget);
     if !how.set.is_empty() {
@@ -234,7 +233,7 @@ fn changed(
 ) -> Result<Recipe, RunError> {
     let mut overrides = state.overrides.clone();
     overrides.set.extend_from_slice(set);
-    let after = Recipe::of_run(state, text, overrides, registry, limits)?;
+    let after = state.recipe(text, overrides, registry, limits)?;
     let start = |r: &Recipe| (r.grid, r.seed, r.sea_level_m.to_bits(), r.steps.len());
     if start(before) != start(&after) {
         let reason = "grid, seed, sea level and number of steps are settled at this moment".to_owned();

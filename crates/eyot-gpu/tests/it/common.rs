@@ -1,10 +1,10 @@
 //! A device for tests.
 
-use eyot_gpu::{Choice, Gpu};
+use eyot_gpu::{Choice, Gpu, blocking};
 
 /// Any adapter. Where `EYOT_REQUIRE_GPU` is set a missing one fails the test, elsewhere the test is skipped and says so.
 pub(crate) fn gpu() -> Option<Gpu> {
-    match Gpu::open(&Choice::Best) {
+    match blocking::open(&Choice::Best) {
         Ok(gpu) => Some(gpu),
         Err(e) if std::env::var_os("EYOT_REQUIRE_GPU").is_some() => panic!("{e}"),
         Err(e) => {

@@ -6,7 +6,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Scheduled, Span, plan_step};
 use eyot_core::reference::Reference;
 use eyot_core::{Rim, World};
-use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
+use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_testing::climate::{climate_start, climate_variants};
 use eyot_testing::land;
 
@@ -114,7 +114,7 @@ fn one_step_equals_the_reference_for_every_rule() {
 #[test]
 fn some_steps_in_groups_equal_the_reference() {
     let Some(gpu) = common::gpu() else { return };
-    let options = Options { most_passes: 8, ..Options::default() };
+    let options = Options::default().most_passes(8);
     let worst = check(gpu, options, &[(27, 51), (64, 40)], &rims(), 5);
     println!("largest difference: {worst} ulp");
 }
@@ -122,7 +122,7 @@ fn some_steps_in_groups_equal_the_reference() {
 #[test]
 fn passes_one_by_one_equal_the_reference() {
     let Some(gpu) = common::gpu() else { return };
-    let options = Options { most_passes: 1, ..Options::default() };
+    let options = Options::default().most_passes(1);
     let worst = check(gpu, options, &[(27, 51)], &[Rim::CLOSED, Rim::OPEN, Rim::WRAP], 5);
     println!("largest difference: {worst} ulp");
 }
@@ -132,9 +132,9 @@ fn passes_one_by_one_equal_the_reference() {
 fn slabs_equal_the_reference() {
     let Some(gpu) = common::gpu() else { return };
     for most_passes in [1, 4] {
-        let options = Options { most_passes, most_bytes: 20_000, ..Options::default() };
+        let options = Options::default().most_passes(most_passes).most_bytes(20_000);
         let worst = check(
-            Gpu::open(&Choice::Best).unwrap(),
+            blocking::open(&Choice::Best).unwrap(),
             options,
             &[(27, 97), (64, 64)],
             &[Rim::CLOSED, Rim::OPEN, Rim::WRAP],

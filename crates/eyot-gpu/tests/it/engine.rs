@@ -5,7 +5,7 @@ use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known;
 use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Site, Span};
 use eyot_core::{Error, Field, Grid, Limits, Rim, World};
-use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options};
+use eyot_gpu::{Choice, GpuEngine, GpuError, Options, blocking};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::Hydraulic;
 use eyot_land::simulate::{PROCESSES, Thermal, Wetness};
@@ -134,7 +134,7 @@ fn neither_pace_nor_looks_change_a_bit() {
     let processes = erosion();
     let start = mountain(40, Rim::OPEN);
     let run = |submission: Duration, blocks_a_span: u64, looks: bool| {
-        let mut engine = engine(Options { submission, ..Options::default() })?;
+        let mut engine = engine(Options::default().submission(submission))?;
         let mut world = start.clone();
         let stride = blocks_a_span * engine.block(&world.grid);
         let mut from = 0;
@@ -207,13 +207,13 @@ fn a_device_lost_on_the_way_leaves_the_last_sound_world() {
     let sound = world.clone();
     engine.simulate(&mut world, &processes, Span { from: 20, steps: 10 }, &Control::none()).unwrap();
     assert_eq!(world.step, 30);
-    engine.gpu().device.destroy();
+    engine.gpu().destroy();
     let outcome = engine.simulate(&mut world, &processes, Span { from: 30, steps: 20 }, &Control::none());
     assert!(outcome.is_err_and(|e| e.is_lost()));
     assert_eq!(world, sound, "what was last brought back");
 
     // On with another device.
-    let mut other = GpuEngine::new(Gpu::open(&Choice::Best).unwrap(), Options::default(), None).unwrap();
+    let mut other = GpuEngine::new(blocking::open(&Choice::Best).unwrap(), Options::default(), None).unwrap();
     other.simulate(&mut world, &processes, Span { from: 20, steps: 30 }, &Control::none()).unwrap();
     other.download(&mut world).unwrap();
     assert!(largest_difference(&world, &whole) < 1e-3);
@@ -297,7 +297,7 @@ fn quick_actions_leave_the_world_on_the_card() {
             engine.download(&mut world).unwrap();
         }
         let sound = world.clone();
-        let lossy = with(Some((engine.gpu().device.clone(), turn)));
+        let lossy = with(Some((engine.gpu().device().clone(), turn)));
         let outcome = engine.simulate(&mut world, &lossy, Span { from: sound.step, steps: 20 }, &none);
         assert!(outcome.is_err(), "turn {turn}");
         assert_eq!((world.step, world.features.clone()), (sound.step, sound.features.clone()), "turn {turn}");
@@ -347,7 +347,7 @@ fn a_card_without_memory_left_says_so_and_the_world_stays_sound() {
 #[test]
 fn a_world_too_large_for_the_limits_is_refused_before_it_moves() {
     let limits = Limits { max_bytes: 100_000, ..Limits::default() };
-    let Some(mut engine) = engine(Options { limits, ..Options::default() }) else { return };
+    let Some(mut engine) = engine(Options::default().limits(limits)) else { return };
     let mut world = mountain(100, Rim::CLOSED);
     let before = world.get("height").unwrap().clone();
     let outcome = engine.simulate(&mut world, &erosion(), Span { from: 0, steps: 1 }, &Control::none());
@@ -359,7 +359,7 @@ fn a_world_too_large_for_the_limits_is_refused_before_it_moves() {
 #[test]
 fn a_world_too_large_for_the_card_is_refused() {
     // A single row of which exceeds what one buffer may hold.
-    let Some(mut engine) = engine(Options { most_bytes: 4096, ..Options::default() }) else { return };
+    let Some(mut engine) = engine(Options::default().most_bytes(4096)) else { return };
     let mut world = mountain(100, Rim::CLOSED);
     let outcome = engine.simulate(&mut world, &erosion(), Span { from: 0, steps: 1 }, &Control::none());
     assert!(matches!(outcome, Err(GpuError::Limits { .. })), "{outcome:?}");
@@ -385,7 +385,7 @@ fn layers_come_back_while_the_simulation_goes_on() {
     engine.simulate(&mut world, &processes, Span { from: 0, steps: 10 }, &Control::none()).unwrap();
     let pending = engine.request("height").unwrap().unwrap();
     assert!(engine.request("no such layer").unwrap().is_none());
-    let range = engine.range("height").unwrap().unwrap();
+    let range = engine.gpu().complete(engine.range("height")).unwrap().unwrap();
     let mut at_ten = world.clone();
     engine.download(&mut at_ten).unwrap();
     engine.simulate(&mut world, &processes, Span { from: 10, steps: 10 }, &Control::none()).unwrap();
@@ -402,7 +402,7 @@ fn work_is_what_the_plan_says() {
     let hydraulic = || vec![one(Hydraulic::default())];
     let mut moved = Vec::new();
     for (most_passes, dispatches) in [(1, 200), (2, 100)] {
-        let Some(mut engine) = engine(Options { most_passes, ..Options::default() }) else { return };
+        let Some(mut engine) = engine(Options::default().most_passes(most_passes)) else { return };
         let mut world = mountain(40, Rim::CLOSED);
         engine.simulate(&mut world, &hydraulic(), Span { from: 0, steps: 100 }, &Control::none()).unwrap();
         let work = engine.work();

@@ -3,8 +3,6 @@
 mod common;
 mod conformance;
 mod device;
-mod draw;
-mod draw_wgsl;
 mod engine;
 mod texts;
 mod wgsl;

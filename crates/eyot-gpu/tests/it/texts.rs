@@ -115,7 +115,7 @@ fn texts_equal_the_reference() {
 
 #[test]
 fn texts_in_groups_equal_the_reference() {
-    check(Options { most_passes: 8, ..Options::default() }, &[(27, 51)], 4);
+    check(Options::default().most_passes(8), &[(27, 51)], 4);
 }
 
 /// As on the processor, 0/0 is not moved into the range of its layer.

@@ -1,6 +1,6 @@
 //! Pictures of a film from above: reliefs, for worlds that no camera on the ground sees.
 
-use crate::artist::Scenery;
+use crate::artist::ViewRequest;
 use crate::backend::render::{Picture, ReliefOptions, relief_controlled};
 use crate::engines::EngineChoice;
 use crate::error::RunError;
@@ -23,8 +23,8 @@ impl Map {
     ///
     /// # Errors
     /// If the world has no height, or there is not enough memory.
-    pub(super) fn of(world: &World, moves: bool, scenery: &Scenery, limits: &Limits) -> Result<Self, RunError> {
-        let view = &scenery.view;
+    pub(super) fn of(world: &World, moves: bool, request: &ViewRequest, limits: &Limits) -> Result<Self, RunError> {
+        let view = &request.view;
         let size = best_fit(&world.grid, view.size);
         let longer = size[0].max(size[1]);
         let bytes = need::picture(&world.grid, view, Subject::ReliefAt(longer));
@@ -34,7 +34,7 @@ impl Map {
         if size != view.size {
             notes.push(format!("the pictures have the shape of the map: {} x {} pixels", size[0], size[1]));
         }
-        if scenery.engine.choice == EngineChoice::Gpu {
+        if request.engine.choice == EngineChoice::Gpu {
             notes.push("reliefs from above are drawn by the processor".to_owned());
         }
         if !moves {

@@ -9,7 +9,7 @@ mod reel;
 mod rerun;
 mod video;
 
-use crate::artist::{Artist, Scenery};
+use crate::artist::{ViewRenderer, ViewRequest};
 use crate::backend::{self, io, render};
 use crate::error::{RunError, shell_word};
 use crate::keys::View;
@@ -56,7 +56,7 @@ pub enum FilmPath {
 #[derive(Clone, Debug)]
 pub struct FilmOptions {
     /// Camera at the start, sun, size, colours and engine.
-    pub scenery: Scenery,
+    pub request: ViewRequest,
     /// The way of the camera.
     pub path: FilmPath,
     /// Pictures; 1 to [`MOST_FRAMES`]. `None` takes ten seconds, or the time that a file of key frames names; of a recording,
@@ -258,7 +258,7 @@ fn shoot(
         if let Some(states) = &mut states
             && let Some(world) = states.of(i, frames, control)?
         {
-            eye.follow(land.whole(world, options.scenery.drape.as_deref()), control)?;
+            eye.follow(land.whole(world, options.request.drape.as_deref()), control)?;
         }
         let picture = eye.picture(i, frames, options, land.world, control)?;
         io::write_rgb_png(&name(i), picture.width, picture.height, &picture.pixels)
@@ -273,7 +273,7 @@ fn shoot(
 
 /// What looks at the land.
 enum Eye {
-    Camera { artist: Artist, path: CameraPath },
+    Camera { renderer: ViewRenderer, path: CameraPath },
     Above(Map),
 }
 
@@ -286,23 +286,23 @@ impl Eye {
         control: &Control<'_>,
     ) -> Result<Self, RunError> {
         if options.path == FilmPath::Above {
-            return Map::of(land.world, land.moves.is_some(), &options.scenery, limits).map(Self::Above);
+            return Map::of(land.world, land.moves.is_some(), &options.request, limits).map(Self::Above);
         }
-        let artist = Artist::new(land.world, &options.scenery, limits, control)?;
-        let view = view_options(&options.scenery.view);
+        let renderer = ViewRenderer::new(land.world, &options.request, limits, control)?;
+        let view = view_options(&options.request.view);
         let path = match (&options.path, keys) {
-            (FilmPath::Fly, _) => CameraPath::fly(artist.stage(), &view),
-            (FilmPath::Still, _) => CameraPath::still(artist.stage(), &view),
-            (_, Some(keys)) => keys.path(artist.stage().pose(&view)),
-            _ => CameraPath::orbit(artist.stage(), &view),
+            (FilmPath::Fly, _) => CameraPath::fly(renderer.stage(), &view),
+            (FilmPath::Still, _) => CameraPath::still(renderer.stage(), &view),
+            (_, Some(keys)) => keys.path(renderer.stage().pose(&view)),
+            _ => CameraPath::orbit(renderer.stage(), &view),
         };
-        Ok(Self::Camera { artist, path })
+        Ok(Self::Camera { renderer, path })
     }
 
     /// The engine at work, for people.
     fn name(&self) -> String {
         match self {
-            Self::Camera { artist, .. } => artist.name(),
+            Self::Camera { renderer, .. } => renderer.name(),
             Self::Above(_) => "cpu".to_owned(),
         }
     }
@@ -310,7 +310,7 @@ impl Eye {
     /// Takes over a later state of the world.
     fn follow(&mut self, world: Arc<World>, control: &Control<'_>) -> Result<(), RunError> {
         match self {
-            Self::Camera { artist, .. } => artist.follow(&world, control),
+            Self::Camera { renderer, .. } => renderer.follow(&world, control),
             Self::Above(map) => map.draw(&world, control),
         }
     }
@@ -324,11 +324,11 @@ impl Eye {
         control: &Control<'_>,
     ) -> Result<Cow<'_, Picture>, RunError> {
         match self {
-            Self::Camera { artist, path } => {
+            Self::Camera { renderer, path } => {
                 // A closed path's last picture is the one before its first.
                 let last = if path.closed { frames } else { (frames - 1).max(1) };
-                let camera = artist.stage().camera_at(&path.pose(i as f32 / last as f32));
-                artist.draw(&camera, options.scenery.view.size, i as f32 / options.fps, control).map(Cow::Owned)
+                let camera = renderer.stage().camera_at(&path.pose(i as f32 / last as f32));
+                renderer.draw(&camera, options.request.view.size, i as f32 / options.fps, control).map(Cow::Owned)
             }
             Self::Above(map) => map.picture(land, control).map(Cow::Borrowed),
         }
@@ -336,7 +336,7 @@ impl Eye {
 
     fn notes(self) -> Vec<String> {
         match self {
-            Self::Camera { artist, .. } => artist.notes,
+            Self::Camera { renderer, .. } => renderer.notes,
             Self::Above(map) => map.notes,
         }
     }
@@ -350,7 +350,7 @@ fn check(o: &FilmOptions) -> Result<(), RunError> {
     if !(o.fps.is_finite() && (1.0..=240.0).contains(&o.fps)) {
         return refuse(format!("{} pictures a second", o.fps), "choose --fps from 1 to 240");
     }
-    if o.path == FilmPath::Above && o.scenery.drape.is_some() {
+    if o.path == FilmPath::Above && o.request.drape.is_some() {
         return refuse(
             "a film from above shows the land in its own colours".to_owned(),
             "choose another --path, or leave out --drape",
@@ -380,8 +380,8 @@ fn manifest(land: &Land<'_>, o: &FilmOptions, eye: &Eye, frames: u32) -> Value {
         "engine": eye.name(),
         "frames": frames,
         "fps": o.fps,
-        "view": View { from_above: path.is_none(), ..o.scenery.view.clone() },
-        "drape": o.scenery.drape,
+        "view": View { from_above: path.is_none(), ..o.request.view.clone() },
+        "drape": o.request.drape,
         "closed": path.is_some_and(|p| p.closed),
         "keys": keys,
     })

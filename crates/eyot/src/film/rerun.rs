@@ -45,7 +45,7 @@ impl Made {
             return Err(refuse(format!("the run in `{}` is not finished", folder.display())));
         }
         let overrides = state.overrides.clone();
-        let recipe = Recipe::of_run(&state, saved.recipe_toml, overrides, &Registry::standard(), limits)?;
+        let recipe = state.recipe(saved.recipe_toml, overrides, &Registry::standard(), limits)?;
         let made = Self { world: saved.world, recipe, state };
         let (first, last) = made.span();
         if first == last {

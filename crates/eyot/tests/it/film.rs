@@ -5,7 +5,7 @@ use crate::common;
 use eyot::core::layer::known;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Subject, Video, film};
 use eyot::{
-    Cancel, Control, Field, Grid, Limits, Record, Rim, Run, RunError, RunOptions, Scenery, Timeline, View, World,
+    Cancel, Control, Field, Grid, Limits, Record, Rim, Run, RunError, RunOptions, Timeline, View, ViewRequest, World,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,7 +20,7 @@ fn world() -> World {
 fn options(path: FilmPath) -> FilmOptions {
     let view = View { size: [48, 30], ..View::default() };
     FilmOptions {
-        scenery: Scenery { view, ..Scenery::default() },
+        request: ViewRequest { view, ..ViewRequest::default() },
         path,
         frames: Some(6),
         fps: 25.0,
@@ -58,7 +58,7 @@ fn an_orbit_begins_with_the_usual_view_and_moves_on() {
     let distinct: std::collections::BTreeSet<_> = frames.values().collect();
     assert_eq!(distinct.len(), 6, "every picture is another one");
     let still = dir.path().join("still.png");
-    eyot::draw_view(&world(), &o.scenery, &still, &Limits::default()).unwrap();
+    eyot::draw_view(&world(), &o.request, &still, &Limits::default()).unwrap();
     assert_eq!(std::fs::read(still).unwrap(), frames["frame_00000.png"]);
 }
 
@@ -132,11 +132,11 @@ fn wrong_scenery_is_refused_before_anything_is_written() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("film");
     let mut o = options(FilmPath::Orbit);
-    o.scenery.drape = Some("snow".to_owned());
+    o.request.drape = Some("snow".to_owned());
     assert!(make(&o, &out, &mut |_| {}).unwrap_err().to_string().contains("snow"));
-    o.scenery.drape = None;
-    o.scenery.engine.choice = eyot::EngineChoice::Gpu;
-    o.scenery.engine.adapter = Some("no such card".to_owned());
+    o.request.drape = None;
+    o.request.engine.choice = eyot::EngineChoice::Gpu;
+    o.request.engine.adapter = Some("no such card".to_owned());
     let e = make(&o, &out, &mut |_| {}).unwrap_err();
     assert!(e.is_refusal() && e.to_string().contains("no such card"), "{e}");
     assert!(!out.exists());
@@ -146,11 +146,11 @@ fn wrong_scenery_is_refused_before_anything_is_written() {
 fn land_in_the_colours_of_a_layer_has_a_legend() {
     let dir = tempfile::tempdir().unwrap();
     let (plain, worn) = (dir.path().join("plain.png"), dir.path().join("worn.png"));
-    let mut scenery = options(FilmPath::Orbit).scenery;
-    scenery.view.size = [320, 200];
-    eyot::draw_view(&world(), &scenery, &plain, &Limits::default()).unwrap();
-    scenery.drape = Some("height".to_owned());
-    eyot::draw_view(&world(), &scenery, &worn, &Limits::default()).unwrap();
+    let mut request = options(FilmPath::Orbit).request;
+    request.view.size = [320, 200];
+    eyot::draw_view(&world(), &request, &plain, &Limits::default()).unwrap();
+    request.drape = Some("height".to_owned());
+    eyot::draw_view(&world(), &request, &worn, &Limits::default()).unwrap();
     let size = |p: &Path| {
         let reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(p).unwrap())).read_info().unwrap();
         (reader.info().width, reader.info().height)
@@ -185,7 +185,7 @@ fn the_film_of_a_run_ends_with_its_world_and_goes_on_after_a_stop() {
     let world = common::run(common::recipe(SLIDES, &[]), &run);
     // Water comes with the second simulation; before it there is none.
     let mut o = FilmOptions { frames: Some(5), ..options(FilmPath::Still) };
-    o.scenery.drape = Some("water".to_owned());
+    o.request.drape = Some("water".to_owned());
     let (whole, parts) = (dir.path().join("whole"), dir.path().join("parts"));
     let make = |out: &Path, control: &Control<'_>, told: &mut dyn FnMut(&FilmProgress)| {
         film(Subject::Run(&run), &o, out, &Limits::default(), control, told)
@@ -194,7 +194,7 @@ fn the_film_of_a_run_ends_with_its_world_and_goes_on_after_a_stop() {
     let pictures = frames(&whole);
     assert!(pictures["frame_00000.png"] != pictures["frame_00004.png"], "the land changes");
     let last = dir.path().join("last.png");
-    eyot::draw_view(&world, &o.scenery, &last, &Limits::default()).unwrap();
+    eyot::draw_view(&world, &o.request, &last, &Limits::default()).unwrap();
     assert_eq!(std::fs::read(&last).unwrap(), pictures["frame_00004.png"]);
 
     let cancel = Cancel::default();
@@ -233,7 +233,7 @@ fn the_film_of_a_recording_shows_its_frames() {
     let distinct: std::collections::BTreeSet<_> = pictures.values().collect();
     assert_eq!(distinct.len(), 6, "the land changes");
     let last = dir.path().join("last.png");
-    eyot::draw_view(&timeline.load(6).unwrap(), &o.scenery, &last, &Limits::default()).unwrap();
+    eyot::draw_view(&timeline.load(6).unwrap(), &o.request, &last, &Limits::default()).unwrap();
     assert_eq!(std::fs::read(&last).unwrap(), pictures["frame_00005.png"]);
     let (count, slow) = play(&FilmOptions { frames: Some(11), ..o.clone() }, "slow");
     assert_eq!(count, 11);
@@ -255,7 +255,7 @@ fn the_film_of_a_recording_shows_its_frames() {
     let gaps = frames(&out);
     assert_eq!(gaps.len(), 5, "the last frame that can be read is of step 32");
     let last = dir.path().join("last-whole.png");
-    eyot::draw_view(&timeline.load(5).unwrap(), &o.scenery, &last, &Limits::default()).unwrap();
+    eyot::draw_view(&timeline.load(5).unwrap(), &o.request, &last, &Limits::default()).unwrap();
     assert_eq!(std::fs::read(&last).unwrap(), gaps["frame_00004.png"]);
     assert_eq!(gaps["frame_00001.png"], gaps["frame_00000.png"]);
     assert_eq!(gaps["frame_00003.png"], gaps["frame_00002.png"]);
@@ -334,12 +334,12 @@ fn a_film_from_above_is_of_reliefs() {
     };
     let world = Run::start(common::recipe(PLANET, &[]), options_of_run).unwrap().join().unwrap().world;
     let mut o = FilmOptions { frames: Some(2), ..options(FilmPath::Above) };
-    o.scenery.view.size = [96, 60];
+    o.request.view.size = [96, 60];
     // Maps are the processor's, whoever is asked.
-    o.scenery.engine.choice = eyot::EngineChoice::Gpu;
+    o.request.engine.choice = eyot::EngineChoice::Gpu;
     let relief = dir.path().join("relief.png");
     let subject = eyot::store::Subject::ReliefAt(96);
-    eyot::store::draw(&world, &o.scenery.view, subject, &relief, &Limits::default()).unwrap();
+    eyot::store::draw(&world, &o.request.view, subject, &relief, &Limits::default()).unwrap();
     let relief = std::fs::read(relief).unwrap();
     for (name, subject) in
         [("still", Subject::World(&world)), ("run", Subject::Run(&run)), ("recording", Subject::Recording(&run))]
@@ -352,7 +352,7 @@ fn a_film_from_above_is_of_reliefs() {
         assert!(pictures["frame_00001.png"] == relief, "{name}: the last picture is no relief of the world");
         assert_eq!(pictures["frame_00000.png"] == relief, name == "still", "{name}");
     }
-    o.scenery.drape = Some("height".to_owned());
+    o.request.drape = Some("height".to_owned());
     assert!(make(&o, &dir.path().join("worn"), &mut |_| {}).unwrap_err().is_refusal());
 }
 

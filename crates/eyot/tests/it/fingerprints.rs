@@ -14,8 +14,10 @@ use std::time::Duration;
 
 /// Steps of each simulation: enough that every process acts, two frames are recorded, and a stop falls between them.
 const STEPS: u64 = 24;
-/// Cells along the longer side.
-const SIZE: u32 = 48;
+/// Cells along the longer side, or columns and rows where cells must stay square.
+fn size(name: &str) -> (u32, Option<u32>) {
+    if name == "reef-slope" { (50, Some(15)) } else { (48, None) }
+}
 /// Steps before the stop.
 const BEFORE: u64 = 11;
 
@@ -26,7 +28,7 @@ fn recipe(name: &str) -> Recipe {
     let text = RECIPES.iter().find(|r| r.name == name).expect("a built-in recipe").text;
     let parse = |set: Vec<String>| {
         let source = RecipeSource { name: format!("{name}.toml"), text: text.into(), folder: ".".into() };
-        let overrides = Overrides { size: Some((SIZE, None)), set, ..Overrides::default() };
+        let overrides = Overrides { size: Some(size(name)), set, ..Overrides::default() };
         Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()).expect("a sound recipe")
     };
     let mut set = vec!["view.enabled=false".to_owned()];

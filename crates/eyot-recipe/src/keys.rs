@@ -1,0 +1,439 @@
+//! The keys of a recipe as structs. Their schemas check recipes, complete them in editors and make the reference.
+
+use crate::merge::Merge;
+use eyot_core::Edge;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The head of a recipe.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Document {
+    /// What the landscape is called.
+    pub name: String,
+    /// One sentence about the landscape.
+    pub about: String,
+    /// Seed of all random numbers. The same recipe with the same seed gives the same bytes.
+    #[schemars(extend("unit" = "1"))]
+    pub seed: u64,
+    /// Level of the sea at the start, in the datum of the height.
+    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    pub sea_level: f64,
+}
+
+/// `256` or `[256, 128]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Cells {
+    One(#[schemars(range(min = 1))] u32),
+    Two(#[schemars(inner(range(min = 1)))] [u32; 2]),
+}
+
+/// `10.0` or `[10.0, 12.5]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Lengths {
+    One(#[schemars(range(min = 1e-6, max = 1e10))] f64),
+    Two(#[schemars(inner(range(min = 1e-6, max = 1e10)))] [f64; 2]),
+}
+
+/// `"closed"` or `["wrap", "open"]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Edges {
+    One(Edge),
+    Two([Edge; 2]),
+}
+
+/// The grid.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Grid {
+    /// Columns and rows, or one number for a square.
+    #[schemars(extend("unit" = "1"))]
+    pub size: Option<Cells>,
+    /// Size of a cell, west-east and north-south, or one number for square cells. 10 m if nothing else is said.
+    #[schemars(extend("unit" = "m"))]
+    pub cell: Option<Lengths>,
+    /// Extent of the whole grid, west-east and north-south, instead of the cell size.
+    #[schemars(extend("unit" = "m"))]
+    pub extent_m: Option<Lengths>,
+    /// What lies beyond the border: a wall, a free outfall, or the far side; one for both axes, or west-east and north-south.
+    pub rim: Option<Edges>,
+    /// A height map whose size, cells and place on Earth the grid takes over; relative to the recipe's folder.
+    pub from: Option<String>,
+}
+
+/// A step that generates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Generate {
+    /// A name for messages and for `--set NAME.parameter=value`.
+    pub name: Option<String>,
+    /// One sentence about the step.
+    pub about: Option<String>,
+    /// Whether the step is done.
+    pub enabled: bool,
+    /// The generator.
+    pub generate: String,
+    /// The layer that it works on.
+    #[schemars(regex(pattern = r"^[a-z_][a-z0-9_]*$"))]
+    pub layer: String,
+    /// How the new values join the layer. A source adds and a filter replaces if nothing else is said.
+    pub merge: Option<Merge>,
+    /// A layer from 0 to 1 that says where how much of the change is kept. Less than 0 counts as 0, more than 1 as 1.
+    pub mask: Option<String>,
+    /// Strength of the merge: a factor on the new values, or the weight of a `lerp`.
+    #[schemars(range(min = -1e6, max = 1e6), extend("unit" = "1"))]
+    pub amount: f32,
+    /// A seed for this step alone, so that it stays as it is when steps move or the recipe's seed changes.
+    #[schemars(extend("unit" = "1"))]
+    pub seed: Option<u64>,
+}
+
+impl Default for Generate {
+    fn default() -> Self {
+        Self {
+            name: None,
+            about: None,
+            enabled: true,
+            generate: String::new(),
+            layer: "height".to_owned(),
+            merge: None,
+            mask: None,
+            amount: 1.0,
+            seed: None,
+        }
+    }
+}
+
+/// One name or several.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Names {
+    One(String),
+    Many(#[schemars(length(min = 1))] Vec<String>),
+}
+
+/// A step that simulates. Each process has a table of its own: `hydraulic.rain = 0.002`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Simulate {
+    /// A name for messages and for `--set NAME.parameter=value`.
+    pub name: Option<String>,
+    /// One sentence about the step.
+    pub about: Option<String>,
+    /// Whether the step is done.
+    pub enabled: bool,
+    /// The processes, in the order in which they act within one step.
+    pub simulate: Names,
+    /// How many steps.
+    #[schemars(range(min = 1), extend("unit" = "1"))]
+    pub steps: u64,
+}
+
+impl Default for Simulate {
+    fn default() -> Self {
+        Self { name: None, about: None, enabled: true, simulate: Names::Many(Vec::new()), steps: 1000 }
+    }
+}
+
+/// When a process acts; beside its own parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Schedule {
+    /// The process acts in every n-th step.
+    #[schemars(range(min = 1, max = 1_000_000_000), extend("unit" = "1"))]
+    pub every: u64,
+    /// Whether the process acts at all.
+    pub enabled: bool,
+}
+
+impl Default for Schedule {
+    fn default() -> Self {
+        Self { every: 1, enabled: true }
+    }
+}
+
+/// A number, or an expression.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Amount {
+    Number(#[schemars(range(min = -3e38, max = 3e38))] f64),
+    Text(String),
+}
+
+/// A layer of the recipe's own, and the rule that changes it. Name it in `simulate` to let the rule act.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Layer {
+    /// The layer's name, and the rule's.
+    #[schemars(regex(pattern = r"^[a-z_][a-z0-9_]*$"))]
+    pub name: String,
+    /// One sentence: what the layer holds.
+    pub about: Option<String>,
+    /// Unit, for example `m`, `m/s` or `1` for a plain number. Units of sums are checked where it is given.
+    pub unit: Option<String>,
+    /// First values: a number, or an expression over layers that are there before and the recipe's layers above this one.
+    pub start: Amount,
+    /// Smallest and largest value. What a rule makes beyond is moved to the nearer end and counted in the ledger; what is no number ends the run.
+    #[schemars(inner(range(min = -3e38, max = 3e38)))]
+    pub range: Option<[f64; 2]>,
+    /// An expression: the value after a step, from the values before. Without it nothing changes the layer.
+    pub next: Option<String>,
+    /// A condition: where the rule applies. Everywhere if not given.
+    pub mask: Option<String>,
+    /// The rule acts in every n-th step.
+    #[schemars(range(min = 1, max = 1_000_000_000), extend("unit" = "1"))]
+    pub every: u64,
+    /// Numbers that the expressions name, and that a step, `--set` and a running simulation can change.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+impl Default for Layer {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            about: None,
+            unit: None,
+            start: Amount::Number(0.0),
+            range: None,
+            next: None,
+            mask: None,
+            every: 1,
+            parameters: BTreeMap::new(),
+        }
+    }
+}
+
+/// A rule of the recipe's own that changes layers that are there. Name it in `simulate` to let it act.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Rule {
+    /// The rule's name.
+    #[schemars(regex(pattern = r"^[a-z_][a-z0-9_]*$"))]
+    pub name: String,
+    /// One sentence: what the rule does.
+    pub about: Option<String>,
+    /// For each layer that the rule changes an expression: its value after a step, from all values before.
+    pub set: BTreeMap<String, String>,
+    /// A condition: where the rule applies. Everywhere if not given.
+    pub mask: Option<String>,
+    /// The rule acts in every n-th step.
+    #[schemars(range(min = 1, max = 1_000_000_000), extend("unit" = "1"))]
+    pub every: u64,
+    /// Numbers that the expressions name, and that a step, `--set` and a running simulation can change.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+impl Default for Rule {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            about: None,
+            set: BTreeMap::new(),
+            mask: None,
+            every: 1,
+            parameters: BTreeMap::new(),
+        }
+    }
+}
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ExportFormat {
+    /// Grey picture of 16 bits; the text inside says which heights black and white are.
+    Png16,
+    /// GeoTIFF of 32-bit floats with its place on Earth, for GIS programs.
+    #[default]
+    GeoTiff,
+    /// Bare 32-bit floats, little-endian, row by row from the north, described by a JSON file beside them.
+    R32,
+    /// Bare whole numbers of 16 bits, described by a JSON file beside them that says which heights 0 and 65535 are.
+    R16,
+    /// OpenEXR of 32-bit floats; several layers become channels of one file.
+    Exr,
+    /// NumPy array of 32-bit floats, described by a JSON file beside it.
+    Npy,
+    /// Zarr v3 store (a folder) with all layers, their units and coordinates, for xarray and other tools of research.
+    Zarr,
+    /// glTF 2.0 binary: the terrain as a coloured mesh with levels of detail.
+    Glb,
+    /// Wavefront OBJ: the terrain as a coloured mesh.
+    Obj,
+    /// Grey picture of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the shares of grass, rock, sand and snow.
+    Mask,
+    /// Picture whose red, green, blue and alpha are the shares of grass, rock, sand and snow and sum to 255.
+    Splat,
+    /// Picture of a layer in colours, PNG.
+    Map,
+    /// What `corals` counted each month: a table of comma-separated values.
+    Census,
+    /// What `corals` counted each month, as Apache Parquet: with types, and units in its metadata.
+    Parquet,
+    /// Drawings of what `corals` grew, SVG and PNG: cover of each species over the years, and the plot from above.
+    Plots,
+    /// A body for each colony that `corals` grew, glTF 2.0 binary, with species, age and bleaching.
+    Corals,
+    /// The bodies of all colonies as Wavefront OBJ.
+    CoralsObj,
+    /// The bodies of all colonies as PLY with colours.
+    CoralsPly,
+    /// Pictures of the corals' bodies, PNG: as a diver sees them, from the side, and from above.
+    Dive,
+}
+
+/// All files that a program wants, in its sizes, scales and orders, with a JSON file that says what to enter where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Preset {
+    /// Unreal Engine landscape: 16-bit height of 505, 1009, 2017, 4033 or 8129 vertices, one weight map a material.
+    Unreal,
+    /// Unity terrain: 16-bit RAW of 33 to 4097 vertices (a power of two and one), one splat map.
+    Unity,
+    /// Godot with Terrain3D: EXR of real heights, one splat map.
+    Godot,
+    /// Blender: mesh with the materials as attributes, EXR of real heights, one mask a material.
+    Blender,
+    /// GIS: Cloud Optimised GeoTIFF of each layer, -9999 for missing cells.
+    Gis,
+}
+
+/// Order of the bytes of a number in a file without header.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Bytes {
+    /// Least significant byte first, "Windows" or "PC" in some programs.
+    #[default]
+    Little,
+    /// Most significant byte first, "Mac" in some programs.
+    Big,
+}
+
+/// Which row of a file without header comes first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum FirstRow {
+    /// The northernmost, as in pictures.
+    #[default]
+    North,
+    /// The southernmost.
+    South,
+}
+
+/// A file to write when the run is done, or the files of a preset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Export {
+    /// What the file holds.
+    pub format: ExportFormat,
+    /// All files for a program instead of one format: sizes are resampled, scales and orders are the program's.
+    pub preset: Option<Preset>,
+    /// The layers, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make. Meshes, `splat` and presets other than `gis` always show the height and do not need it.
+    #[schemars(length(min = 1))]
+    pub layers: Vec<String>,
+    /// Start of the file name; the layer's name follows. The layer's name alone if empty.
+    pub prefix: String,
+    /// Levels of detail of a `glb` mesh; each has a quarter of the triangles of the one before.
+    #[schemars(range(min = 1, max = 12), extend("unit" = "1"))]
+    pub levels: u32,
+    /// Heights that 0 and 65535 stand for in `png16` and `r16`; the lowest and the highest value if not given.
+    #[schemars(inner(range(min = -1e6, max = 1e6)), extend("unit" = "m"))]
+    pub range: Option<[f64; 2]>,
+    /// Order of bytes in `r16` and `r32`.
+    pub bytes: Bytes,
+    /// Which row comes first in `r16` and `r32`: the north if not given. In the preset `unity`, the south if not given, as Unity has it unless "Flip Vertically" is ticked.
+    pub first_row: Option<FirstRow>,
+    /// Vertices along each side for the presets `unreal` and `unity`; the program's size that is nearest to the grid's if not given.
+    #[schemars(range(min = 33, max = 8129), extend("unit" = "1"))]
+    pub size: Option<u32>,
+    /// Slope at which half of the ground is rock (splat maps and masks).
+    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
+    pub rock_slope: f32,
+    /// Height above the sea up to which flat ground is sand; the seabed is sand as well. Without a sea there is none.
+    #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "m"))]
+    pub beach: f32,
+    /// Height at which half of the ground that is not too steep is snow.
+    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    pub snow_line: f32,
+    /// Whether the export is written.
+    pub enabled: bool,
+}
+
+impl Default for Export {
+    fn default() -> Self {
+        Self {
+            format: ExportFormat::GeoTiff,
+            preset: None,
+            layers: vec!["height".to_owned()],
+            prefix: String::new(),
+            levels: 4,
+            range: None,
+            bytes: Bytes::Little,
+            first_row: None,
+            size: None,
+            rock_slope: 35.0,
+            beach: 3.0,
+            snow_line: 3000.0,
+            enabled: true,
+        }
+    }
+}
+
+/// The pictures of a finished run: `preview.png` as a camera sees it, and `relief.png` from above.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct View {
+    /// Whether the pictures are made.
+    pub enabled: bool,
+    /// Draw the preview from above as a map, too: for planets, which no camera on the ground sees.
+    pub from_above: bool,
+    /// Width and height of the picture in pixels.
+    #[schemars(inner(range(min = 16, max = 16384)), extend("unit" = "1"))]
+    pub size: [u32; 2],
+    /// Where the camera stands, seen from the middle of the land, clockwise from north.
+    #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "degree"))]
+    pub azimuth: Option<f32>,
+    /// How high the camera stands over the horizon, seen from the middle of the land.
+    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
+    pub elevation: Option<f32>,
+    /// Distance of the camera from the middle of the land, in lengths of the grid's longer side.
+    #[schemars(range(min = 0.05, max = 50.0), extend("unit" = "1"))]
+    pub distance: Option<f32>,
+    /// Angle of view from the bottom of the picture to its top. Small is a telephoto lens.
+    #[schemars(range(min = 5.0, max = 120.0), extend("unit" = "degree"))]
+    pub field_of_view: Option<f32>,
+    /// Factor on heights in the picture only. If not given, flat land is drawn higher and mountains as they are.
+    #[schemars(range(min = 0.01, max = 100.0), extend("unit" = "1"))]
+    pub vertical_exaggeration: Option<f32>,
+    /// Where the sun stands, clockwise from north.
+    #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "degree"))]
+    pub sun_azimuth: Option<f32>,
+    /// How high the sun stands over the horizon.
+    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
+    pub sun_elevation: Option<f32>,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            from_above: false,
+            size: [1280, 800],
+            azimuth: None,
+            elevation: None,
+            distance: None,
+            field_of_view: None,
+            vertical_exaggeration: None,
+            sun_azimuth: None,
+            sun_elevation: None,
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! All tests of this crate that see it from outside, in one binary.
+
+mod common;
+mod draw;
+mod wgsl;
