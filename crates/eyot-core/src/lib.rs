@@ -3,11 +3,13 @@
 //! This crate knows no process, no file format, no GPU and no window; everything else builds on it.
 
 pub mod about;
+pub mod component;
 pub mod conformance;
 pub mod control;
 pub mod engine;
 mod error;
 mod field;
+pub mod given;
 pub mod graph;
 mod grid;
 pub mod isa;
@@ -28,8 +30,10 @@ pub mod rng;
 pub mod rule;
 mod schedule;
 pub mod stepper;
+pub mod vec3;
 mod world;
 
+pub use component::{Component, ComponentKind, ComponentKinds, Components};
 pub use control::{Cancel, Control};
 pub use error::{Error, Result};
 pub use field::Field;

@@ -10,7 +10,7 @@
 //! Writers take their values from [`Rows`], band by band, so that a raster need not fit in memory.
 //!
 //! ```
-//! use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
+//! use eyot_core::{ComponentKinds, Field, Grid, Limits, Rim, World, layer::known};
 //! use eyot_io::{RasterFormat, ReadOptions, checkpoint, read_raster, write_layer};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,7 +27,7 @@
 //!
 //! let path = folder.path().join("run.ckpt");
 //! checkpoint::save(&path, &world, "name = \"Hill\"", &serde_json::json!({"entry": 0}))?;
-//! assert_eq!(checkpoint::load(&path, &limits)?.world, world);
+//! assert_eq!(checkpoint::load(&path, &limits, &ComponentKinds::core())?.world, world);
 //! # Ok(())
 //! # }
 //! ```
@@ -58,6 +58,7 @@ mod sample;
 mod scale;
 mod scene;
 mod sidecar;
+pub mod storage;
 mod table;
 pub mod timeline;
 mod zarr;

@@ -1,6 +1,7 @@
 //! Every generator and process that recipes can name, and what else their check asks for.
 
 use crate::host::{Estimator, NoFiles, NoOutputs, Resolver};
+use eyot_core::ComponentKinds;
 use eyot_core::process::{Entry, Generator, Process};
 use std::sync::Arc;
 
@@ -20,6 +21,7 @@ pub const DOCUMENT_KEYS: [&str; 10] =
 pub struct Registry {
     generators: Vec<&'static Entry<dyn Generator>>,
     processes: Vec<&'static Entry<dyn Process>>,
+    components: ComponentKinds,
     files: Arc<dyn Resolver>,
     outputs: Arc<dyn Estimator>,
 }
@@ -30,6 +32,7 @@ impl Registry {
         Self {
             generators: generators.iter().collect(),
             processes: processes.iter().collect(),
+            components: ComponentKinds::core(),
             files: Arc::new(NoFiles),
             outputs: Arc::new(NoOutputs),
         }
@@ -39,6 +42,12 @@ impl Registry {
     #[must_use]
     pub fn with_files(self, files: impl Resolver + 'static) -> Self {
         Self { files: Arc::new(files), ..self }
+    }
+
+    /// The same for worlds with components of these kinds, which processes keep in them.
+    #[must_use]
+    pub fn with_components(self, components: ComponentKinds) -> Self {
+        Self { components, ..self }
     }
 
     /// The same with costs of outputs.
@@ -57,6 +66,11 @@ impl Registry {
     pub fn add_processes(&mut self, processes: &'static [Entry<dyn Process>]) {
         self.processes.retain(|e| !processes.iter().any(|p| p.name == e.name));
         self.processes.extend(processes);
+    }
+
+    /// The kinds of components that worlds can have.
+    pub fn components(&self) -> &ComponentKinds {
+        &self.components
     }
 
     /// The files that recipes may name.

@@ -46,7 +46,6 @@ mod bench_rule;
 mod clock;
 pub mod convert;
 pub mod doctor;
-mod drive;
 mod engines;
 mod error;
 mod event;
@@ -59,6 +58,7 @@ mod outputs;
 mod registry;
 mod run;
 pub mod serve;
+pub mod session;
 mod state;
 pub mod store;
 mod stream;
@@ -78,8 +78,9 @@ pub use eyot_recipe::{
     keys, merge, nearest, recipe_schema,
 };
 pub use import::Import;
-pub use registry::Registry;
-pub use run::{Handle, Outcome, Remote, Run, RunOptions};
+pub use registry::{Registry, component_kinds};
+pub use run::{Handle, Remote, Run, RunOptions};
+pub use session::Outcome;
 pub use stream::{OVERVIEW, Stream};
 pub use timeline::Timeline;
 pub use watch::{Look, Watch, Watcher};

@@ -3,6 +3,7 @@
 use crate::import::{Files, IMPORT};
 use crate::need::Outputs;
 use eyot_climate::PROCESSES as CLIMATE;
+use eyot_core::ComponentKinds;
 use eyot_core::process::{Entry, Generator, Process};
 use eyot_land::{generate::GENERATORS, simulate::PROCESSES};
 use eyot_plates::PROCESSES as TECTONICS;
@@ -23,10 +24,10 @@ impl Registry {
     pub fn standard() -> Self {
         let mut registry = Self::new(GENERATORS, PROCESSES);
         [CLIMATE, TECTONICS, eyot_reef::PROCESSES].into_iter().for_each(|p| registry.add_processes(p));
-        registry
+        Self(registry.0.with_components(component_kinds()))
     }
 
-    /// Only what is given, and the import of files.
+    /// Only what is given, the import of files, and the components that every world can have.
     pub fn new(generators: &'static [Entry<dyn Generator>], processes: &'static [Entry<dyn Process>]) -> Self {
         let mut registry = eyot_recipe::Registry::new(generators, processes).with_files(Files).with_outputs(Outputs);
         registry.add(&IMPORT);
@@ -46,4 +47,9 @@ impl DerefMut for Registry {
     fn deref_mut(&mut self) -> &mut Self::Target {
         &mut self.0
     }
+}
+
+/// Every kind of components that the processes of this program keep in worlds.
+pub fn component_kinds() -> ComponentKinds {
+    ComponentKinds::core()
 }

@@ -6,7 +6,7 @@ use crate::error::RunError;
 use crate::import;
 use crate::keys::View;
 use crate::outputs;
-use crate::registry::Registry;
+use crate::registry::{Registry, component_kinds};
 use eyot_core::layer::known;
 use eyot_core::{Control, Grid, Limits, Rim, World};
 use eyot_recipe::value_of;
@@ -162,7 +162,7 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, RunError>> 
 }
 
 fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
-    let saved = checkpoint::load(file, limits).map_err(RunError::input)?;
+    let saved = checkpoint::load(file, limits, &component_kinds()).map_err(RunError::input)?;
     let mut notes = Vec::new();
     if saved.state["finished"] != Value::Bool(true) {
         notes.push("this run is not finished; this is its last checkpoint".to_owned());

@@ -11,11 +11,11 @@ use crate::error::RunError;
 use crate::lock::FolderLock;
 use crate::need;
 use crate::recipe::{Recipe, Work};
-use crate::registry::Registry;
-use crate::run::RunOptions;
+use crate::registry::{Registry, component_kinds};
+use crate::session::SessionOptions;
 use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, TIMELINE_STORE, WORLD_FILE};
-use eyot_core::{Limits, World};
+use eyot_core::{ComponentKinds, Limits, World};
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
@@ -133,7 +133,7 @@ impl Timeline {
     /// # Errors
     /// If there is no such frame, it is damaged or exceeds the limits.
     pub fn load(&self, i: usize) -> Result<World, RunError> {
-        self.store.load(i).map(|c| c.world).map_err(RunError::input)
+        self.store.load(i, &component_kinds()).map(|c| c.world).map_err(RunError::input)
     }
 }
 
@@ -303,9 +303,10 @@ pub(crate) fn latest(
     folder: &Path,
     path: &Path,
     limits: &Limits,
+    kinds: &ComponentKinds,
     warnings: &mut Vec<String>,
 ) -> Result<(Checkpoint, State), String> {
-    let of_checkpoint = checkpoint::load(path, limits).map_err(|e| e.to_string()).and_then(|saved| {
+    let of_checkpoint = checkpoint::load(path, limits, kinds).map_err(|e| e.to_string()).and_then(|saved| {
         let state: State = serde_json::from_value(saved.state.clone())
             .map_err(|e| format!("`{}` holds no state of a run: {e}", path.display()))?;
         Ok((saved, state))
@@ -314,7 +315,7 @@ pub(crate) fn latest(
     if !path.ends_with(CHECKPOINT_FILE) || of_checkpoint.as_ref().is_ok_and(|(_, s)| s.rewound) {
         return of_checkpoint;
     }
-    match last_frame(folder, of_checkpoint.as_ref().ok().map(|(_, s)| s.place()), limits, warnings) {
+    match last_frame(folder, of_checkpoint.as_ref().ok().map(|(_, s)| s.place()), limits, kinds, warnings) {
         Ok(Some((saved, state))) => {
             if let Err(e) = of_checkpoint {
                 warnings.push(format!("{e}; the run goes on from its recording"));
@@ -336,6 +337,7 @@ fn last_frame(
     folder: &Path,
     than: Option<(usize, u64)>,
     limits: &Limits,
+    kinds: &ComponentKinds,
     warnings: &mut Vec<String>,
 ) -> Result<Option<(Checkpoint, State)>, RunError> {
     let path = folder.join(TIMELINE_STORE);
@@ -348,7 +350,7 @@ fn last_frame(
         if than.is_some_and(|place| state.as_ref().is_ok_and(|s| s.place() <= place)) {
             break;
         }
-        match state.and_then(|state| Ok((store.load(i).map_err(|e| e.to_string())?, state))) {
+        match state.and_then(|state| Ok((store.load(i, kinds).map_err(|e| e.to_string())?, state))) {
             Ok(found) => return Ok(Some(found)),
             Err(reason) => warnings.push(broken(&store, i, reason).to_string()),
         }
@@ -357,10 +359,10 @@ fn last_frame(
 }
 
 /// Refuses recordings that cannot be: nowhere, of nothing, or within a bound that is too small.
-pub(crate) fn check(recipe: &Recipe, options: &RunOptions) -> Result<(), RunError> {
+pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool) -> Result<(), RunError> {
     let Some(record) = options.record else { return Ok(()) };
     let refuse = |reason: &str, help| Err(RunError::Input { reason: reason.to_owned(), help: Some(help) });
-    if options.out.is_none() {
+    if !has_folder {
         return refuse("a run without a folder cannot be recorded", "give it a folder for its results");
     }
     if !recipe.enabled_steps().any(|s| matches!(s.work, Work::Simulate(_))) {
@@ -397,7 +399,8 @@ pub(crate) fn find(store: &timeline::Timeline, moment: Moment) -> Result<Found, 
     let first = if let Moment::Frame(i) = moment { i } else { 0 };
     let mut damaged = Vec::new();
     for i in (first..=last).rev() {
-        let read = state_of(store, i).and_then(|s| Ok((store.load(i).map_err(|e| e.to_string())?, s)));
+        let read =
+            state_of(store, i).and_then(|s| Ok((store.load(i, &component_kinds()).map_err(|e| e.to_string())?, s)));
         match read {
             Ok((saved, state)) => {
                 damaged.reverse();

@@ -46,7 +46,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{Grid, LayerSpec, Result, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -108,7 +108,12 @@ impl Process for Zones {
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let sea = moment.sea_level_m as f32;
-        plan.push::<ByTable>(ByTableParams { sea, ice: self.ice, lake: self.lake, river: self.river });
+        plan.push_given::<ByTable>(ByTableParams {
+            sea: sea.into(),
+            ice: given!(plan, self.ice),
+            lake: given!(plan, self.lake),
+            river: given!(plan, self.river),
+        });
         plan.push::<ByMonths>(ByMonthsParams { sea });
     }
 }

@@ -1,11 +1,11 @@
 //! What a world was, to go back to.
 
+use crate::component::Components;
 use crate::error::Result;
 use crate::field::Field;
 use crate::ledger::Ledger;
 use crate::world::World;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 /// Clock, ledger and some layers of a world at one moment.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ pub struct Saved {
     sea_level_m: f64,
     layers: Vec<(Cow<'static, str>, Field)>,
     ledger: Ledger,
-    features: BTreeMap<String, Vec<f64>>,
+    components: Components,
 }
 
 impl Saved {
@@ -25,7 +25,7 @@ impl Saved {
             sea_level_m: world.sea_level_m,
             layers: Vec::new(),
             ledger: world.ledger.clone(),
-            features: world.features.clone(),
+            components: world.components.clone(),
         }
     }
 
@@ -49,7 +49,7 @@ impl Saved {
                 layer.field = field;
             }
         }
-        (world.ledger, world.features) = (self.ledger, self.features);
+        (world.ledger, world.components) = (self.ledger, self.components);
         (world.step, world.sea_level_m) = (self.step, self.sea_level_m);
     }
 }

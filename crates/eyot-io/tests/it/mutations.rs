@@ -145,6 +145,6 @@ fn damaged_checkpoints_are_always_refused() {
     let original = std::fs::read(&path).unwrap();
     batter(&original, &path, 4, |path| {
         let same = std::fs::read(path).unwrap() == original;
-        assert_eq!(checkpoint::load(path, &tight()).is_ok(), same);
+        assert_eq!(checkpoint::load(path, &tight(), &eyot_core::ComponentKinds::core()).is_ok(), same);
     });
 }

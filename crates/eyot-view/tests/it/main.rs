@@ -2,4 +2,5 @@
 
 mod common;
 mod draw;
+mod noise;
 mod wgsl;

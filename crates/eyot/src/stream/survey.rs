@@ -46,7 +46,7 @@ pub(super) fn survey(
     let mut fingerprint = Fingerprint::new(&grid, 0, recipe.sea_level_m);
     let mut ranges = Vec::new();
     for layer in layers {
-        fingerprint.begin_layer(&layer.spec.name);
+        fingerprint.begin(&layer.spec.name);
         let mut means = Means::new(cells, &grid);
         let mut range = (f32::INFINITY, f32::NEG_INFINITY);
         each_band(&mut world.rows(layer.stage), |band| {

@@ -21,6 +21,7 @@ mod rivers;
 mod runs;
 mod scale;
 mod serving;
+mod sessions;
 mod streaming;
 mod stubs;
 mod terms;

@@ -2,7 +2,7 @@
 
 use eyot::core::plan::Plan;
 use eyot::core::process::{Entry, Generator, Moment, Process, Site};
-use eyot::core::{Field, LayerSpec, Result, World};
+use eyot::core::{Field, Result, World};
 use eyot::{Limits, Overrides, Problems, Recipe, RecipeSource, Registry};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

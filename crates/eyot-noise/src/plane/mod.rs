@@ -32,7 +32,7 @@ use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::{LaneBlock, WIDTH};
 use eyot_core::real::Real;
 use eyot_core::{Control, Field, Grid, Result, rng};
-pub(super) use gradient::{COLUMN, ROW, hash};
+pub use gradient::{COLUMN, ROW, hash};
 use lattice::{Kernel, Octave};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -109,11 +109,11 @@ impl Default for Noise {
 }
 
 /// Blocks of lanes in one piece of a row. Small enough that the scratch of a piece stays in the first-level cache.
-pub(super) const PIECE: usize = 32;
+pub const PIECE: usize = 32;
 /// Columns in one piece of a row.
-pub(super) const PIECE_COLUMNS: usize = PIECE * WIDTH;
+pub const PIECE_COLUMNS: usize = PIECE * WIDTH;
 /// One number a column of a piece, in blocks of lanes.
-pub(super) type Piece = [[f32; WIDTH]; PIECE];
+pub type Piece = [[f32; WIDTH]; PIECE];
 
 /// A noise made ready for one grid.
 pub struct Prepared {
@@ -150,7 +150,7 @@ impl Noise {
     /// On a request to stop.
     pub fn field(&self, grid: &Grid, rows: Range<usize>, isa: Isa, control: &Control<'_>) -> Result<Field> {
         let noise = self.prepare(grid, isa);
-        super::fill(grid, rows, control, |y, row| {
+        Field::from_rows(grid.width, rows, control, |y, row| {
             for (x, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
                 let mut out = [[0.0; WIDTH]; PIECE];
                 noise.piece(x, y, piece.len().div_ceil(WIDTH), None, &mut out);
@@ -186,7 +186,7 @@ impl Noise {
         }
         let noise = self.prepare(grid, isa);
         let away = self.displacement(self.octaves.min(4)).map(|n| n.prepare(grid, isa));
-        super::fill(grid, rows, control, |y, row| {
+        Field::from_rows(grid.width, rows, control, |y, row| {
             for (x, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
                 let blocks = piece.len().div_ceil(WIDTH);
                 let mut shift = [[[0.0; WIDTH]; PIECE]; 2];
@@ -206,7 +206,7 @@ impl Prepared {
     /// Values of `blocks` blocks from column `x` of row `y`, looked up `shift` metres east and south of the cells.
     ///
     /// Column and row may lie outside the grid; `x` should be a multiple of the block.
-    pub(super) fn piece(&self, x: usize, y: usize, blocks: usize, shift: Option<&[Piece; 2]>, out: &mut Piece) {
+    pub fn piece(&self, x: usize, y: usize, blocks: usize, shift: Option<&[Piece; 2]>, out: &mut Piece) {
         let mut memory = [[1.0; WIDTH]; PIECE];
         for octave in &self.octaves {
             let row = Row {

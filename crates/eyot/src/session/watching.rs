@@ -1,11 +1,11 @@
-//! What a run does for those who watch it.
+//! What a session does for those who watch it.
 
-use super::Driver;
+use super::Session;
 use crate::error::RunError;
 use crate::event::Event;
 use crate::watch::Look;
 
-impl Driver {
+impl Session {
     pub(super) fn begin_watching(&mut self) -> Result<(), RunError> {
         self.watching.as_mut().map_or(Ok(()), |w| w.begin(&self.recipe, &self.options.limits))
     }

@@ -1,13 +1,13 @@
 //! Gradient noise for colours, waves and clouds: a pure function of position and seed.
 
-/// The integer below `x`; the library's `floor` is a call where the processor's own is not assumed.
-fn floor(x: f32) -> i32 {
-    let i = x as i32;
-    i.wrapping_sub(i32::from((i as f32) > x))
-}
+use crate::{fade, fade_slope, floor};
+
+/// The same functions for shaders: `hash`, `gradient`, `noise_with_slope`, `noise` and `fbm`.
+pub const WGSL: &str = include_str!("picture.wgsl");
 
 /// Integer hash of a lattice point.
-pub(crate) fn hash(x: i32, y: i32, seed: u32) -> u32 {
+#[inline]
+pub fn hash(x: i32, y: i32, seed: u32) -> u32 {
     let mut h =
         (x as u32).wrapping_mul(0x8da6_b343) ^ (y as u32).wrapping_mul(0xd816_3841) ^ seed.wrapping_mul(0xcb1a_b31f);
     h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
@@ -32,7 +32,8 @@ const GRADIENTS: [[f32; 2]; 16] = {
 };
 
 /// Gradient noise in about -1..1 with its two derivatives.
-pub(crate) fn noise_with_slope(x: f32, y: f32, seed: u32) -> (f32, f32, f32) {
+#[inline]
+pub fn noise_with_slope(x: f32, y: f32, seed: u32) -> (f32, f32, f32) {
     let (ix, iy) = (floor(x), floor(y));
     let (u, v) = (x - ix as f32, y - iy as f32);
     let g = |dx: i32, dy: i32| GRADIENTS[(hash(ix.wrapping_add(dx), iy.wrapping_add(dy), seed) & 15) as usize];
@@ -41,8 +42,6 @@ pub(crate) fn noise_with_slope(x: f32, y: f32, seed: u32) -> (f32, f32, f32) {
     let b = gb[0] * (u - 1.0) + gb[1] * v;
     let c = gc[0] * u + gc[1] * (v - 1.0);
     let d = gd[0] * (u - 1.0) + gd[1] * (v - 1.0);
-    let fade = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-    let fade_slope = |t: f32| 30.0 * t * t * (t - 1.0) * (t - 1.0);
     let (su, sv, du, dv) = (fade(u), fade(v), fade_slope(u), fade_slope(v));
     let k = a - b - c + d;
     let value = a + su * (b - a) + sv * (c - a) + su * sv * k;
@@ -55,12 +54,14 @@ pub(crate) fn noise_with_slope(x: f32, y: f32, seed: u32) -> (f32, f32, f32) {
 }
 
 /// Gradient noise in about -1..1.
-pub(crate) fn noise(x: f32, y: f32, seed: u32) -> f32 {
+#[inline]
+pub fn noise(x: f32, y: f32, seed: u32) -> f32 {
     noise_with_slope(x, y, seed).0
 }
 
 /// `octaves` of noise, each turned against the last by an angle that no lattice repeats; about -1..1.
-pub(crate) fn fbm(mut x: f32, mut y: f32, octaves: u32, seed: u32) -> f32 {
+#[inline]
+pub fn fbm(mut x: f32, mut y: f32, octaves: u32, seed: u32) -> f32 {
     let (mut sum, mut amplitude) = (0.0, 0.5);
     for i in 0..octaves {
         sum += amplitude * noise(x, y, seed.wrapping_add(i));

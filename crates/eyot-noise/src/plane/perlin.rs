@@ -6,6 +6,7 @@
 
 use super::gradient::dot;
 use super::lattice::{Kernel, Octave};
+use crate::{blend, fade};
 use eyot_core::real::Real;
 
 /// One over the largest magnitude that unit gradients can give.
@@ -13,12 +14,6 @@ pub(super) const SCALE: f32 = std::f32::consts::SQRT_2;
 
 /// Square lattice.
 pub(super) struct Perlin;
-
-/// 6 t^5 - 15 t^4 + 10 t^3: 0 and 1 at the ends, first and second derivative 0 there.
-#[inline(always)]
-pub(super) fn fade<R: Real>(t: R) -> R {
-    t * t * t * (t * (t * R::of(6.0) - R::of(15.0)) + R::of(10.0))
-}
 
 impl Kernel for Perlin {
     #[inline(always)]
@@ -34,9 +29,7 @@ impl Kernel for Perlin {
         let n10 = dot(h[1], x1, y);
         let n01 = dot(h[2], x, y1);
         let n11 = dot(h[3], x1, y1);
-        let n0 = n00 + s * (n10 - n00);
-        let n1 = n01 + s * (n11 - n01);
-        n0 + t * (n1 - n0)
+        blend([n00, n10, n01, n11], s, t)
     }
 }
 

@@ -9,16 +9,17 @@ use eyot_core::real::{Bits, Real};
 
 const SIGN: u32 = 0x8000_0000;
 
-/// Multipliers of column and row; odd, and far from small multiples of each other modulo 2^32.
-pub(in crate::generate) const COLUMN: u32 = 0x9e37_79b1;
-pub(in crate::generate) const ROW: u32 = 0x85eb_ca77;
+/// Multiplier of columns; it and [`ROW`] are odd, and far from small multiples of each other modulo 2^32.
+pub const COLUMN: u32 = 0x9e37_79b1;
+/// Multiplier of rows.
+pub const ROW: u32 = 0x85eb_ca77;
 
 /// The top bits of the hash of a lattice point choose its gradient.
 ///
 /// `column` is the column number times [`COLUMN`] and `row` is the row number times [`ROW`], each with a key added. The test
 /// below compares the top bits of all pairs of lattice points up to twelve apart.
 #[inline(always)]
-pub(in crate::generate) fn hash<B: Bits>(column: B, row: B) -> B {
+pub fn hash<B: Bits>(column: B, row: B) -> B {
     let h = column.xor(row);
     let h = h.xor(h.shr(15)).mul(B::of(0x2c1b_3c6d));
     h.xor(h.shl(13)).mul(B::of(0x297a_2d39))

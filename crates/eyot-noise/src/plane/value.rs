@@ -1,7 +1,7 @@
 //! Value noise: a random number at each point of a square lattice, blended with the quintic fade.
 
 use super::lattice::{Kernel, Octave};
-use super::perlin::fade;
+use crate::{blend, fade};
 use eyot_core::real::{Bits, Real};
 
 /// Square lattice of numbers.
@@ -19,10 +19,6 @@ impl Kernel for Value {
         let (iu, iv) = (u.floor(), v.floor());
         let h = o.corner_hashes::<R, TORUS>(origin, iu, iv);
         let (s, t) = (fade(u - iu), fade(v - iv));
-        let n00: R = number(h[0]);
-        let n01: R = number(h[2]);
-        let n0 = n00 + s * (number::<R>(h[1]) - n00);
-        let n1 = n01 + s * (number::<R>(h[3]) - n01);
-        n0 + t * (n1 - n0)
+        blend(h.map(number), s, t)
     }
 }

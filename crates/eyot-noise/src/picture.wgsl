@@ -1,4 +1,4 @@
-// Gradient noise; the same as in eyot-render, `noise.rs`.
+// Gradient noise; the same as in `picture.rs` beside this file.
 
 fn hash(x: i32, y: i32, seed: u32) -> u32 {
     var h = (bitcast<u32>(x) * 0x8da6b343u) ^ (bitcast<u32>(y) * 0xd8163841u) ^ (seed * 0xcb1ab31fu);

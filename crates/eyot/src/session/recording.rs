@@ -1,19 +1,19 @@
-//! What a run does for its recording: frames on the way, and the way back.
+//! What a session does for its recording: frames on the way, and the way back.
 
-use super::Driver;
-use crate::backend::io::timeline::{self, Timeline};
+use super::Session;
 use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
 use crate::exports;
-use crate::recipe::ProcessUse;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, TIMELINE_STORE};
 use crate::timeline::{Damaged, Found, Moment, branch_off, find, state_of};
+use eyot_io::timeline::{self, Timeline};
+use eyot_recipe::ProcessUse;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// The recording of a run at work.
+/// The recording of a session at work.
 pub(super) struct Recorder {
     timeline: Timeline,
     /// Seconds of a step at the beginning, if they are known.
@@ -24,7 +24,7 @@ pub(super) struct Recorder {
     warned: bool,
 }
 
-impl Driver {
+impl Session {
     /// Begins a recording if the options ask for one, or goes on with that in the folder. Without it the run is the same.
     pub(super) fn begin_recording(&mut self) {
         match self.open_recording() {
@@ -34,7 +34,7 @@ impl Driver {
     }
 
     fn open_recording(&mut self) -> Result<Option<Recorder>, RunError> {
-        let Some(out) = self.options.out.clone() else { return Ok(None) };
+        let Some(out) = self.host.out.clone() else { return Ok(None) };
         let path = out.join(TIMELINE_STORE);
         let limits = self.options.limits;
         let mut timeline = match self.options.record {
@@ -152,7 +152,7 @@ impl Driver {
         let recorder = self.recorder.as_ref().ok_or_else(not_recorded)?;
         let Found { frame, saved, state, damaged } = find(&recorder.timeline, Moment::Step(step))?;
         let state = state.again(&self.state.changes(), false);
-        let folder = self.options.out.as_deref().ok_or_else(not_recorded)?;
+        let folder = self.host.out.as_deref().ok_or_else(not_recorded)?;
         branch_off(&recorder.timeline, folder, frame.frame, &saved, &state, out)?;
         self.tell_damaged(&damaged);
         self.tell(Event::Branched { out: out.to_owned(), steps_done: frame.steps_done });
