@@ -2,6 +2,7 @@
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
+use eyot_core::component;
 use parquet::basic::{Compression, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{DoubleType, Int64Type};
 use parquet::file::metadata::KeyValue;
@@ -36,6 +37,17 @@ pub struct Table {
 }
 
 impl Table {
+    /// A table of a world, and what is to be said about it.
+    pub fn of(table: &component::Table, about: Map<String, Value>) -> Self {
+        let column = |c: &component::Attribute| Column {
+            name: c.name.clone(),
+            unit: c.unit.clone(),
+            is_whole: c.values.of().is_whole(),
+            values: (0..table.len()).map(|i| c.values.number(i)).collect(),
+        };
+        Self { columns: table.columns().iter().map(column).collect(), about }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |c| c.values.len())

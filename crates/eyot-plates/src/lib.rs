@@ -50,5 +50,9 @@ pub use budget::Budget;
 pub use parameters::Tectonics;
 pub use plate::PlateInfo;
 pub use plates::Plates;
-pub use process::{CRUST, CRUST_AGE, Drift, PLATE, PROCESSES, report};
+pub use process::{CRUST, CRUST_AGE, Drift, PLATE, PROCESSES, STATE, report};
 pub use start::Start;
+pub use store::{PLATE_STATE, PlateState};
+
+/// Every kind of components that the processes of this crate keep in worlds.
+pub static COMPONENTS: [&eyot_core::ComponentKind; 1] = [&PLATE_STATE];

@@ -7,7 +7,8 @@
 use crate::crust::metres;
 use crate::geometry::rows_at_once;
 use crate::plates::Plates;
-use crate::process::{CRUST, CRUST_AGE, PLATE, numbers};
+use crate::process::{CRUST, CRUST_AGE, PLATE, STATE};
+use crate::store::PlateState;
 use eyot_core::{Field, Grid, World};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -17,7 +18,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 pub(crate) struct Before {
     grid: Grid,
     seed: u64,
-    numbers: Vec<f64>,
+    pub(crate) state: PlateState,
     pub(crate) owner: Vec<u8>,
     crust: Vec<i32>,
     age: Vec<f32>,
@@ -28,9 +29,9 @@ pub(crate) struct Before {
 impl Before {
     /// True if `world` keeps these.
     fn are_of(&self, world: &World) -> bool {
-        let Ok(numbers) = numbers(world) else { return false };
-        let bits = |v: &[f64]| v.iter().map(|n| n.to_bits()).collect::<Vec<_>>();
-        if (world.grid, world.seed) != (self.grid, self.seed) || bits(numbers) != bits(&self.numbers) {
+        let Ok(Some(state)) = world.components.get::<PlateState>(STATE) else { return false };
+        let bits = |s: &PlateState| s.numbers().into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        if (world.grid, world.seed) != (self.grid, self.seed) || bits(state) != bits(&self.state) {
             return false;
         }
         let [Some(plate), Some(crust), Some(age)] = [&PLATE, &CRUST, &CRUST_AGE].map(|l| world.get(&l.name)) else {
@@ -58,13 +59,13 @@ pub(crate) struct Made {
 }
 
 impl Made {
-    /// Makes a step of plates that a world keeps with these `numbers`.
-    pub(crate) fn new(grid: &Grid, numbers: Vec<f64>, mut plates: Plates) -> Self {
+    /// Makes a step of plates that a world keeps with this state.
+    pub(crate) fn new(grid: &Grid, state: PlateState, mut plates: Plates) -> Self {
         plates.forget();
         let before = Before {
             grid: *grid,
             seed: plates.seed,
-            numbers,
+            state,
             owner: plates.maps.owner.clone(),
             crust: plates.maps.crust.clone(),
             age: plates.maps.age.clone(),
@@ -98,36 +99,38 @@ pub(crate) struct Lookahead {
 
 enum Step {
     /// Not begun.
-    Waits(Vec<f64>, Box<Plates>),
+    Waits(Box<(PlateState, Plates)>),
     UnderWay(Receiver<Made>),
 }
 
 impl Lookahead {
-    /// Begins a step of plates that a world keeps with these `numbers`. If not `at_once`, it is only begun when it is asked for: for
+    /// Begins a step of plates that a world keeps with this state. If not `at_once`, it is only begun when it is asked for: for
     /// a world that does nothing in the meantime.
-    pub(crate) fn begin(&mut self, grid: &Grid, numbers: Vec<f64>, plates: Plates, at_once: bool) {
+    pub(crate) fn begin(&mut self, grid: &Grid, state: PlateState, plates: Plates, at_once: bool) {
         if self.threads.is_none() && at_once {
             // As many as the world's own: whoever waits for the step should not wait longer than for one of its own.
             let threads = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads());
             // A step that panics drops its sender, and is made again where its message can be seen.
             self.threads = threads.thread_name(|_| "plates".into()).panic_handler(|_| ()).build().ok();
         }
-        let plates = Box::new(plates);
         self.step = Some(match &self.threads {
             Some(threads) if at_once => {
                 let (sender, receiver) = sync_channel(1);
                 let grid = *grid;
-                threads.spawn(move || drop(sender.send(Made::new(&grid, numbers, *plates))));
+                threads.spawn(move || drop(sender.send(Made::new(&grid, state, plates))));
                 Step::UnderWay(receiver)
             }
-            _ => Step::Waits(numbers, plates),
+            _ => Step::Waits(Box::new((state, plates))),
         });
     }
 
     /// The step that was begun, if it is one of the plates in `world`; waits for it.
     pub(crate) fn take(&mut self, world: &World) -> Option<Made> {
         let made = match self.step.take()? {
-            Step::Waits(numbers, plates) => Made::new(&world.grid, numbers, *plates),
+            Step::Waits(waiting) => {
+                let (state, plates) = *waiting;
+                Made::new(&world.grid, state, plates)
+            }
             Step::UnderWay(receiver) => receiver.recv().ok()?,
         };
         made.before.are_of(world).then_some(made)

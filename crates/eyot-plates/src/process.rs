@@ -58,7 +58,7 @@ use crate::lookahead::{Lookahead, Made};
 use crate::parameters::Tectonics;
 use crate::plates::{Plates, check};
 use crate::start::Start;
-use eyot_core::component::Numbers;
+use crate::store::PlateState;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{
     Action, ActionInstance, Entry, LayerUse, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from, schema_of,
@@ -73,8 +73,8 @@ pub const CRUST: LayerSpec = LayerSpec::new("crust", "m", "Thickness of the crus
 /// Age of the crust.
 pub const CRUST_AGE: LayerSpec = LayerSpec::new("crust_age", "Myr", "Age of the crust", (0.0, 1e6));
 
-/// Name of the numbers of all plates in a world.
-pub(crate) const NUMBERS: &str = "plates";
+/// Name of the component of all plates in a world, a [`PlateState`].
+pub const STATE: &str = "plates";
 
 /// All processes of this crate.
 pub const PROCESSES: &[Entry<dyn Process>] = &[Entry {
@@ -118,7 +118,7 @@ impl Process for Drift {
 
     /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise.
     fn prepare(&self, world: &mut World) -> Result<()> {
-        if !world.components.contains(NUMBERS) {
+        if world.components.get::<PlateState>(STATE)?.is_none() {
             let sea = world.sea_level_m as f32;
             let height: Vec<f32> = world.layer("height")?.field.iter().map(|h| h - sea).collect();
             let flat = height.iter().all(|&h| h == height[0]);
@@ -143,8 +143,8 @@ impl Action for Drift {
     /// Begins the first step.
     fn instantiate(&self, world: &World) -> Result<Box<dyn ActionInstance>> {
         let mut drifting = Drifting { parameters: self.parameters.clone(), ahead: Lookahead::default(), last: NEVER };
-        if let Some((plates, _)) = of_world(world, self.parameters.clone())? {
-            drifting.ahead.begin(&world.grid, numbers(world)?.to_vec(), plates, true);
+        if let Some((plates, state)) = of_world(world, self.parameters.clone())? {
+            drifting.ahead.begin(&world.grid, state.clone(), plates, true);
         }
         Ok(Box::new(drifting))
     }
@@ -174,12 +174,11 @@ impl ActionInstance for Drifting {
         let made = match self.ahead.take(world) {
             Some(made) => made,
             None => {
-                let Some((plates, _)) = of_world(world, self.parameters.clone())? else { return Ok(()) };
-                Made::new(&world.grid, numbers(world)?.to_vec(), plates)
+                let Some((plates, state)) = of_world(world, self.parameters.clone())? else { return Ok(()) };
+                Made::new(&world.grid, state.clone(), plates)
             }
         };
-        // The numbers end with the level of the sea.
-        let sea = numbers(world)?.last().map_or(0.0, |&s| s as f32);
+        let sea = made.before.state.sea_level_m as f32;
         let Made { mut plates, before } = made;
         let own = *plates.budget();
         plates.add_changes(&before, &world.layer("height")?.field, sea);
@@ -190,23 +189,17 @@ impl ActionInstance for Drifting {
         budget.start = 0;
         budget.post(&mut world.ledger, moment.grid.cell_area_m2());
         plates.publish(world, sea, true)?;
-        self.ahead.begin(&world.grid, numbers(world)?.to_vec(), plates, !alone);
+        self.ahead.begin(&world.grid, plates.state(f64::from(sea)), plates, !alone);
         Ok(())
     }
 }
 
-/// What a world keeps of its plates beside layers; nothing if it has none.
-pub(crate) fn numbers(world: &World) -> Result<&[f64]> {
-    Ok(world.components.get::<Numbers>(NUMBERS)?.map(|n| &*n.0).unwrap_or_default())
-}
-
-/// The plates of a world and the level of the sea, m, at which they were made; `None` if it has none.
-fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, f32)>> {
-    // The numbers end with the level of the sea.
-    let Some((&sea, numbers)) = numbers(world)?.split_last() else { return Ok(None) };
+/// The plates of a world, and what it keeps of them beside layers; `None` if it has none.
+fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, &PlateState)>> {
+    let Some(state) = world.components.get::<PlateState>(STATE)? else { return Ok(None) };
     let layer = |spec: &LayerSpec| Ok::<_, eyot_core::Error>(world.layer(&spec.name)?.field.iter());
     let maps = (layer(&PLATE)?, layer(&CRUST)?, layer(&CRUST_AGE)?);
-    Ok(Some((Plates::restore(&world.grid, world.seed, parameters, numbers, maps)?, sea as f32)))
+    Ok(Some((Plates::of_state(&world.grid, world.seed, parameters, state, maps)?, state)))
 }
 
 /// What there is to say about the plates of a world; `None` if it has none.
@@ -214,14 +207,15 @@ fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, f32)
 /// # Errors
 /// If layers that plates need are missing or do not fit.
 pub fn report(world: &World) -> Result<Option<Report>> {
-    let Some((plates, sea)) = of_world(world, Tectonics::default())? else { return Ok(None) };
+    let Some((plates, state)) = of_world(world, Tectonics::default())? else { return Ok(None) };
+    let sea = state.sea_level_m as f32;
     let (cycle, steps) = plates.cycle_and_steps();
     let hypsometry = hypsometry(world.layer("height")?.field.iter().map(|h| h - sea));
     Ok(Some(Report { cycle, steps, plates: plates.list(), hypsometry }))
 }
 
 impl Plates {
-    /// Writes layers and numbers; the height only if `with_height`.
+    /// Writes layers and state; the height only if `with_height`.
     fn publish(&self, world: &mut World, sea: f32, with_height: bool) -> Result<()> {
         let mut put = |spec: &LayerSpec, row_of: &(dyn Fn(std::ops::Range<usize>, &mut [f32]) + Sync)| -> Result<()> {
             let width = self.g.width;
@@ -236,9 +230,7 @@ impl Plates {
         if with_height {
             put(&HEIGHT, &|cells, row| row.iter_mut().zip(&self.height[cells]).for_each(|(v, &h)| *v = h + sea))?;
         }
-        let mut numbers = self.numbers();
-        numbers.push(f64::from(sea));
-        world.components.insert(NUMBERS, Numbers(numbers));
+        world.components.insert(STATE, self.state(f64::from(sea)));
         Ok(())
     }
 }

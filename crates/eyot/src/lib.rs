@@ -49,11 +49,8 @@ pub mod doctor;
 mod engines;
 mod error;
 mod event;
-mod exports;
 pub mod film;
-mod import;
 mod lock;
-mod need;
 mod outputs;
 mod registry;
 mod run;
@@ -70,6 +67,7 @@ pub use engines::{EngineChoice, EngineOptions};
 pub use error::{RunError, shell_word};
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
+pub use eyot_export::Import;
 pub use eyot_io::timeline::Record;
 pub use eyot_recipe::{
     Actor, BuiltIn, Bytes, Change, Choice, Citation, Citations, Description, Diagnostic, Export, ExportFormat,
@@ -77,7 +75,6 @@ pub use eyot_recipe::{
     RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, Work, all_citations, cite, describe,
     keys, merge, nearest, recipe_schema,
 };
-pub use import::Import;
 pub use registry::{Registry, component_kinds};
 pub use run::{Handle, Remote, Run, RunOptions};
 pub use session::Outcome;

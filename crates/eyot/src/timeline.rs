@@ -9,13 +9,13 @@ use crate::backend::io::checkpoint::{self, Checkpoint};
 use crate::backend::io::{self, timeline};
 use crate::error::RunError;
 use crate::lock::FolderLock;
-use crate::need;
 use crate::recipe::{Recipe, Work};
 use crate::registry::{Registry, component_kinds};
 use crate::session::SessionOptions;
 use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, TIMELINE_STORE, WORLD_FILE};
 use eyot_core::{ComponentKinds, Limits, World};
+use eyot_recipe::memory;
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
@@ -125,7 +125,7 @@ impl Timeline {
         let Some(last) = self.frames.last() else { return Ok(false) };
         let recipe = self.store.recipe_toml(last.frame).map_err(RunError::input)?;
         let state = self.store.state(last.frame).map_err(RunError::input)?;
-        Ok(store::seen_from_above(&recipe.into(), &state["overrides"]["set"]))
+        Ok(eyot_recipe::seen_from_above(&recipe.into(), &state["overrides"]["set"]))
     }
 
     /// The world of the frame with the number `i`.
@@ -368,7 +368,7 @@ pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool)
     if !recipe.enabled_steps().any(|s| matches!(s.work, Work::Simulate(_))) {
         return refuse("the recipe simulates nothing, so there is nothing to record", "leave out --record");
     }
-    let peak = need::working(&recipe.steps, &recipe.grid).map_err(RunError::input)?;
+    let peak = memory::working(&recipe.steps, &recipe.grid).map_err(RunError::input)?;
     let least = timeline::Record::least_bytes(peak.world_bytes, peak.layers, recipe.source.text.len());
     if u128::from(record.max_bytes) < least {
         let reason = format!(

@@ -17,6 +17,14 @@ fn engine_equals_reference_for_every_rule() {
 }
 
 #[test]
+fn steps_keep_to_the_layers_that_they_declare() {
+    for (name, processes) in climate_variants() {
+        println!("{name}");
+        conformance::check_access(&processes, &climate_start).unwrap();
+    }
+}
+
+#[test]
 fn graphs_mean_what_the_rules_mean() {
     let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
     for (_, processes) in climate_variants() {

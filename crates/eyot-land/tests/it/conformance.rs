@@ -2,7 +2,7 @@
 //! same.
 
 use eyot_core::conformance;
-use eyot_core::process::{Moment, Process};
+use eyot_core::process::{Moment, Process, Scheduled};
 use eyot_core::{Grid, Limits, Rim};
 use eyot_land::simulate::PROCESSES;
 use eyot_land::simulate::hydraulic::Hydraulic;
@@ -14,6 +14,18 @@ fn engine_equals_reference_for_every_rule() {
     for (name, processes) in variants() {
         println!("{name}");
         conformance::check(&processes, &start).unwrap();
+    }
+}
+
+#[test]
+fn steps_keep_to_the_layers_that_they_declare() {
+    for (name, processes) in variants() {
+        println!("{name}");
+        conformance::check_access(&processes, &start).unwrap();
+    }
+    for e in PROCESSES {
+        let process = (e.make)((e.defaults)()).unwrap();
+        conformance::check_access(&[Scheduled { name: e.name, process, every: 1 }], &start).unwrap();
     }
 }
 

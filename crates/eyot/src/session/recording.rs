@@ -4,10 +4,10 @@ use super::Session;
 use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
-use crate::exports;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, TIMELINE_STORE};
 use crate::timeline::{Damaged, Found, Moment, branch_off, find, state_of};
+use eyot_io::Origin;
 use eyot_io::timeline::{self, Timeline};
 use eyot_recipe::ProcessUse;
 use serde_json::{Map, Value};
@@ -62,7 +62,13 @@ impl Session {
     /// What the root of the recording says, beside its time.
     fn origin(&self) -> Map<String, Value> {
         let clock = clock::of_run(&self.recipe, &self.state.journal);
-        let origin = exports::origin(&self.world, &self.recipe.name, Some(&self.recipe.source.text), clock);
+        let origin = Origin {
+            name: &self.recipe.name,
+            recipe: Some(&self.recipe.source.text),
+            seconds_per_step: clock,
+            engines: &self.state.engines,
+        };
+        let origin = origin.attributes(&self.world);
         origin.into_iter().filter(|(key, _)| !["steps_done", "sea_level_m"].contains(&key.as_str())).collect()
     }
 

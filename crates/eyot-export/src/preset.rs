@@ -1,14 +1,15 @@
 //! Presets: all files that a program wants, in its own sizes, scales and orders.
 
-use super::fit::{Samples, fit};
-use super::{Job, materials, write_layer, write_mesh, write_splat};
-use crate::backend;
-use crate::backend::io::{self, ByteOrder, RasterFormat, WriteOptions};
-use crate::error::RunError;
+use crate::error::ExportError;
+use crate::files::write_text;
+use crate::files::{Job, say_place, write_layer, write_mesh, write_splat};
+use crate::fit::{Samples, fit};
 use crate::import::row_order;
-use crate::keys::{Export, FirstRow, Preset};
+use crate::materials;
 use eyot_core::{Georeference, World};
+use eyot_io::{self as io, ByteOrder, RasterFormat, WriteOptions};
 use eyot_recipe::MATERIALS;
+use eyot_recipe::{Export, FirstRow, Preset};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -19,7 +20,7 @@ const UNREAL: [(usize, usize, usize, usize); 5] =
 /// What GIS users expect where nothing else is said.
 const NODATA: f32 = -9999.0;
 
-pub(super) fn write(job: &mut Job<'_>, export: &Export, preset: Preset) -> Result<(), RunError> {
+pub(crate) fn write(job: &mut Job<'_>, export: &Export, preset: Preset) -> Result<(), ExportError> {
     match preset {
         Preset::Unreal => unreal(job, export),
         Preset::Unity => unity(job, export),
@@ -30,7 +31,7 @@ pub(super) fn write(job: &mut Job<'_>, export: &Export, preset: Preset) -> Resul
 }
 
 /// The world on the program's number of vertices, and that number.
-fn fitted(job: &Job<'_>, export: &Export, preset: Preset) -> Result<(World, usize), RunError> {
+fn fitted(job: &Job<'_>, export: &Export, preset: Preset) -> Result<(World, usize), ExportError> {
     let g = &job.world.grid;
     let longer = g.width.max(g.height) as f64;
     let far = |n: usize| (n as f64 / longer).ln().abs();
@@ -49,13 +50,13 @@ fn fitted(job: &Job<'_>, export: &Export, preset: Preset) -> Result<(World, usiz
 }
 
 /// Lowest and highest value of the height, at least a metre apart so that flat land has a scale, too.
-fn range(world: &World) -> Result<(f64, f64), RunError> {
-    let (low, high) = world.layer("height").map_err(RunError::file)?.field.min_max();
+fn range(world: &World) -> Result<(f64, f64), ExportError> {
+    let (low, high) = world.layer("height").map_err(ExportError::file)?.field.min_max();
     let (low, high) = (f64::from(low), f64::from(high));
     Ok((low, if high > low { high } else { low + 1.0 }))
 }
 
-fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let names = Preset::Unreal.files(&export.prefix);
     let (world, n) = fitted(job, export, Preset::Unreal)?;
     let (low, high) = range(&world)?;
@@ -93,7 +94,7 @@ fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     describe(job, &names, &about)
 }
 
-fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let names = Preset::Unity.files(&export.prefix);
     let (world, n) = fitted(job, export, Preset::Unity)?;
     let (low, high) = range(&world)?;
@@ -132,7 +133,7 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     describe(job, &names, &about)
 }
 
-fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let names = Preset::Godot.files(&export.prefix);
     let g = job.world.grid;
     // Terrain3D has one distance of vertices for both axes.
@@ -166,7 +167,7 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     describe(job, &names, &about)
 }
 
-fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let names = Preset::Blender.files(&export.prefix);
     let world = job.world;
     write_mesh(job, Path::new(&names[0]), export)?;
@@ -190,48 +191,48 @@ fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     describe(job, &names, &about)
 }
 
-fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
+fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let options = WriteOptions { nodata: Some(NODATA), ..WriteOptions::default() };
     let (source, sea_level_m) = (job.source, job.world.sea_level_m);
-    super::say_place(job, Some(RasterFormat::GeoTiff));
+    say_place(job, Some(RasterFormat::GeoTiff));
     for (name, layer) in export.files().iter().zip(&export.layers) {
         let Some((mut about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) else { continue };
         let path = job.file(name)?;
         // The preset's nodata, not the source's.
         about.georeference = about.georeference.map(|g| Georeference { nodata: None, ..g });
-        io::write_rows(&path, &mut *rows, &about, RasterFormat::GeoTiff, &options).map_err(RunError::file)?;
+        io::write_rows(&path, &mut *rows, &about, RasterFormat::GeoTiff, &options).map_err(ExportError::file)?;
     }
     Ok(())
 }
 
 /// Writes a mask of each material and returns what they are.
-fn write_materials(job: &mut Job<'_>, export: &Export, names: &[String]) -> Result<Value, RunError> {
+fn write_materials(job: &mut Job<'_>, export: &Export, names: &[String]) -> Result<Value, ExportError> {
     let (source, sea_level_m) = (job.source, job.world.sea_level_m);
     let mut list = Vec::new();
     for (name, material) in names.iter().zip(MATERIALS) {
         let Some((_, mut rows)) = materials::layer(source, material, sea_level_m, export, true) else { continue };
         let path = job.file(name)?;
-        io::write_mask(&path, &mut *rows).map_err(RunError::file)?;
+        io::write_mask(&path, &mut *rows).map_err(ExportError::file)?;
         list.push(json!({ "material": material, "file": name }));
     }
     Ok(json!(list))
 }
 
 /// The sea's level if some land lies below it.
-fn sea_level(world: &World) -> Result<Option<f64>, RunError> {
-    let (low, _) = world.layer("height").map_err(RunError::file)?.field.min_max();
+fn sea_level(world: &World) -> Result<Option<f64>, ExportError> {
+    let (low, _) = world.layer("height").map_err(ExportError::file)?.field.min_max();
     Ok((f64::from(low) < world.sea_level_m).then_some(world.sea_level_m))
 }
 
-fn describe(job: &mut Job<'_>, names: &[String], about: &Value) -> Result<(), RunError> {
+fn describe(job: &mut Job<'_>, names: &[String], about: &Value) -> Result<(), ExportError> {
     let path = job.file(&names[names.len() - 1])?;
-    backend::write_text(&path, &format!("{about:#}\n")).map_err(RunError::file)
+    write_text(&path, &format!("{about:#}\n")).map_err(ExportError::file)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exports::raster;
+    use crate::files::raster;
     use eyot_recipe::ExportFormat;
 
     /// Epic, Landscape Technical Guide: a component has 1 or 2 x 2 sections of 7 to 255 quads, a landscape at most 1024

@@ -4,12 +4,12 @@
 //! these vertices. So the first and the last vertex lie exactly on the first and the last cell, whatever the sizes, and
 //! the extent is that between the middles of the border cells.
 
-use crate::error::RunError;
+use crate::error::ExportError;
 use eyot_core::{Field, Georeference, Grid, Limits, World};
 
 /// Where the samples of an axis lie between the first (0) and the last cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Samples {
+pub(crate) enum Samples {
     /// On so many vertices, the first and the last on the border cells.
     Vertices(usize),
     /// In the middles of so many quads.
@@ -37,14 +37,19 @@ impl Samples {
 ///
 /// Each sample is a mean under Catmull and Rom's cubic, widened where samples are farther apart than cells; at a cell of
 /// the same distance that is the cell's own value, bit for bit. Values stay within the range of their layer.
-pub(super) fn fit(world: &World, layers: &[&str], samples: [Samples; 2], limits: &Limits) -> Result<World, RunError> {
+pub(crate) fn fit(
+    world: &World,
+    layers: &[&str],
+    samples: [Samples; 2],
+    limits: &Limits,
+) -> Result<World, ExportError> {
     let g = &world.grid;
     let [(sx, x0), (sy, y0)] = [samples[0].step(g.width), samples[1].step(g.height)];
     let (w, h) = (samples[0].count(), samples[1].count());
     let grid = Grid { width: w, height: h, cell_x_m: g.cell_x_m * sx, cell_y_m: g.cell_y_m * sy, rim: g.rim };
-    let grid = grid.checked(limits).map_err(RunError::file)?;
+    let grid = grid.checked(limits).map_err(ExportError::file)?;
     let bytes = (w as u128 * (h as u128 * layers.len() as u128 + g.height as u128)) * 4;
-    limits.check_bytes("the resampled world", bytes).map_err(RunError::file)?;
+    limits.check_bytes("the resampled world", bytes).map_err(ExportError::file)?;
     let mut out = World::new(grid, world.seed);
     out.sea_level_m = world.sea_level_m;
     out.step = world.step;
@@ -54,7 +59,7 @@ pub(super) fn fit(world: &World, layers: &[&str], samples: [Samples; 2], limits:
     for name in layers {
         let Some(layer) = world.layers().iter().find(|l| l.spec.name == *name) else { continue };
         let field = resample(&layer.field, &columns, &rows, layer.spec.range);
-        out.put(&layer.spec, field).map_err(RunError::file)?;
+        out.put(&layer.spec, field).map_err(ExportError::file)?;
     }
     Ok(out)
 }

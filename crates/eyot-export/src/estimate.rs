@@ -1,44 +1,31 @@
 //! How much memory the files of a run need, so that it is refused before the work and not in it.
 
-use crate::backend::{mesh, render};
-use crate::outputs;
-use crate::store::Subject;
-use crate::stream;
+use crate::pictures::{self, Subject};
 use eyot_core::{Grid, Limits, Result, World};
-use eyot_recipe::{Estimator, Export, ExportFormat, Preset, Step, Streamed, View};
+use eyot_recipe::memory::check_bytes;
+use eyot_recipe::{Export, ExportFormat, Preset, View};
+use {eyot_mesh as mesh, eyot_render as render};
 
-pub(crate) use eyot_recipe::memory::{EXPORT_REMEDY, PICTURE_REMEDY, check_bytes, working};
+pub use eyot_recipe::memory::{EXPORT_REMEDY, PICTURE_REMEDY};
 
-/// What outputs of Eyot's recipes cost.
-pub(crate) struct Outputs;
-
-impl Estimator for Outputs {
-    fn pictures(&self, grid: &Grid, view: &View) -> u128 {
-        picture(grid, view, Subject::View).max(picture(grid, view, Subject::Relief))
-    }
-
-    fn export(&self, grid: &Grid, of: &Export, limits: &Limits) -> u128 {
-        export(grid, of, limits)
-    }
-
-    fn streamed(&self, steps: &[Step], grid: &Grid) -> Result<Option<Streamed>> {
-        stream::streamed_memory(steps, grid).map(Some)
-    }
+/// Bytes that the pictures of a run take while they are drawn, beside the world.
+pub fn pictures(grid: &Grid, view: &View) -> u128 {
+    picture(grid, view, Subject::View).max(picture(grid, view, Subject::Relief))
 }
 
 /// Bytes that a picture takes while it is drawn, beside the world.
-pub(crate) fn picture(grid: &Grid, options: &View, subject: Subject<'_>) -> u128 {
+pub fn picture(grid: &Grid, options: &View, subject: Subject<'_>) -> u128 {
     let cells = [grid.width, grid.height];
     match subject {
-        Subject::View => render::perspective_bytes(cells, &outputs::view_options(options)),
-        Subject::Relief => render::relief_bytes(cells, &outputs::relief_options(options, None)),
-        Subject::ReliefAt(n) => render::relief_bytes(cells, &outputs::relief_options(options, Some(n))),
+        Subject::View => render::perspective_bytes(cells, &pictures::view_options(options)),
+        Subject::Relief => render::relief_bytes(cells, &pictures::relief_options(options, None)),
+        Subject::ReliefAt(n) => render::relief_bytes(cells, &pictures::relief_options(options, Some(n))),
         Subject::Layer(_) => render::layer_map_bytes(cells, &render::MapOptions::default()),
     }
 }
 
 /// Bytes that an export takes while it is made, beside the world. Rasters are written row by row.
-pub(crate) fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
+pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
     let cells = [grid.width, grid.height];
     let mesh = || {
         render::terrain_colours_bytes(cells)
@@ -57,7 +44,10 @@ pub(crate) fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
 }
 
 /// Checks that `bytes` fit beside a world that is there.
-pub(crate) fn check(what: &str, world: &World, bytes: u128, limits: &Limits, remedy: &'static str) -> Result<()> {
+///
+/// # Errors
+/// [`eyot_core::Error::Limit`] with this remedy.
+pub fn check(what: &str, world: &World, bytes: u128, limits: &Limits, remedy: &'static str) -> Result<()> {
     let held: usize = world.layers().iter().map(|l| l.field.bytes()).sum();
     check_bytes(what, held as u128 + bytes, limits, remedy)
 }

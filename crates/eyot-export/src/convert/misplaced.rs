@@ -1,9 +1,9 @@
 //! Options that could not have an effect, which somebody who gave them would not notice.
 
 use super::{Conversion, Input, Output};
-use crate::backend::io::{Numbers, Raster, RasterFormat};
-use crate::error::RunError;
-use crate::keys::Preset;
+use crate::error::ExportError;
+use eyot_io::{Numbers, Raster, RasterFormat};
+use eyot_recipe::Preset;
 
 /// Extensions of files, which name no folder that somebody means.
 const FILES: [&str; 11] = ["tif", "tiff", "png", "r16", "raw", "r32", "exr", "npy", "zarr", "glb", "obj"];
@@ -93,21 +93,21 @@ impl Conversion<'_> {
     }
 
     /// What only the content of the file can tell.
-    pub(super) fn check(&self, raster: &Raster) -> Result<(), RunError> {
+    pub(super) fn check(&self, raster: &Raster) -> Result<(), ExportError> {
         let input = self.input.display();
         let read = &self.options.read;
         if (read.low_m.is_some() || read.high_m.is_some()) && raster.numbers != Numbers::Scaled {
             let message = "holds values as they are, which have no scale; leave out --from-range";
-            return Err(RunError::input(format!("`{input}` {message}")));
+            return Err(ExportError::input(format!("`{input}` {message}")));
         }
         if self.options.cell_m.is_some() && raster.georeference.is_some() {
             let message = "says where it lies, and so how large its cells are; leave out --cell";
-            return Err(RunError::input(format!("`{input}` {message}")));
+            return Err(ExportError::input(format!("`{input}` {message}")));
         }
         let folder_of_several = self.to == Output::Preset(Preset::Gis);
         if folder_of_several && (raster.name.starts_with('.') || raster.name.contains(['/', '\\', '\0'])) {
             let name = &raster.name;
-            return Err(RunError::input(format!(
+            return Err(ExportError::input(format!(
                 "`{input}` has a layer {name:?}, which cannot name a file; rename it"
             )));
         }

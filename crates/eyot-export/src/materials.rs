@@ -9,10 +9,10 @@
 //!
 //! A cell's shares need its neighbours' heights and nothing else, so they are made while they are written.
 
-use super::Source;
-use crate::backend::io::{self, About, Rows};
-use crate::keys::Export;
+use crate::source::Source;
 use eyot_core::Result;
+use eyot_io::{self as io, About, Rows};
+use eyot_recipe::Export;
 use eyot_recipe::MATERIALS;
 use rayon::prelude::*;
 
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 const SNOW_FADE_M: f32 = 100.0;
 
 /// The shares of all materials, row by row.
-pub(super) struct Materials<'a> {
+pub(crate) struct Materials<'a> {
     height: Box<dyn Rows + 'a>,
     size: (usize, usize),
     about: About,
@@ -29,7 +29,7 @@ pub(super) struct Materials<'a> {
 
 impl<'a> Materials<'a> {
     /// Of the height of `source`, if there is one.
-    pub(super) fn of(source: &'a dyn Source, sea_level_m: f64, export: &Export) -> Option<Self> {
+    pub(crate) fn of(source: &'a dyn Source, sea_level_m: f64, export: &Export) -> Option<Self> {
         let (about, height) = source.layer("height")?;
         let under = about.range.is_none_or(|(low, _)| f64::from(low) < sea_level_m);
         let ground = Ground {
@@ -43,12 +43,12 @@ impl<'a> Materials<'a> {
     }
 
     /// Columns and rows.
-    pub(super) fn size(&self) -> (usize, usize) {
+    pub(crate) fn size(&self) -> (usize, usize) {
         self.size
     }
 
     /// The shares of whole rows from `first` on, each from 0 to 1; those of a cell sum to 1.
-    pub(super) fn read(&mut self, first: usize, out: &mut [[f32; 4]]) -> Result<()> {
+    pub(crate) fn read(&mut self, first: usize, out: &mut [[f32; 4]]) -> Result<()> {
         let (w, h) = self.size;
         // One more row on either side.
         let (from, to) = (first.saturating_sub(1), (first + out.len() / w + 1).min(h));
@@ -63,7 +63,7 @@ impl<'a> Materials<'a> {
     }
 
     /// As [`Materials::read`], as bytes that sum to exactly 255.
-    pub(super) fn read_bytes(&mut self, first: usize, out: &mut [[u8; 4]]) -> Result<()> {
+    pub(crate) fn read_bytes(&mut self, first: usize, out: &mut [[u8; 4]]) -> Result<()> {
         let mut shares = vec![[0.0; 4]; out.len()];
         self.read(first, &mut shares)?;
         out.par_iter_mut().zip(shares).for_each(|(o, s)| *o = io::shares(s));
@@ -133,7 +133,7 @@ impl Rows for Share<'_> {
 }
 
 /// A layer of the source or else a material: exact shares, or those of `bytes`.
-pub(super) fn layer<'a>(
+pub(crate) fn layer<'a>(
     source: &'a dyn Source,
     name: &str,
     sea_level_m: f64,

@@ -1,14 +1,14 @@
 //! Drawings of a reef: cover of its species over the years, and the plot as ecologists draw it.
 
-use crate::backend::render::{Anchor, Drawing, Ink, Place, Shape, Stroke};
 use eyot_reef::community::{DIRECTIONS, Form, Plot, RAYS};
+use eyot_render::{Anchor, Drawing, Ink, Place, Shape, Stroke};
 
 /// Width of a drawing.
 const WIDTH: f32 = 1000.0;
 /// Sand under the colonies.
 const SAND: [u8; 3] = [233, 223, 198];
 /// Macroalgae.
-pub(super) const ALGAE: [u8; 3] = [107, 142, 35];
+pub(crate) const ALGAE: [u8; 3] = [107, 142, 35];
 const INK: [u8; 3] = [40, 44, 48];
 const GRID: [u8; 3] = [222, 222, 222];
 /// Months that bleach somebody, and the bleached.
@@ -23,24 +23,24 @@ const GAP: f32 = 34.0;
 const BLEACHED: f32 = 90.0;
 
 /// A curve of [`cover`].
-pub(super) struct Curve<'a> {
+pub(crate) struct Curve<'a> {
     /// Name in the legend.
-    pub(super) name: &'a str,
+    pub(crate) name: &'a str,
     /// sRGB.
-    pub(super) colour: [u8; 3],
+    pub(crate) colour: [u8; 3],
     /// Share of the plot at the end of each month.
-    pub(super) cover: Vec<f64>,
+    pub(crate) cover: Vec<f64>,
 }
 
 /// What [`cover`] shows.
-pub(super) struct Story<'a> {
-    pub(super) title: &'a str,
+pub(crate) struct Story<'a> {
+    pub(crate) title: &'a str,
     /// Corals first.
-    pub(super) curves: Vec<Curve<'a>>,
+    pub(crate) curves: Vec<Curve<'a>>,
     /// Share of all colonies that are bleached, month by month.
-    pub(super) bleached: Vec<f64>,
+    pub(crate) bleached: Vec<f64>,
     /// Months whose heat bleaches somebody.
-    pub(super) hot: Vec<usize>,
+    pub(crate) hot: Vec<usize>,
 }
 
 /// Room for a row of a legend, and for the name of a species in it.
@@ -51,7 +51,7 @@ const MARGIN: f32 = 20.0;
 
 /// The plot from above, large colonies below small ones; bleached ones are pale. North is up. Below it a scale, and the colours of
 /// those who live.
-pub(super) fn plan(plot: &Plot) -> Drawing {
+pub(crate) fn plan(plot: &Plot) -> Drawing {
     let (w, h) = (plot.site().width_m as f32, plot.site().length_m as f32);
     let scale = WIDTH / w.max(h);
     let at = |x: f32, y: f32| [x * scale, y * scale];
@@ -129,7 +129,7 @@ fn scale_length(side: f32) -> f32 {
 }
 
 /// Cover over the years with a grid, a legend and a mark at each hot month; below, how many colonies are bleached.
-pub(super) fn cover(story: &Story<'_>) -> Drawing {
+pub(crate) fn cover(story: &Story<'_>) -> Drawing {
     let curves = &story.curves;
     let months = curves.iter().map(|c| c.cover.len()).max().unwrap_or(0).max(2);
     let most = curves.iter().flat_map(|c| c.cover.iter().copied()).fold(0.01, f64::max);

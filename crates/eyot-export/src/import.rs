@@ -13,9 +13,9 @@
 //! Cells without a value are filled from their neighbours. A grid that is taken `from` a file keeps its place on Earth.
 //! Heights that the file says are feet become metres; other units stay as they are.
 
-use crate::backend::io::{self, ReadOptions, RowOrder, Sample};
 use eyot_core::process::{Entry, Generator, Site};
 use eyot_core::{Edge, Error, Field, Grid, Limits, Result, about};
+use eyot_io::{self as io, ReadOptions, RowOrder, Sample};
 use eyot_recipe::{DATA, FirstRow, RasterInfo, Refusal, Resolver, alternatives, data, nearest};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,7 +60,7 @@ pub struct Import {
 }
 
 /// The registry line of [`Import`]; it is here because the land crate touches no files.
-pub(crate) static IMPORT: Entry<dyn Generator> =
+pub static IMPORT: Entry<dyn Generator> =
     Entry::<dyn Generator>::generator::<Import>("import", about!("import.rs"), &[]);
 
 impl Generator for Import {
@@ -137,7 +137,7 @@ impl Import {
         };
         let mut limits = Limits::default();
         limits.max_bytes = self.max_bytes.unwrap_or(limits.max_bytes);
-        let raster = read(&self.file, &options, &limits).map_err(fault)?;
+        let raster = read_raster(&self.file, &options, &limits).map_err(fault)?;
         // The file, the file in the grid's columns, and the result.
         let [file, narrow, result] = [
             (raster.field.width(), raster.field.height()),
@@ -150,8 +150,11 @@ impl Import {
     }
 }
 
-/// Reads a raster by path or by `builtin:NAME`. The error is one sentence with its remedy.
-pub(crate) fn read(file: &str, options: &ReadOptions, limits: &Limits) -> std::result::Result<io::Raster, String> {
+/// Reads a raster by path or by `builtin:NAME`.
+///
+/// # Errors
+/// One sentence with its remedy.
+pub fn read_raster(file: &str, options: &ReadOptions, limits: &Limits) -> std::result::Result<io::Raster, String> {
     let Some(name) = file.strip_prefix("builtin:") else {
         return io::read_raster(Path::new(file), options, limits).map_err(|e| e.to_string());
     };
@@ -168,7 +171,8 @@ pub(crate) fn read(file: &str, options: &ReadOptions, limits: &Limits) -> std::r
 }
 
 /// The files of this machine, and the height maps that come with Eyot as `builtin:NAME`.
-pub(crate) struct Files;
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Files;
 
 impl Resolver for Files {
     fn text(&self, file: &str, folder: &Path) -> std::result::Result<String, Refusal> {
@@ -206,7 +210,7 @@ impl Resolver for Files {
     fn raster(&self, located: &str, limits: &Limits) -> std::result::Result<RasterInfo, Refusal> {
         // Only size and place count here, so a picture need not say which heights its greys are.
         let any_heights = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), ..ReadOptions::default() };
-        let raster = read(located, &any_heights, limits).map_err(|reason| {
+        let raster = read_raster(located, &any_heights, limits).map_err(|reason| {
             Refusal::new(reason, "it must be a height map: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, R16 or R32")
         })?;
         Ok(RasterInfo {

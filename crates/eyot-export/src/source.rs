@@ -1,10 +1,10 @@
 //! Where the values of exports come from: a world in memory, or one that is made while it is written.
 
-use crate::backend::io::{About, Rows};
 use eyot_core::World;
+use eyot_io::{About, Rows};
 
 /// Layers whose rows can be read one band after the other.
-pub(crate) trait Source {
+pub trait Source {
     /// What the layer is, and its rows; `None` if there is no such layer.
     fn layer<'a>(&'a self, name: &str) -> Option<(About, Box<dyn Rows + 'a>)>;
 }

@@ -1,31 +1,33 @@
 //! What a reef of single colonies gives beside its layers: the census as a table, pictures of the plot, bodies.
 
-use super::plots::{self, Curve, Story};
-use super::{Job, dive};
-use crate::backend::render::Drawing;
-use crate::backend::{self, io, mesh};
-use crate::error::RunError;
-use crate::keys::ExportFormat;
-use crate::need;
-use crate::recipe::{Actor, Recipe, Work};
-use eyot_core::component::Numbers;
+use crate::dive;
+use crate::error::ExportError;
+use crate::estimate;
+use crate::files::Job;
+use crate::files::write_text;
+use crate::plots::{self, Curve, Story};
+use eyot_core::component::Attribute;
 use eyot_core::process::parameters_from;
 use eyot_core::{Field, Limits, Result, World};
+use eyot_recipe::ExportFormat;
+use eyot_recipe::{Actor, Recipe, Work};
 use eyot_reef::bodies::{Bodies, Body, Detail};
-use eyot_reef::community::{Alga, CensusColumn, Colony, Heat, Plot, Species};
-use eyot_reef::corals::{CENSUS, CORALS, Corals};
+use eyot_reef::community::{Alga, Colony, Heat, Plot, Species};
+use eyot_reef::corals::{CORALS, Corals};
+use eyot_render::Drawing;
 use io::{Scene, SceneMaterial, SceneMesh, SceneNode};
 use mesh::{Blend, Blobs, Kernel, Lattice, MeshingOptions, Primitive, Solid, mesh_field};
 use serde_json::{Value, json};
 use std::path::Path;
+use {eyot_io as io, eyot_mesh as mesh};
 
 /// What to do about a reef that is too large.
 const REMEDY: &str = "export a smaller plot, leave out `corals`, or raise --max-memory";
 /// Linear colour of macroalgae.
-pub(super) const ALGAE: [u8; 4] = [52, 60, 14, 255];
+pub(crate) const ALGAE: [u8; 4] = [52, 60, 14, 255];
 
 /// The corals of a recipe, as its last step has them.
-pub(crate) fn of(recipe: &Recipe) -> Option<Corals> {
+pub fn of(recipe: &Recipe) -> Option<Corals> {
     let steps = recipe.steps.iter().rev().filter(|s| s.enabled);
     let uses = steps.filter_map(|s| if let Work::Simulate(w) = &s.work { Some(&w.processes) } else { None });
     let corals =
@@ -34,66 +36,48 @@ pub(crate) fn of(recipe: &Recipe) -> Option<Corals> {
 }
 
 /// The census: a row for each month.
-pub(super) fn census(job: &Job<'_>, corals: &Corals) -> io::Table {
-    let rows = rows(corals, job.world);
-    let column = |(i, c): (usize, CensusColumn)| io::Column {
-        name: c.name,
-        unit: c.unit.to_owned(),
-        is_whole: c.is_whole,
-        values: rows.iter().map(|r| r[i]).collect(),
-    };
-    io::Table {
-        columns: corals.census_columns().into_iter().enumerate().map(column).collect(),
-        about: job.attributes.clone(),
-    }
+pub(crate) fn census(job: &Job<'_>, corals: &Corals) -> Result<io::Table> {
+    Ok(io::Table::of(&*corals.census(job.world)?, job.attributes.clone()))
 }
 
 /// Cover of each species over the years.
-pub(super) fn cover(corals: &Corals, world: &World, title: &str) -> Drawing {
-    let (columns, rows) = (corals.census_columns(), rows(corals, world));
-    let series = |i: usize| -> Vec<f64> { rows.iter().map(|r| r[i]).collect() };
-    let named = |name: &str| columns.iter().position(|c| c.name == name).map_or_else(Vec::new, series);
-    let ending = |ending: &'static str| {
-        let all = columns.iter().enumerate().filter(move |(_, c)| c.name.ends_with(ending));
-        all.map(|(i, _)| i).collect::<Vec<_>>()
-    };
+pub(crate) fn cover(corals: &Corals, world: &World, title: &str) -> Result<Drawing> {
+    let census = corals.census(world)?;
+    let series = |c: &Attribute| -> Vec<f64> { (0..census.len()).map(|i| c.values.number(i)).collect() };
+    let named = |name: &str| census.get(name).map_or_else(Vec::new, series);
+    let ending =
+        |ending: &str| census.columns().iter().filter(|c| c.name.ends_with(ending)).collect::<Vec<&Attribute>>();
     let (species, rules) = (&corals.community.species, &corals.community.heat);
-    let of = |(s, i): (&'_ Species, usize)| (s.name.clone(), s.colour, series(i));
+    let of = |(s, c): (&'_ Species, &Attribute)| (s.name.clone(), s.colour, series(c));
     let corals: Vec<_> = species.iter().zip(ending(".cover")).map(of).collect();
     let mut curves: Vec<Curve<'_>> =
         corals.iter().map(|(name, colour, cover)| Curve { name, colour: *colour, cover: cover.clone() }).collect();
     curves.push(Curve { name: "macroalgae", colour: plots::ALGAE, cover: named("algae_cover") });
     let (bleached, all) = (ending(".bleached"), ending(".colonies"));
-    let sum = |row: &[f64], of: &[usize]| of.iter().map(|&i| row[i]).sum::<f64>();
-    let bleached = rows.iter().map(|r| sum(r, &bleached) / sum(r, &all).max(1.0)).collect();
+    let sum = |row: usize, of: &[&Attribute]| of.iter().map(|c| c.values.number(row)).sum::<f64>();
+    let bleached = (0..census.len()).map(|row| sum(row, &bleached) / sum(row, &all).max(1.0)).collect();
     let heat = named("heat_index_c").into_iter().zip(named("degree_heating_weeks"));
     let bleaches = |(index, weeks): (f64, f64)| {
         let heat = Heat { index: index as f32, heating_weeks: weeks as f32, ..Heat::default() };
         species.iter().any(|s| heat.risks(rules, s).0 > 0.0)
     };
     let hot = heat.enumerate().filter(|(_, h)| bleaches(*h)).map(|(m, _)| m).collect();
-    plots::cover(&Story { title, curves, bleached, hot })
+    Ok(plots::cover(&Story { title, curves, bleached, hot }))
 }
 
 /// The plot from above.
-pub(super) fn plan(corals: &Corals, world: &World) -> std::result::Result<Drawing, RunError> {
-    Ok(plots::plan(&corals.plot(world).map_err(RunError::file)?))
-}
-
-fn rows<'a>(corals: &Corals, world: &'a World) -> Vec<&'a [f64]> {
-    let columns = corals.census_columns().len();
-    let census = world.components.get::<Numbers>(CENSUS).ok().flatten();
-    census.map_or_else(Vec::new, |numbers| numbers.0.chunks_exact(columns).collect())
+pub(crate) fn plan(corals: &Corals, world: &World) -> std::result::Result<Drawing, ExportError> {
+    Ok(plots::plan(&corals.plot(world).map_err(ExportError::file)?))
 }
 
 /// What stands on the sea floor.
-pub(super) struct Reef<'a> {
+pub(crate) struct Reef<'a> {
     world: &'a World,
-    pub(super) plot: Plot,
-    pub(super) seed: u64,
-    pub(super) sea_level: f32,
+    pub(crate) plot: Plot,
+    pub(crate) seed: u64,
+    pub(crate) sea_level: f32,
     /// A macroalga of a height of 1 m.
-    pub(super) alga: Solid,
+    pub(crate) alga: Solid,
     /// Lowest and highest place of the sea floor, m.
     heights: [f32; 2],
 }
@@ -101,7 +85,7 @@ pub(super) struct Reef<'a> {
 impl<'a> Reef<'a> {
     /// # Errors
     /// If the world's numbers are not those of these corals.
-    pub(super) fn new(corals: &Corals, world: &'a World) -> Result<Self> {
+    pub(crate) fn new(corals: &Corals, world: &'a World) -> Result<Self> {
         let plot = corals.plot(world)?;
         let heights = world
             .layer("height")?
@@ -112,37 +96,37 @@ impl<'a> Reef<'a> {
     }
 
     /// Extent to the east and to the south, m.
-    pub(super) fn sides(&self) -> [f32; 2] {
+    pub(crate) fn sides(&self) -> [f32; 2] {
         [self.plot.site().width_m as f32, self.plot.site().length_m as f32]
     }
 
     /// Edge of a cell, m.
-    pub(super) fn cell(&self) -> f32 {
+    pub(crate) fn cell(&self) -> f32 {
         self.world.grid.cell_x_m as f32
     }
 
     /// Lowest and highest place of the sea floor, m.
-    pub(super) fn heights(&self) -> [f32; 2] {
+    pub(crate) fn heights(&self) -> [f32; 2] {
         self.heights
     }
 
     /// True if depths differ so much that its light does.
-    pub(super) fn is_slope(&self) -> bool {
+    pub(crate) fn is_slope(&self) -> bool {
         self.heights[1] - self.heights[0] > 5.0
     }
 
     /// Share of rock at a place, if a step has said where it is.
-    pub(super) fn substrate(&self, x: f32, y: f32) -> Option<f32> {
+    pub(crate) fn substrate(&self, x: f32, y: f32) -> Option<f32> {
         self.world.get("substrate").map(|layer| self.between(layer, x, y).clamp(0.0, 1.0))
     }
 
     /// Height of the sea floor under a place.
-    pub(super) fn floor(&self, x: f32, y: f32) -> f32 {
+    pub(crate) fn floor(&self, x: f32, y: f32) -> f32 {
         self.world.get("height").map_or(0.0, |height| self.between(height, x, y))
     }
 
     /// Rise of the sea floor to the east and to the south under a colony of this radius.
-    pub(super) fn slope(&self, x: f32, y: f32, radius: f32) -> [f32; 2] {
+    pub(crate) fn slope(&self, x: f32, y: f32, radius: f32) -> [f32; 2] {
         let r = radius.max(0.5 * self.cell());
         let rise = |dx: f32, dy: f32| (self.floor(x + dx, y + dy) - self.floor(x - dx, y - dy)) / (2.0 * r);
         // Bodies that are sheared further look like flags.
@@ -164,7 +148,7 @@ impl<'a> Reef<'a> {
         self.plot.colonies().iter().filter_map(|c| Some((c, bodies.of(c.id)?)))
     }
 
-    pub(super) fn algae(&self) -> impl Iterator<Item = &Alga> {
+    pub(crate) fn algae(&self) -> impl Iterator<Item = &Alga> {
         self.plot.algae().iter().filter(|a| a.height > 0.0)
     }
 
@@ -172,7 +156,7 @@ impl<'a> Reef<'a> {
     ///
     /// # Errors
     /// If nothing lives, or the file cannot be written.
-    pub(super) fn write(&self, bodies: &Bodies, path: &Path, name: &str, format: ExportFormat) -> io::Result<()> {
+    pub(crate) fn write(&self, bodies: &Bodies, path: &Path, name: &str, format: ExportFormat) -> io::Result<()> {
         let species: &[Species] = &self.plot.community().species;
         let names: Vec<String> = self.corals(bodies).map(|(c, _)| label(c, species)).collect();
         let colours = vec![ALGAE; self.alga.positions.len()];
@@ -242,7 +226,7 @@ fn label(c: &Colony, species: &[Species]) -> String {
 }
 
 /// Macroalgae share a mesh and are turned, each by its own number.
-pub(super) fn turn(a: &Alga) -> f32 {
+pub(crate) fn turn(a: &Alga) -> f32 {
     a.id as f32
 }
 
@@ -270,33 +254,33 @@ fn alga() -> Result<Solid> {
 }
 
 /// Writes the files of an export of corals.
-pub(super) fn write(
+pub(crate) fn write(
     job: &mut Job<'_>,
     corals: &Corals,
     format: ExportFormat,
     files: &[String],
-) -> std::result::Result<(), RunError> {
+) -> std::result::Result<(), ExportError> {
     match format {
         ExportFormat::Census => {
-            let text = census(job, corals).csv();
+            let text = census(job, corals).map_err(ExportError::file)?.csv();
             let path = job.file(&files[0])?;
-            backend::write_text(&path, &text).map_err(RunError::file)
+            write_text(&path, &text).map_err(ExportError::file)
         }
         ExportFormat::Parquet => {
-            let table = census(job, corals);
+            let table = census(job, corals).map_err(ExportError::file)?;
             let path = job.file(&files[0])?;
-            io::write_parquet(&path, &table).map_err(RunError::file)
+            io::write_parquet(&path, &table).map_err(ExportError::file)
         }
         ExportFormat::Plots => {
-            let drawings = [cover(corals, job.world, job.name), plan(corals, job.world)?];
+            let drawings = [cover(corals, job.world, job.name).map_err(ExportError::file)?, plan(corals, job.world)?];
             let (texts, pictures) = files.split_at(drawings.len());
             for (name, drawing) in texts.iter().zip(&drawings) {
                 let path = job.file(name)?;
-                backend::write_text(&path, &drawing.svg()).map_err(RunError::file)?;
+                write_text(&path, &drawing.svg()).map_err(ExportError::file)?;
             }
             for (name, drawing) in pictures.iter().zip(&drawings) {
                 let (path, picture) = (job.file(name)?, drawing.picture());
-                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
             }
             Ok(())
         }
@@ -310,13 +294,13 @@ fn write_bodies(
     corals: &Corals,
     format: ExportFormat,
     files: &[String],
-) -> std::result::Result<(), RunError> {
-    let reef = Reef::new(corals, job.world).map_err(RunError::file)?;
+) -> std::result::Result<(), ExportError> {
+    let reef = Reef::new(corals, job.world).map_err(ExportError::file)?;
     if format == ExportFormat::Dive {
-        let pictures = dive::pictures(&reef, job.limits).map_err(RunError::file)?;
+        let pictures = dive::pictures(&reef, job.limits).map_err(ExportError::file)?;
         for (name, picture) in files.iter().zip(pictures) {
             let path = job.file(name)?;
-            io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
+            io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
         }
         return Ok(());
     }
@@ -327,9 +311,9 @@ fn write_bodies(
     // Arrays are written as they are; names and numbers of the nodes take room of their own.
     let nodes = 2048 * (reef.plot.colonies().len() + reef.plot.algae().len()) as u128;
     let needed = Bodies::bytes(&reef.plot, Detail::default()) + nodes;
-    need::check("the bodies of corals", job.world, needed, job.limits, REMEDY).map_err(RunError::file)?;
-    let mut bodies = Bodies::new(reef.plot.community(), reef.seed, Detail::default()).map_err(RunError::file)?;
-    bodies.update(&reef.plot).map_err(RunError::file)?;
+    estimate::check("the bodies of corals", job.world, needed, job.limits, REMEDY).map_err(ExportError::file)?;
+    let mut bodies = Bodies::new(reef.plot.community(), reef.seed, Detail::default()).map_err(ExportError::file)?;
+    bodies.update(&reef.plot).map_err(ExportError::file)?;
     let (name, path) = (job.name, job.file(&files[0])?);
-    reef.write(&bodies, &path, name, format).map_err(RunError::file)
+    reef.write(&bodies, &path, name, format).map_err(ExportError::file)
 }

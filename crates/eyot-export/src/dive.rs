@@ -3,12 +3,12 @@
 //! Plots that a diver overlooks are drawn whole, on a sea floor that goes on around them. Larger ones, slopes above all, are a block
 //! from the side, as in textbooks, and the diver stands where most corals live. Each body is as fine as its pixels ask for.
 
-use super::corals::{ALGAE, Reef, turn};
-use crate::backend::render::{Camera, Haze, MeshPart, MeshViewOptions, Picture, mesh_view, mesh_view_bytes};
+use crate::corals::{ALGAE, Reef, turn};
 use eyot_core::rng::mix64;
 use eyot_core::{Limits, Result};
 use eyot_reef::bodies::{Body, ColonyShape, Detail, Sculptor};
 use eyot_reef::community::Colony;
+use eyot_render::{Camera, Haze, MeshPart, MeshViewOptions, Picture, mesh_view, mesh_view_bytes};
 use rayon::prelude::*;
 
 /// Pixels of the diver's picture.
@@ -63,7 +63,7 @@ struct Floor {
 ///
 /// # Errors
 /// If a body cannot be made, or a picture exceeds the limits.
-pub(super) fn pictures(reef: &Reef<'_>, limits: &Limits) -> Result<Vec<Picture>> {
+pub(crate) fn pictures(reef: &Reef<'_>, limits: &Limits) -> Result<Vec<Picture>> {
     let shots = shots(reef);
     let bodies = bodies(reef, &shots)?;
     shots.iter().map(|shot| draw(reef, &bodies, shot, limits)).collect()
