@@ -30,6 +30,8 @@ pub mod rng;
 pub mod rule;
 mod schedule;
 pub mod stepper;
+mod stopwatch;
+pub mod text;
 pub mod vec3;
 mod world;
 
@@ -42,4 +44,5 @@ pub use layer::{Beyond, Layer, LayerSpec, Stagger};
 pub use ledger::{Account, Ledger};
 pub use limits::Limits;
 pub use names::intern;
+pub use stopwatch::Stopwatch;
 pub use world::{CoordinateSystem, Fingerprint, Georeference, World};

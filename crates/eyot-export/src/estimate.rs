@@ -49,5 +49,5 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
 /// [`eyot_core::Error::Limit`] with this remedy.
 pub fn check(what: &str, world: &World, bytes: u128, limits: &Limits, remedy: &'static str) -> Result<()> {
     let held: usize = world.layers().iter().map(|l| l.field.bytes()).sum();
-    check_bytes(what, held as u128 + bytes, limits, remedy)
+    check_bytes(what, (held + world.components.bytes()) as u128 + bytes, limits, remedy)
 }

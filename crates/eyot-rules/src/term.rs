@@ -436,11 +436,27 @@ fn slots(reads: &mut Vec<&'static str>, wanted: &[&'static str]) -> Vec<usize> {
     wanted.iter().map(place).collect()
 }
 
+/// What a process does beside its plan: layers with the bits of their first values, needs, and the bits of the sea level after it.
+#[derive(PartialEq)]
+struct Beside(Vec<(String, u32)>, Vec<String>, u64);
+
+impl Beside {
+    fn of(process: &dyn Process, moment: &Moment) -> Self {
+        let layers = process.layers().into_iter().map(|l| (l.spec.name.to_string(), l.start.to_bits()));
+        let needs = process.needs().into_iter().map(|name| name.to_string());
+        let mut moved = *moment;
+        process.advance(&mut moved);
+        Self(layers.collect(), needs.collect(), moved.sea_level_m.to_bits())
+    }
+}
+
 /// A process with numbers for all parameters at a moment, and what it says of those that are to be expressions.
 struct Plain<'a> {
     replaced: &'a Replaced,
     moment: &'a Moment,
     parameters: Map<String, Value>,
+    /// What the process does beside its plan.
+    beside: Option<Beside>,
     plan: Plan,
     trace: Trace,
     /// The numbers of the varying terms' parameters.
@@ -453,7 +469,9 @@ impl<'a> Plain<'a> {
         let defaults = (replaced.entry.defaults)();
         let number = |t: &Arc<Term>| parameters.get(&t.parameter).unwrap_or(&defaults[&t.parameter]).as_f64();
         let usual = replaced.varying().map(|t| number(t).unwrap_or(0.0) as f32).collect();
-        Self { replaced, moment, parameters, plan, trace, usual }
+        let process = (replaced.entry.make)(Value::Object(parameters.clone())).ok();
+        let beside = process.map(|process| Beside::of(&*process, moment));
+        Self { replaced, moment, parameters, beside, plan, trace, usual }
     }
 
     /// Values at which a process that decides something by a parameter is likely to decide otherwise.
@@ -469,24 +487,11 @@ impl<'a> Plain<'a> {
     fn agrees(&self, number: usize, value: f32) -> bool {
         let name = self.replaced.varying().nth(number).map(|t| t.parameter.clone()).unwrap_or_default();
         let mut parameters = self.parameters.clone();
-        let usual = parameters.insert(name.clone(), Value::from(f64::from(value)));
-        let made = (self.replaced.entry.make)(Value::Object(parameters.clone())).ok();
-        match usual {
-            Some(usual) => parameters.insert(name, usual),
-            None => parameters.remove(&name),
-        };
-        let (Some(process), Ok(plain)) = (made, (self.replaced.entry.make)(Value::Object(parameters))) else {
-            return false;
-        };
+        parameters.insert(name, Value::from(f64::from(value)));
+        let Ok(process) = (self.replaced.entry.make)(Value::Object(parameters)) else { return false };
         let plan = planned(&*process, self.moment);
-        let around = |p: &dyn Process| {
-            let layers: Vec<_> = p.layers().into_iter().map(|l| (l.spec.name, l.start.to_bits())).collect();
-            let mut moved = *self.moment;
-            p.advance(&mut moved);
-            (layers, p.needs(), moved.sea_level_m.to_bits())
-        };
         let passes = self.plan.passes();
-        around(&*process) == around(&*plain)
+        self.beside.as_ref() == Some(&Beside::of(&*process, self.moment))
             && plan.passes().len() == passes.len()
             && plan.passes().iter().enumerate().all(|(i, pass)| {
                 pass.kind() == passes[i].kind() && self.same(i, &passes[i], &pass.params(), number, value)

@@ -10,6 +10,7 @@ mod engines;
 mod exports;
 mod film;
 mod fingerprints;
+mod former;
 mod mountains;
 mod own_rules;
 mod printed_recipes;
