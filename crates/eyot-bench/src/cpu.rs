@@ -471,7 +471,7 @@ fn rules(world: &World, processes: &[Scheduled]) -> Option<(f64, usize)> {
     let (mut moved, mut operations) = (0.0, 0.0);
     for s in processes {
         let mut plan = Plan::default();
-        s.process.plan(&Moment { grid: world.grid, step: 1, turn: 0, sea_level_m: world.sea_level_m }, &mut plan);
+        s.process.plan(&Moment::whole(world.grid, 1, world.sea_level_m), &mut plan);
         for p in plan.passes() {
             moved += (p.reads().len() + p.writes().len()) as f64 / s.every as f64;
             operations += p.graph().operations() as f64 / s.every as f64;

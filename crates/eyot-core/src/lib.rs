@@ -6,6 +6,7 @@ pub mod about;
 pub mod component;
 pub mod conformance;
 pub mod control;
+mod domain;
 pub mod engine;
 mod error;
 mod field;
@@ -37,6 +38,7 @@ mod world;
 
 pub use component::{Component, ComponentKind, ComponentKinds, Components};
 pub use control::{Cancel, Control};
+pub use domain::Domain;
 pub use error::{Error, Result};
 pub use field::Field;
 pub use grid::{Edge, Grid, Rim};

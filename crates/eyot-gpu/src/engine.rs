@@ -682,7 +682,7 @@ impl Resident {
         let mut specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
         let world_layers = specs.len();
         // Which layers are looked at from other cells, and which are written, over enough steps to see every schedule.
-        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut moment = Moment::of(world);
         let (end, block) = (span.from + span.steps.clamp(1, 64), engine.block(&world.grid));
         let (mut plans, mut at) = (Vec::new(), span.from);
         while at < end {

@@ -79,7 +79,7 @@ fn actions(found: &mut Findings) {
                 }
             }
             let (grid, sea_level_m) = (world.grid, 0.0);
-            let moment = Moment { grid, step: 0, turn: 0, sea_level_m };
+            let moment = Moment::whole(grid, 0, sea_level_m);
             let (measured, outcome) = peak(&grid, || {
                 let mut instance = action.instantiate(&world)?;
                 instance.act(&moment, &mut world, &Control::none())

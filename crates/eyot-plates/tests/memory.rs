@@ -23,7 +23,7 @@ fn a_step_holds_what_it_says() {
             plates.prepare(&mut world).unwrap();
             let mut instance = plates.action().unwrap().instantiate(&world).unwrap();
             for step in 0..12 {
-                let moment = Moment { grid, step, turn: step, sea_level_m: 0.0 };
+                let moment = Moment { turn: step, ..Moment::whole(grid, step, 0.0) };
                 instance.act(&moment, &mut world, &Control::none()).unwrap();
             }
         });

@@ -368,7 +368,7 @@ impl Replaced {
         let mut used = Vec::new();
         // Angles and years begin anew after a while.
         for step in MOMENTS {
-            let moment = Moment { grid: *grid, step, turn: step, sea_level_m: 0.0 };
+            let moment = Moment { turn: step, ..Moment::whole(*grid, step, 0.0) };
             let plain = Plain::of(self, &moment);
             used.extend(plain.trace.used());
             for (number, term) in varying.iter().enumerate() {

@@ -232,6 +232,8 @@ fn rules_pass_the_suite_of_the_core() {
         "exp(-abs(laplacian(a))) + sin(0.1 * x) * steps",
     ] {
         conformance::check(&scheduled(text), &start).unwrap();
+        conformance::check_access(&scheduled(text), &start).unwrap();
+        assert!(conformance::check_windows(&scheduled(text), &start).unwrap(), "{text}");
     }
 }
 

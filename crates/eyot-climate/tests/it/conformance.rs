@@ -24,6 +24,15 @@ fn steps_keep_to_the_layers_that_they_declare() {
     }
 }
 
+/// What a window makes of its inside is what the whole world has there.
+#[test]
+fn windows_have_the_bytes_of_the_whole_grid() {
+    for (name, processes) in climate_variants() {
+        println!("{name}");
+        assert!(conformance::check_windows(&processes, &climate_start).unwrap(), "{name} is rules");
+    }
+}
+
 #[test]
 fn graphs_mean_what_the_rules_mean() {
     let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
@@ -39,7 +48,7 @@ fn a_step_is_lean() {
     let (mut operations, mut accesses) = (0.0, 0.0);
     for s in world() {
         let mut plan = Plan::default();
-        s.process.plan(&Moment { grid, step: 1, turn: 0, sea_level_m: 0.0 }, &mut plan);
+        s.process.plan(&Moment::whole(grid, 1, 0.0), &mut plan);
         // Zones are drawn in every tenth step.
         let share = if s.name == "zones" { 0.1 } else { 1.0 };
         for p in plan.passes() {

@@ -5,6 +5,7 @@
 
 use super::cpu::CpuEngine;
 use super::sweep::{SumsPointer, Sweep, finish_row};
+use crate::domain::{Domain, End};
 use crate::error::Result;
 use crate::field::{Field, RawField, STAGGERS};
 use crate::grid::{Edge, Grid};
@@ -18,6 +19,8 @@ use std::borrow::Cow;
 
 /// Buffers of a simulation: two copies of each layer as needed, scratch layers, sums.
 pub(super) struct Arena {
+    domain: Domain,
+    /// The cells that are held.
     grid: Grid,
     seed: u64,
     specs: Vec<LayerSpec>,
@@ -39,6 +42,7 @@ impl Arena {
         let g = world.grid;
         let specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
         let mut arena = Self {
+            domain: world.domain(),
             grid: g,
             seed: world.seed,
             current: vec![0; specs.len()],
@@ -72,10 +76,11 @@ impl Arena {
     /// Makes the padding of a layer what the rim says.
     fn finish(&self, spec: &LayerSpec, field: &mut Field) {
         // Faces north of an open rim are a row of their own.
-        let first = if spec.stagger == Stagger::FaceY && self.grid.rim.y == Edge::Open { -1 } else { 0 };
+        let first =
+            if spec.stagger == Stagger::FaceY && self.domain.ends_y()[0] == End::Rim(Edge::Open) { -1 } else { 0 };
         for y in first..self.grid.height as isize {
             // SAFETY: this thread owns the field.
-            unsafe { finish_row(field.raw().row(y), &self.grid, spec, y) };
+            unsafe { finish_row(field.raw().row(y), &self.domain, spec, y) };
         }
     }
 
@@ -147,6 +152,7 @@ impl Arena {
         let first_sums = starts.collect();
         let sweep = Sweep {
             isa: engine.isa,
+            domain: self.domain,
             grid: self.grid,
             seed: self.seed,
             passes,

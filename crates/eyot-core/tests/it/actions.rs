@@ -2,7 +2,7 @@
 
 use eyot_core::engine::{CpuEngine, MemoryEstimate};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Span};
+use eyot_core::process::{Action, ActionInstance, Locality, Moment, Process, Scheduled, Span};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
 use eyot_core::{Cancel, Control, Grid, LayerSpec, Limits, Result, Rim, World, rule_params};
@@ -66,6 +66,10 @@ impl Process for AddOne {
 impl Action for AddOne {
     fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
         Ok(Box::new(self.clone()))
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Cell
     }
 
     fn bytes_per_cell(&self) -> usize {

@@ -61,7 +61,7 @@ fn run(engine: &mut GpuEngine, world: &mut World, processes: &[Scheduled], steps
 
 /// Passes of a step.
 fn passes(world: &World, processes: &[Scheduled]) -> usize {
-    let mut moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: 0.0 };
+    let mut moment = Moment::whole(world.grid, 0, 0.0);
     let mut plan = Plan::default();
     plan_step(processes, 0, &mut moment, &mut plan);
     plan.passes().len()

@@ -4,7 +4,7 @@ use eyot_core::component::Numbers;
 use eyot_core::control::{Cancel, Control};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known;
-use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Site, Span};
+use eyot_core::process::{Action, ActionInstance, Locality, Moment, Process, Scheduled, Site, Span};
 use eyot_core::{Error, Field, Grid, Limits, Rim, World};
 use eyot_gpu::{Choice, GpuEngine, GpuError, Options, blocking};
 use eyot_land::generate::GENERATORS;
@@ -241,6 +241,10 @@ impl Action for Lift {
 
     fn cannot_fail(&self) -> bool {
         true
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Cell
     }
 
     fn bytes_per_cell(&self) -> usize {

@@ -11,7 +11,7 @@ use eyot_testing::land::variants;
 /// A plan of some steps, the layers that it works on, and how many of them are the world's.
 fn plan(processes: &[Scheduled], rim: Rim, steps: u64) -> (Plan, Vec<LayerSpec>, usize) {
     let grid = Grid::new(64, 32, 3.0, rim, &Limits::default()).unwrap();
-    let mut moment = Moment { grid, step: 0, turn: 0, sea_level_m: 0.0 };
+    let mut moment = Moment::whole(grid, 0, 0.0);
     let mut plan = Plan::default();
     (0..steps).for_each(|i| plan_step(processes, i, &mut moment, &mut plan));
     let mut specs: Vec<LayerSpec> = Vec::new();

@@ -2,7 +2,7 @@
 //! same.
 
 use eyot_core::conformance;
-use eyot_core::process::{Moment, Process, Scheduled};
+use eyot_core::process::{Locality, Moment, Process, Scheduled};
 use eyot_core::{Grid, Limits, Rim};
 use eyot_land::simulate::PROCESSES;
 use eyot_land::simulate::hydraulic::Hydraulic;
@@ -26,6 +26,24 @@ fn steps_keep_to_the_layers_that_they_declare() {
     for e in PROCESSES {
         let process = (e.make)((e.defaults)()).unwrap();
         conformance::check_access(&[Scheduled { name: e.name, process, every: 1 }], &start).unwrap();
+    }
+}
+
+/// What a window makes of its inside is what the whole world has there.
+#[test]
+fn windows_have_the_bytes_of_the_whole_grid() {
+    for (name, processes) in variants() {
+        println!("{name}");
+        assert!(conformance::check_windows(&processes, &start).unwrap(), "{name} is rules");
+    }
+    for e in PROCESSES {
+        let process = (e.make)((e.defaults)()).unwrap();
+        let whole = process.action().map(|a| a.locality());
+        let compared = conformance::check_windows(&[Scheduled { name: e.name, process, every: 1 }], &start).unwrap();
+        // Water finds its way over the whole grid.
+        let acts = ["drainage", "streampower"].contains(&e.name);
+        assert_eq!(whole, acts.then_some(Locality::Whole), "{}", e.name);
+        assert_eq!(compared, !acts, "{}", e.name);
     }
 }
 

@@ -3,7 +3,7 @@
 use eyot_core::component::{Decoder, Encoder, Numbers};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::Scheduled;
+use eyot_core::process::{Locality, Scheduled};
 use eyot_core::{Component, ComponentKinds, Control, Field, Grid, LayerSpec, Limits, Rim, World};
 use eyot_reef::community::Population;
 use eyot_reef::corals::{CENSUS, CORALS, Corals, POPULATION, SEA, Sea};
@@ -48,6 +48,18 @@ fn a_reef_goes_on_from_its_population_to_the_same_bits() {
     assert_eq!(whole.components, parts.components);
     assert_eq!(whole.fingerprint(), parts.fingerprint());
     assert!(population(&whole).colonies().len() > 20 && population(&whole).months() == 30);
+}
+
+#[test]
+fn corals_keep_to_the_layers_that_they_declare() {
+    for (world, parameters) in [(slope(), json!({})), (with_climate(slope()), json!({ "sea": "world" }))] {
+        let mut world = world;
+        months(&mut world, parameters.clone(), 6);
+        let process = (CORALS.make)(parameters).unwrap();
+        assert_eq!(process.action().map(|a| a.locality()), Some(Locality::Whole));
+        let corals = [Scheduled { name: "corals", process, every: 1 }];
+        eyot_core::conformance::check_access_in(&world, &corals).unwrap();
+    }
 }
 
 #[test]

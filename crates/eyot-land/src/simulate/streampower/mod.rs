@@ -52,7 +52,7 @@ pub use heights::HEIGHT_REST;
 
 use crate::drainage::{Base, Neighbours, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Action, ActionInstance, LayerUse, Moment, Process, SECONDS_PER_YEAR, check_ranges};
+use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Process, SECONDS_PER_YEAR, check_ranges};
 use eyot_core::{Control, Edge, Field, Grid, LayerSpec, Result, World};
 use incise::Cut;
 use rayon::prelude::*;
@@ -145,6 +145,10 @@ impl Process for Streampower {
 impl Action for Streampower {
     fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
         Ok(Box::new(self.clone()))
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Whole
     }
 
     fn bytes_per_cell(&self) -> usize {
