@@ -173,7 +173,7 @@ fn lanes_body<L: LaneBlock, U: Rule>(params: &<U::Params as ParamSet>::Of<f32>, 
             *sum = *sum + L::index().lt(live).pick(*v, L::of(0.0));
         }
         if !U::TALLIES.is_empty() && x < first {
-            forget(&mut sums, first - x);
+            forget(&mut sums[..U::TALLIES.len()], first - x);
         }
         x += WIDTH;
     }
