@@ -1,6 +1,6 @@
 //! Tables of numbers, and their text as CSV.
 
-use eyot_core::component;
+use eyot_core::component::{self, Attributes, View};
 use serde_json::{Map, Value};
 
 /// A column of a [`Table`].
@@ -28,13 +28,27 @@ pub struct Table {
 impl Table {
     /// A table of a world, and what is to be said about it.
     pub fn of(table: &component::Table, about: Map<String, Value>) -> Self {
-        let column = |c: &component::Attribute| Column {
-            name: c.name.clone(),
-            unit: c.unit.clone(),
-            is_whole: c.values.of().is_whole(),
-            values: (0..table.len()).map(|i| c.values.number(i)).collect(),
+        Self { columns: columns(table).collect(), about }
+    }
+
+    /// What a component shows of itself, and what is to be said about it: of points a row for each with `x`, `y` and `z` first, of lines
+    /// a row for each with the numbers of the nodes `from` and `to` first. `None` for what has no rows.
+    pub fn of_view(view: &View<'_>, about: Map<String, Value>) -> Option<Self> {
+        let columns = match view {
+            View::Table(table) => columns(table).collect(),
+            View::Points(points) => {
+                let along = |i: usize| points.positions().iter().map(|p| f64::from(p[i])).collect();
+                let place = |(i, name): (usize, &str)| column(name, "m", false, along(i));
+                ["x", "y", "z"].into_iter().enumerate().map(place).chain(columns(points.attributes())).collect()
+            }
+            View::Lines(graph) => {
+                let end = |i: usize| graph.edges().iter().map(|e| f64::from(e[i])).collect();
+                let node = |(i, name): (usize, &str)| column(name, "1", true, end(i));
+                ["from", "to"].into_iter().enumerate().map(node).chain(columns(graph.edge_attributes())).collect()
+            }
+            _ => return None,
         };
-        Self { columns: table.columns().iter().map(column).collect(), about }
+        Some(Self { columns, about })
     }
 
     /// Number of rows.
@@ -56,6 +70,16 @@ impl Table {
     }
 }
 
+fn column(name: &str, unit: &str, is_whole: bool, values: Vec<f64>) -> Column {
+    Column { name: name.to_owned(), unit: unit.to_owned(), is_whole, values }
+}
+
+fn columns(attributes: &Attributes) -> impl Iterator<Item = Column> + '_ {
+    attributes.columns().iter().map(|c| {
+        let values = (0..attributes.len()).map(|i| c.values.number(i)).collect();
+        column(&c.name, &c.unit, c.values.of().is_whole(), values)
+    })
+}
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -39,7 +39,7 @@ pub struct EngineOptions {
 
 impl EngineOptions {
     /// The adapter that these options mean.
-    pub(crate) fn adapter(&self) -> Choice {
+    pub fn adapter(&self) -> Choice {
         match (&self.adapter, self.choice) {
             (Some(name), _) => Choice::Named(name.clone()),
             (None, EngineChoice::Auto) => Choice::Hardware,
@@ -169,14 +169,17 @@ impl Engine {
 }
 
 /// A graphics card, with the pipelines that earlier processes compiled.
-pub(crate) fn card(options: &EngineOptions, how: Options) -> Result<GpuEngine, GpuError> {
+///
+/// # Errors
+/// If there is no such adapter, or it cannot run the engine.
+pub fn card(options: &EngineOptions, how: Options) -> Result<GpuEngine, GpuError> {
     let gpu = blocking::open(&options.adapter())?;
     let cache = cache_file(&gpu).and_then(|path| std::fs::read(path).ok());
     GpuEngine::new(gpu, how, cache.as_deref())
 }
 
 /// Keeps compiled pipelines for the next process. Only a convenience: what cannot be kept is compiled again.
-pub(crate) fn keep_pipelines(e: &GpuEngine) {
+pub fn keep_pipelines(e: &GpuEngine) {
     let (Some(path), Some(data)) = (cache_file(e.gpu()), e.cache_data()) else { return };
     if std::fs::metadata(&path).is_ok_and(|m| m.len() == data.len() as u64) {
         return;
@@ -190,7 +193,7 @@ pub(crate) fn keep_pipelines(e: &GpuEngine) {
 }
 
 /// Instruction set of the CPU engine.
-pub(crate) fn isa() -> Isa {
+pub fn isa() -> Isa {
     CpuEngine::default().isa
 }
 

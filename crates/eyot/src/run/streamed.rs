@@ -11,6 +11,7 @@ use crate::store::CHECKPOINT_FILE;
 use crate::stream::{StreamedWorld, Survey};
 use eyot_core::{Cancel, Control, Limits, World};
 use eyot_io::checkpoint;
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -23,6 +24,7 @@ pub(super) struct Streamed {
     recipe: Recipe,
     limits: Limits,
     host: Host,
+    out: Option<PathBuf>,
     world: World,
     state: State,
     cancel: Cancel,
@@ -52,8 +54,9 @@ pub(super) fn run(
     };
     let engine = options.engine.clone().unwrap_or_else(|| state.engine.clone());
     let (events, limits, seconds_before) = (host.events.clone(), options.limits, state.seconds);
+    let out = options.out.clone();
     let state = State { engine, ..state };
-    let mut run = Streamed { recipe, limits, host, world, state, cancel, begun, seconds_before };
+    let mut run = Streamed { recipe, limits, host, out, world, state, cancel, begun, seconds_before };
     let done = run.work(watch);
     events.tell(match &done {
         Ok(o) if o.finished => Event::Done {
@@ -82,7 +85,7 @@ impl Streamed {
             engine: crate::engines::Engine::cpu(self.limits).name(),
             threads: rayon::current_num_threads(),
             resumed,
-            out: self.host.out.clone(),
+            out: self.out.clone(),
         });
         self.checkpoint()?;
         match self.stream(watch) {
@@ -90,7 +93,7 @@ impl Streamed {
             // Whatever it was that the stop broke off.
             Err(_) if self.cancel.is_raised() => {
                 self.checkpoint()?;
-                let outputs = self.host.out.iter().map(|out| out.join(CHECKPOINT_FILE)).collect();
+                let outputs = self.out.iter().map(|out| out.join(CHECKPOINT_FILE)).collect();
                 let (fingerprint, journal) = (self.world.fingerprint(), std::mem::take(&mut self.state.journal));
                 Ok(Outcome { world: self.world.clone(), fingerprint, finished: false, outputs, journal })
             }
@@ -114,7 +117,7 @@ impl Streamed {
         self.state.timings = vec![(SURVEY.to_owned(), seconds)];
         tell(Event::StepDone { number, name: SURVEY.to_owned(), seconds });
         let mut outputs = Vec::new();
-        if let Some(out) = &host.out {
+        if let Some(out) = &self.out.clone() {
             let limits = self.limits;
             let job = Outputs {
                 recipe: &recipe,
@@ -145,7 +148,7 @@ impl Streamed {
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
-        let Some(out) = &self.host.out else { return Ok(()) };
+        let Some(out) = &self.out else { return Ok(()) };
         let path = out.join(CHECKPOINT_FILE);
         self.state.seconds = self.seconds();
         let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;

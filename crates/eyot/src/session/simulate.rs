@@ -4,7 +4,6 @@ use super::{Heard, Phase, Session, label, overall};
 use crate::engines::Failure;
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry, Progress};
-use crate::registry::Registry;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Control, Error};
 use eyot_recipe::{Change, Problems, ProcessUse, SimulateStep, Step, Work, process_set, schedule};
@@ -204,7 +203,7 @@ impl Session {
 
     fn apply(&self, uses: &mut [ProcessUse], set: &str) -> Result<(), Problems> {
         let has = |name: &str| self.world.get(name).is_some();
-        process_set::apply(uses, set, &Registry::standard(), &self.world.grid, &has)
+        process_set::apply(uses, set, &self.host.registry, &self.world.grid, &has)
     }
 
     /// Changes a parameter of the simulation under way, or warns why not.

@@ -4,12 +4,9 @@
 //! queue is drained and a layer has been read back. Beside it stands what the work would take if nothing but the card's memory were
 //! in its way: the bytes that fused passes must move, over the bandwidth of a plain copy.
 
-use crate::bench::{self, BenchSubject};
-use crate::engines::{self, EngineOptions};
-use crate::error::RunError;
-use crate::recipe::{Overrides, Recipe, RecipeSource, Work as StepWork};
-use crate::registry::Registry;
-use crate::run::{Run, RunOptions};
+use crate::cpu::{self, BenchSubject};
+use eyot::engines::{card, keep_pipelines};
+use eyot::{EngineOptions, Overrides, Recipe, RecipeSource, Registry, Run, RunError, RunOptions, Work as StepWork};
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Control, Error, Limits, World};
 use eyot_gpu::{GpuEngine, GpuError, Options, Work, copy_bandwidth};
@@ -105,17 +102,20 @@ struct Phase {
 /// If there is no adapter, the device fails, or the world does not fit it.
 pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
     if !(options.seconds > 0.0 && options.seconds <= 86_400.0) {
-        return Err(RunError::input(format!("seconds: {} is not within 0..=86400", options.seconds)));
+        return Err(RunError::Input {
+            reason: format!("seconds: {} is not within 0..=86400", options.seconds),
+            help: None,
+        });
     }
     let (world, phases) = case(options)?;
     let how = Options::default().timed(true).most_passes(options.most_passes);
-    let mut engine = engines::card(&options.engine, how)?;
+    let mut engine = card(&options.engine, how)?;
     let copy_bandwidth = copy_bandwidth(engine.gpu())?;
     let cells = world.grid.cells() as f64;
     let start = phases.iter().any(|p| p.steps.is_some()).then(|| world.clone());
     let mut bench = Bench { engine: &mut engine, phases: &phases, start, world, done: 0 };
     let outcome = bench.measure(options.seconds).map_err(refused);
-    engines::keep_pipelines(&engine);
+    keep_pipelines(&engine);
     let Timed { seconds, steps, work, repeats } = outcome?;
     let n: u64 = steps.iter().sum();
     let whole = phases.iter().zip(&steps).all(|(p, n)| p.steps.is_some_and(|all| *n == all * repeats));
@@ -174,7 +174,7 @@ fn case(options: &GpuBenchOptions) -> Result<(World, Vec<Phase>), RunError> {
         }
         _ => {}
     }
-    let (world, processes) = bench::case(what, options.classic, options.size).map_err(input)?;
+    let (world, processes) = cpu::case(what, options.classic, options.size).map_err(input)?;
     if processes.iter().any(|s| s.process.action().is_some()) {
         return Err(none());
     }
@@ -184,7 +184,7 @@ fn case(options: &GpuBenchOptions) -> Result<(World, Vec<Phase>), RunError> {
 /// The recipe `island`: its generators have been at work, its simulations are the phases.
 fn island(size: usize) -> Result<(World, Vec<Phase>), RunError> {
     let source = RecipeSource::builtin("island").ok_or_else(|| RunError::Fault("there is no island".into()))?;
-    let side = u32::try_from(size).map_err(RunError::input)?;
+    let side = u32::try_from(size).map_err(|e| RunError::Input { reason: e.to_string(), help: None })?;
     let overrides = Overrides { size: Some((side, Some(side))), ..Overrides::default() };
     let mut recipe = Recipe::parse(source, overrides, &Registry::standard(), &Limits::default())?;
     let mut phases = Vec::new();

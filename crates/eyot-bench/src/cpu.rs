@@ -4,7 +4,7 @@
 //! stretch warms up, and the following ones are samples. Start fields and parameters are those of
 //! `benches/peers/common.py`; `benches/peers/check.py` shows that start fields are equal to the bit and results agree.
 
-use crate::bench_rule;
+use crate::rule;
 use eyot_core::engine::{CpuEngine, Need};
 use eyot_core::isa::Isa;
 use eyot_core::plan::Plan;
@@ -287,7 +287,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         (BenchSubject::Hydraulic, false) => (10.0, -350.0, 650.0, Box::new(Hydraulic::default())),
         (BenchSubject::Hydraulic, true) => (1.0, 0.0, 80.0, Box::new(mei_2007())),
         (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
-        (BenchSubject::Rule, _) => (10.0, 0.0, 1000.0, Box::new(bench_rule::thermal(10.0)?)),
+        (BenchSubject::Rule, _) => (10.0, 0.0, 1000.0, Box::new(rule::thermal(10.0)?)),
         // A year a step makes one spreading a growth; the default of ten years takes nine.
         (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
         (

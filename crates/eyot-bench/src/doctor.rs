@@ -1,6 +1,7 @@
 //! What this machine can simulate on, and whether it does so rightly: `eyot doctor`.
 
-use crate::engines::{EngineChoice, EngineOptions, isa};
+use eyot::engines::isa;
+use eyot::{EngineChoice, EngineOptions};
 use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
