@@ -172,7 +172,7 @@ fn test(adapter: Option<&str>, no_adapters: bool) -> Result<Test, Error> {
 fn on_card(gpu: Gpu, world: &mut World, processes: &[Scheduled], span: Span) -> Result<(), GpuError> {
     let mut engine = GpuEngine::new(gpu, Options::default(), None)?;
     engine.simulate(world, processes, span, &Control::none())?;
-    engine.bring_back(world)
+    engine.download(world)
 }
 
 /// Rounded hills of 60 m by the sea.

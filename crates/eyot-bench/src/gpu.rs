@@ -279,7 +279,7 @@ impl Bench<'_> {
                     self.begin_anew();
                 } else {
                     // As runs do between two steps of a recipe.
-                    self.engine.bring_back(&mut self.world)?;
+                    self.engine.download(&mut self.world)?;
                     self.engine.release();
                     self.done = 0;
                 }

@@ -29,6 +29,7 @@ pub mod reference;
 pub mod rng;
 pub mod rule;
 mod schedule;
+pub mod stepper;
 mod stopwatch;
 pub mod text;
 pub mod vec3;
