@@ -15,6 +15,8 @@ use crate::store::{self, REPORT_FILE, TIMELINE_STORE};
 use crate::stream::{self, Stream};
 use crate::timeline;
 use crate::watch::Watcher;
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy};
 use eyot_core::{Cancel, Limits, World};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -182,7 +184,7 @@ impl Run {
         }
         let mut warnings = Vec::new();
         if let Some(out) = &options.out {
-            warnings.extend(remove_recording(out, options.record.is_some())?);
+            warnings.extend(remove_recording(out, options.record.is_some())?.map(Remedy::from));
         }
         let mut world = World::new(recipe.grid, recipe.seed);
         world.sea_level_m = recipe.sea_level_m;
@@ -212,7 +214,7 @@ impl Run {
         timeline::fits(&recipe, &saved.world, &state)
             .map_err(|e| damaged(format!("`{}` does not fit its recipe: {e}", path.display())))?;
         if state.place() == (0, 0) && !state.rewound {
-            warnings.push("the run was stopped before its first step was done; it begins anew".to_owned());
+            warnings.push("the run was stopped before its first step was done; it begins anew".into());
         }
         if saved.engine_version != crate::VERSION {
             let message = format!(
@@ -220,13 +222,13 @@ impl Run {
                 saved.engine_version,
                 crate::VERSION
             );
-            warnings.push(message);
+            warnings.push(message.into());
         }
         if state.streamed && options.watch.is_some() {
-            return Err(RunError::Input {
-                reason: format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
-                help: Some("continue it with `eyot resume`"),
-            });
+            return Err(RunError::refused(
+                format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
+                remedy!["continue it with ", Action::Resume(None)],
+            ));
         }
         let stream = if state.streamed { Stream::Always } else { options.stream };
         let options = RunOptions { out: Some(folder.to_owned()), stream, ..options };
@@ -261,7 +263,7 @@ fn launch(
     world: World,
     state: State,
     lock: Option<FolderLock>,
-    warnings: Vec<String>,
+    warnings: Vec<Remedy>,
 ) -> Result<Handle, RunError> {
     let threads = options.threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new()

@@ -14,6 +14,8 @@ use crate::registry::{Registry, component_kinds};
 use crate::session::SessionOptions;
 use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, TIMELINE_STORE, WORLD_FILE};
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy, Setting};
 use eyot_core::{ComponentKinds, Limits, World};
 use eyot_recipe::memory;
 use serde::Serialize;
@@ -113,7 +115,7 @@ impl Timeline {
             self.frames.iter().rfind(|f| if let Moment::Frame(_) = moment { f.frame == i } else { f.frame <= i });
         found.copied().ok_or_else(|| {
             let reasons: Vec<String> = self.damaged.iter().filter(|d| d.frame <= i).map(Damaged::to_string).collect();
-            RunError::Input { reason: reasons.join("; "), help: Some(OTHER_FRAME) }
+            RunError::refused(reasons.join("; "), other_frame())
         })
     }
 
@@ -237,7 +239,7 @@ fn changed(
     let start = |r: &Recipe| (r.grid, r.seed, r.sea_level_m.to_bits(), r.steps.len());
     if start(before) != start(&after) {
         let reason = "grid, seed, sea level and number of steps are settled at this moment".to_owned();
-        return Err(RunError::Input { reason, help: Some("start a new run with these changes") });
+        return Err(RunError::refused(reason, "start a new run with these changes"));
     }
     let done = state.done_steps.min(after.steps.len());
     let differ = |from: usize, to: usize| {
@@ -245,7 +247,7 @@ fn changed(
     };
     if let Some(step) = differ(0, done).filter(|_| differ(done, after.steps.len()).is_none()) {
         let reason = format!("step {} ({}) is done at this moment: a change comes too late", step.number, step.name);
-        return Err(RunError::Input { reason, help: Some("branch at an earlier moment, or start a new run") });
+        return Err(RunError::refused(reason, "branch at an earlier moment, or start a new run"));
     }
     Ok(after)
 }
@@ -270,12 +272,12 @@ pub(crate) fn branch_off(
     };
     if let Some(what) = wrong {
         let reason = format!("`{}` {what} that it would branch off from", out.display());
-        return Err(RunError::Input { reason, help: Some("name a new folder beside that of the run") });
+        return Err(RunError::refused(reason, "name a new folder beside that of the run"));
     }
     std::fs::create_dir_all(out).map_err(fail)?;
     if std::fs::read_dir(out).map_err(fail)?.next().is_some() {
         let reason = format!("`{}` is not empty", out.display());
-        return Err(RunError::Input { reason, help: Some("name a new folder for the branch") });
+        return Err(RunError::refused(reason, "name a new folder for the branch"));
     }
     let _lock = FolderLock::take(out)?;
     store.copy(i + 1, &out.join(TIMELINE_STORE)).map_err(RunError::file)?;
@@ -304,7 +306,7 @@ pub(crate) fn latest(
     path: &Path,
     limits: &Limits,
     kinds: &ComponentKinds,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Remedy>,
 ) -> Result<(Checkpoint, State), String> {
     let of_checkpoint = checkpoint::load(path, limits, kinds).map_err(|e| e.to_string()).and_then(|saved| {
         let state: State = serde_json::from_value(saved.state.clone())
@@ -318,14 +320,14 @@ pub(crate) fn latest(
     match last_frame(folder, of_checkpoint.as_ref().ok().map(|(_, s)| s.place()), limits, kinds, warnings) {
         Ok(Some((saved, state))) => {
             if let Err(e) = of_checkpoint {
-                warnings.push(format!("{e}; the run goes on from its recording"));
+                warnings.push(remedy![e, "; the run goes on from its recording"]);
             }
             Ok((saved, state))
         }
         Ok(None) => of_checkpoint,
         Err(e) => {
             if of_checkpoint.is_ok() {
-                warnings.push(format!("{e}; the run goes on from its checkpoint"));
+                warnings.push(remedy![e, "; the run goes on from its checkpoint"]);
             }
             of_checkpoint
         }
@@ -338,7 +340,7 @@ fn last_frame(
     than: Option<(usize, u64)>,
     limits: &Limits,
     kinds: &ComponentKinds,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Remedy>,
 ) -> Result<Option<(Checkpoint, State)>, RunError> {
     let path = folder.join(TIMELINE_STORE);
     if !timeline::is_recording(&path) {
@@ -352,7 +354,7 @@ fn last_frame(
         }
         match state.and_then(|state| Ok((store.load(i, kinds).map_err(|e| e.to_string())?, state))) {
             Ok(found) => return Ok(Some(found)),
-            Err(reason) => warnings.push(broken(&store, i, reason).to_string()),
+            Err(reason) => warnings.push(broken(&store, i, reason).to_string().into()),
         }
     }
     Ok(None)
@@ -361,12 +363,15 @@ fn last_frame(
 /// Refuses recordings that cannot be: nowhere, of nothing, or within a bound that is too small.
 pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool) -> Result<(), RunError> {
     let Some(record) = options.record else { return Ok(()) };
-    let refuse = |reason: &str, help| Err(RunError::Input { reason: reason.to_owned(), help: Some(help) });
+    let refuse = |reason: &'static str, help: Remedy| Err(RunError::refused(reason, help));
     if !has_folder {
-        return refuse("a run without a folder cannot be recorded", "give it a folder for its results");
+        return refuse("a run without a folder cannot be recorded", "give it a folder for its results".into());
     }
     if !recipe.enabled_steps().any(|s| matches!(s.work, Work::Simulate(_))) {
-        return refuse("the recipe simulates nothing, so there is nothing to record", "leave out --record");
+        return refuse(
+            "the recipe simulates nothing, so there is nothing to record",
+            remedy!["leave out ", Setting::Record],
+        );
     }
     let peak = memory::working(&recipe.steps, &recipe.grid).map_err(RunError::input)?;
     let least = timeline::Record::least_bytes(peak.world_bytes, peak.layers, recipe.source.text.len());
@@ -376,13 +381,15 @@ pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool)
             record.max_bytes >> 10,
             least.div_ceil(1 << 10)
         );
-        return Err(RunError::Input { reason, help: Some("raise --record-limit, or choose a smaller grid") });
+        return Err(RunError::refused(reason, remedy!["raise ", Setting::RecordLimit, ", or choose a smaller grid"]));
     }
     Ok(())
 }
 
 /// What to do about a frame that cannot be read.
-const OTHER_FRAME: &str = "choose another frame: `eyot timeline` lists them, and those whose head is lost";
+fn other_frame() -> Remedy {
+    remedy!["choose another frame: ", Action::Timeline, " lists them, and those whose head is lost"]
+}
 
 /// A frame that could be read.
 pub(crate) struct Found {
@@ -410,12 +417,12 @@ pub(crate) fn find(store: &timeline::Timeline, moment: Moment) -> Result<Found, 
         }
     }
     let reasons: Vec<String> = damaged.iter().rev().map(Damaged::to_string).collect();
-    Err(RunError::Input { reason: reasons.join("; "), help: Some(OTHER_FRAME) })
+    Err(RunError::refused(reasons.join("; "), other_frame()))
 }
 
 /// The number of the frame that is meant, whether it can be read or not.
 fn position(frames: &[timeline::Frame], moment: Moment) -> Result<usize, RunError> {
-    let refuse = |reason, help| Err(RunError::Input { reason, help: Some(help) });
+    let refuse = |reason: String, help: Remedy| Err(RunError::refused(reason, help));
     match moment {
         Moment::Step(step) => match frames.partition_point(|f| f.step <= step).checked_sub(1) {
             Some(i) => Ok(i),
@@ -424,13 +431,13 @@ fn position(frames: &[timeline::Frame], moment: Moment) -> Result<usize, RunErro
                     Some(first) => format!("the recording begins at step {}, {step} is before that", first.step),
                     None => "the recording has no frames yet".to_owned(),
                 };
-                refuse(reason, "`eyot timeline` lists what there is")
+                refuse(reason, remedy![Action::Timeline, " lists what there is"])
             }
         },
         Moment::Frame(i) if i < frames.len() => Ok(i),
         Moment::Frame(i) => {
             let reason = format!("there is no frame {i}, the recording has {}", frames.len());
-            refuse(reason, "`eyot timeline` lists what there is; the first is 0")
+            refuse(reason, remedy![Action::Timeline, " lists what there is; the first is 0"])
         }
     }
 }
@@ -477,7 +484,7 @@ pub(crate) fn fits(recipe: &Recipe, world: &World, state: &State) -> Result<(), 
 
 fn of_no_run(frame: &Frame, reason: &str) -> RunError {
     let reason = format!("frame {} does not fit its recipe: {reason}", frame.frame);
-    RunError::Input { reason, help: Some(OTHER_FRAME) }
+    RunError::refused(reason, other_frame())
 }
 
 /// The latest state of the run in a folder, which knows all changes by hand.
@@ -515,7 +522,7 @@ fn recording(folder: &Path) -> Result<PathBuf, RunError> {
         return Ok(path);
     }
     let reason = format!("`{}` holds no recording of a run", folder.display());
-    Err(RunError::Input { reason, help: Some("record one with `eyot run RECIPE --record STEPS`") })
+    Err(RunError::refused(reason, remedy!["record one with ", Action::RecordForm]))
 }
 
 fn save(path: &Path, frame: &Checkpoint, state: &State) -> Result<(), RunError> {

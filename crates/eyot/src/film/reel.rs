@@ -3,6 +3,7 @@
 use super::MOST_FRAMES;
 use crate::error::RunError;
 use crate::timeline::{Damaged, Timeline};
+use eyot_core::remedy::Remedy;
 use eyot_core::{Limits, World};
 use std::path::Path;
 use std::sync::Arc;
@@ -41,7 +42,7 @@ impl Reel {
             Some(d) => format!("the recording in `{}` holds no frame that can be read: {d}", folder.display()),
             None => format!("the recording in `{}` holds no frame", folder.display()),
         };
-        Err(RunError::Input { reason, help: Some("resume its run, or film another one") })
+        Err(RunError::refused(reason, "resume its run, or film another one"))
     }
 
     /// Pictures: one for each frame that there would be if none had been dropped.
@@ -96,11 +97,11 @@ impl Playing<'_> {
                 }),
             }
         }
-        Err(RunError::File("no frame of the recording can be read any more".to_owned()))
+        Err(RunError::file("no frame of the recording can be read any more"))
     }
 
-    pub(super) fn notes(mut self) -> Vec<String> {
+    pub(super) fn notes(mut self) -> Vec<Remedy> {
         self.damaged.sort_by_key(|d| d.frame);
-        self.damaged.iter().map(|d| format!("{d}; another frame is shown in its place")).collect()
+        self.damaged.iter().map(|d| format!("{d}; another frame is shown in its place").into()).collect()
     }
 }

@@ -76,7 +76,7 @@ fn a_paused_session_returns_at_once_and_takes_typed_commands() {
     let entry = JournalEntry { recipe_step: 2, step: 10, set: "hydraulic.rain = 0.5".into() };
     match &s.events()[..] {
         [Event::Changed(e), Event::Warning { message }] => {
-            assert!(*e == entry && message.contains("did you mean `rain`?"), "{message}");
+            assert!(*e == entry && message.to_string().contains("did you mean `rain`?"), "{message}");
         }
         other => panic!("{other:?}"),
     }
