@@ -4,7 +4,7 @@ use crate::args::Doctor;
 use crate::wording::CommandLine;
 use crate::{Failure, print, report};
 use eyot::core::remedy::Worded;
-use eyot::doctor::{Examination, examine};
+use eyot_bench::doctor::{Examination, examine};
 
 /// Looks at the machine and tests it.
 pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {

@@ -50,7 +50,7 @@ use crate::wind::{WIND_X, WIND_Y};
 use eyot_core::given::Given;
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
 use eyot_core::{Grid, LayerSpec, Result, given, math, rule_params};
@@ -112,10 +112,10 @@ impl Default for Humidity {
 }
 
 impl Process for Humidity {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let own = [(HUMIDITY, 0.0), (PRECIPITATION, 0.0), (SOIL, 0.0)];
-        let others = [(HEIGHT, 0.0), (WATER, 0.0), (ICE, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)];
-        others.into_iter().chain([(WIND_X, 0.0), (WIND_Y, 0.0)]).chain(own).collect()
+    fn layers(&self) -> Vec<LayerUse> {
+        let own = [HUMIDITY.changed(0.0), PRECIPITATION.written(0.0), SOIL.changed(0.0)];
+        let others = [HEIGHT.read(0.0), WATER.read(0.0), ICE.read(0.0), TEMPERATURE.read(CELSIUS_AT_ZERO)];
+        others.into_iter().chain([WIND_X.read(0.0), WIND_Y.read(0.0)]).chain(own).collect()
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {

@@ -32,7 +32,7 @@ use crate::temperature::TEMPERATURE;
 use crate::units::{CELSIUS_AT_ZERO, ground_years_per_step};
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
 use eyot_core::{Grid, LayerSpec, Result, given, rule_params};
@@ -71,8 +71,8 @@ impl Default for Ice {
 }
 
 impl Process for Ice {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (WATER, 0.0), (ICE, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.read(0.0), WATER.changed(0.0), ICE.changed(0.0), TEMPERATURE.read(CELSIUS_AT_ZERO)]
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {

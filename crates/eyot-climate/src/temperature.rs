@@ -44,7 +44,7 @@ use crate::wind::{WIND_X, WIND_Y};
 use eyot_core::given::Given;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
 use eyot_core::{Grid, LayerSpec, Result, given, math, rule_params};
@@ -128,8 +128,8 @@ impl Default for Temperature {
 }
 
 impl Process for Temperature {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (WIND_X, 0.0), (WIND_Y, 0.0), (SOIL, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.read(0.0), WIND_X.read(0.0), WIND_Y.read(0.0), SOIL.read(0.0), TEMPERATURE.changed(CELSIUS_AT_ZERO)]
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {

@@ -35,7 +35,7 @@ use crate::units::{CELSIUS_AT_ZERO, discharge_per_metre, ground_years_per_step};
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::ledger::known::{DRAINED, EVAPORATED, RAIN, WATER_CLAMPED};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, read};
 use eyot_core::{Grid, LayerSpec, Result, Stagger, given, rule_params};
@@ -79,9 +79,9 @@ impl Default for Water {
 }
 
 impl Process for Water {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let own = [(HEIGHT, 0.0), (WATER, 0.0), (FLOW_X, 0.0), (FLOW_Y, 0.0)];
-        own.into_iter().chain([(PRECIPITATION, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)]).collect()
+    fn layers(&self) -> Vec<LayerUse> {
+        let own = [HEIGHT.read(0.0), WATER.changed(0.0), FLOW_X.changed(0.0), FLOW_Y.changed(0.0)];
+        own.into_iter().chain([PRECIPITATION.read(0.0), TEMPERATURE.read(CELSIUS_AT_ZERO)]).collect()
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {

@@ -45,7 +45,7 @@ use crate::units::{CELSIUS_AT_ZERO, FULL_WIND, FULL_WIND_CELLS, hours_per_step};
 use eyot_core::layer::Beyond;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
 use eyot_core::{Grid, LayerSpec, Result, Stagger, World, given, math, rule_params};
@@ -178,14 +178,14 @@ impl Wind {
 }
 
 impl Process for Wind {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<LayerUse> {
         vec![
-            (HEIGHT, 0.0),
-            (TEMPERATURE, CELSIUS_AT_ZERO),
-            (WIND_X, 0.0),
-            (WIND_Y, 0.0),
-            (TURBULENCE, 0.0),
-            (HEAT_LOW, 0.0),
+            HEIGHT.read(0.0),
+            TEMPERATURE.read(CELSIUS_AT_ZERO),
+            WIND_X.changed(0.0),
+            WIND_Y.changed(0.0),
+            TURBULENCE.changed(0.0),
+            HEAT_LOW.changed(0.0),
         ]
     }
 

@@ -2,41 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::limits::Limits;
+use crate::stopwatch::Stopwatch;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
-
-/// The time of the system, where there is one: a browser's bare wasm has none, and asking for it panics.
-#[cfg(not(all(target_arch = "wasm32", target_os = "unknown")))]
-#[derive(Clone, Copy)]
-struct Start(std::time::Instant);
-
-#[cfg(not(all(target_arch = "wasm32", target_os = "unknown")))]
-impl Start {
-    fn now() -> Self {
-        Self(std::time::Instant::now())
-    }
-
-    fn elapsed(self) -> Duration {
-        self.0.elapsed()
-    }
-}
-
-/// See above.
-#[cfg(all(target_arch = "wasm32", target_os = "unknown"))]
-#[derive(Clone, Copy)]
-struct Start;
-
-#[cfg(all(target_arch = "wasm32", target_os = "unknown"))]
-impl Start {
-    fn now() -> Self {
-        Self
-    }
-
-    fn elapsed(self) -> Duration {
-        Duration::ZERO
-    }
-}
 
 /// A flag that many may hold and anyone may raise.
 #[derive(Clone, Debug, Default)]
@@ -59,13 +27,13 @@ pub struct Control<'a> {
     cancel: Cancel,
     limits: Limits,
     progress: &'a (dyn Fn(u64, u64) + Sync),
-    start: Start,
+    start: Stopwatch,
 }
 
 impl<'a> Control<'a> {
     /// `progress(done, total)` is called now and then, from one thread at a time.
     pub fn new(cancel: Cancel, progress: &'a (dyn Fn(u64, u64) + Sync)) -> Self {
-        Self { cancel, limits: Limits::default(), progress, start: Start::now() }
+        Self { cancel, limits: Limits::default(), progress, start: Stopwatch::start() }
     }
 
     /// The same within other limits.

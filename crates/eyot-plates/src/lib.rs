@@ -12,11 +12,10 @@
 //! 5. `erosion`, `isostasy`, `level`: the land is levelled, crust floats, and the sea finds the level that keeps the share of land.
 //! 6. `restart`: at the end of a cycle the world is divided anew, by `growth`.
 //!
-//! The process makes its next step ahead (`beside`) and adds what others did to the land meanwhile where the plate has carried it
+//! The process makes its next step ahead (`lookahead`) and adds what others did to the land meanwhile where the plate has carried it
 //! (`course`).
 
 mod analyse;
-mod beside;
 mod budget;
 mod changes;
 mod collision;
@@ -28,6 +27,7 @@ mod geometry;
 mod growth;
 pub mod isostasy;
 mod level;
+mod lookahead;
 mod meeting;
 mod motion;
 mod noise;

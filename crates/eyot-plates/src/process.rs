@@ -52,18 +52,19 @@
 //! ledger; `crust_is_accounted_for`).
 
 use crate::analyse::{Report, hypsometry};
-use crate::beside::{Beside, Made};
 use crate::crust::metres;
 use crate::geometry::rows_at_once;
+use crate::lookahead::{Lookahead, Made};
 use crate::parameters::Tectonics;
 use crate::plates::{Plates, check};
 use crate::start::Start;
 use crate::store::PlateState;
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Action, Entry, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from, schema_of};
+use eyot_core::process::{
+    Action, ActionInstance, Entry, LayerUse, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from, schema_of,
+};
 use eyot_core::{Control, Grid, LayerSpec, Result, World, about};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The plate that owns a cell.
 pub const PLATE: LayerSpec = LayerSpec::new("plate", "1", "Number of the plate that owns this cell", (0.0, 254.0));
@@ -97,31 +98,25 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[Entry {
 /// Plates as a process of a world.
 pub struct Drift {
     parameters: Tectonics,
-    beside: Beside,
-    /// The world's step of the last turn; `NEVER` before the first.
-    last: AtomicU64,
 }
-
-const NEVER: u64 = u64::MAX;
 
 impl Drift {
     /// Plates with these parameters.
     pub fn new(parameters: Tectonics) -> Self {
-        Self { parameters, beside: Beside::default(), last: AtomicU64::new(NEVER) }
+        Self { parameters }
     }
 }
 
 impl Process for Drift {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (PLATE, 0.0), (CRUST, 0.0), (CRUST_AGE, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.changed(0.0), PLATE.changed(0.0), CRUST.changed(0.0), CRUST_AGE.changed(0.0)]
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {
         check(&self.parameters, grid)
     }
 
-    /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise. Begins the first
-    /// step.
+    /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise.
     fn prepare(&self, world: &mut World) -> Result<()> {
         if world.components.get::<PlateState>(STATE)?.is_none() {
             let sea = world.sea_level_m as f32;
@@ -131,11 +126,6 @@ impl Process for Drift {
             let plates = Plates::new(&world.grid, world.seed, self.parameters.clone(), start)?;
             plates.publish(world, sea, flat)?;
             plates.budget().post(&mut world.ledger, world.grid.cell_area_m2());
-        }
-        if self.beside.is_idle()
-            && let Some((plates, state)) = of_world(world, self.parameters.clone())?
-        {
-            self.beside.begin(&world.grid, state.clone(), plates, true);
         }
         Ok(())
     }
@@ -150,8 +140,38 @@ impl Process for Drift {
 }
 
 impl Action for Drift {
-    fn act(&self, moment: &Moment, world: &mut World, _control: &Control<'_>) -> Result<()> {
-        let made = match self.beside.take(world) {
+    /// Begins the first step.
+    fn instantiate(&self, world: &World) -> Result<Box<dyn ActionInstance>> {
+        let mut drifting = Drifting { parameters: self.parameters.clone(), ahead: Lookahead::default(), last: NEVER };
+        if let Some((plates, state)) = of_world(world, self.parameters.clone())? {
+            drifting.ahead.begin(&world.grid, state.clone(), plates, true);
+        }
+        Ok(Box::new(drifting))
+    }
+
+    fn cannot_fail(&self) -> bool {
+        true
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        58
+    }
+}
+
+/// Plates in a simulation.
+struct Drifting {
+    parameters: Tectonics,
+    /// The step to come.
+    ahead: Lookahead,
+    /// The world's step of the last turn; `NEVER` before the first.
+    last: u64,
+}
+
+const NEVER: u64 = u64::MAX;
+
+impl ActionInstance for Drifting {
+    fn act(&mut self, moment: &Moment, world: &mut World, _control: &Control<'_>) -> Result<()> {
+        let made = match self.ahead.take(world) {
             Some(made) => made,
             None => {
                 let Some((plates, state)) = of_world(world, self.parameters.clone())? else { return Ok(()) };
@@ -163,22 +183,14 @@ impl Action for Drift {
         let own = *plates.budget();
         plates.add_changes(&before, &world.layer("height")?.field, sea);
         // Nobody does anything in the meantime, so there is nothing to be done beside.
-        let alone =
-            *plates.budget() == own && self.last.swap(moment.step, Ordering::Relaxed).wrapping_add(1) == moment.step;
+        let last = std::mem::replace(&mut self.last, moment.step);
+        let alone = *plates.budget() == own && last.wrapping_add(1) == moment.step;
         let mut budget = *plates.budget();
         budget.start = 0;
         budget.post(&mut world.ledger, moment.grid.cell_area_m2());
         plates.publish(world, sea, true)?;
-        self.beside.begin(&world.grid, plates.state(f64::from(sea)), plates, !alone);
+        self.ahead.begin(&world.grid, plates.state(f64::from(sea)), plates, !alone);
         Ok(())
-    }
-
-    fn cannot_fail(&self) -> bool {
-        true
-    }
-
-    fn bytes_per_cell(&self) -> usize {
-        58
     }
 }
 

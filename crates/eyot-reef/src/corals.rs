@@ -38,12 +38,14 @@ use crate::community::{
 use crate::community::{MONTH_DAYS, YEAR_DAYS};
 use eyot_core::component::{Numbers, Table, Type};
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
-use eyot_core::process::{Action, Entry, Moment, Process, check_ranges, defaults_of, parameters_from, schema_of};
+use eyot_core::process::{
+    Access, Action, ActionInstance, Entry, LayerUse, Moment, Process, check_ranges, defaults_of, parameters_from,
+    schema_of,
+};
 use eyot_core::{Control, Error, Field, Grid, LayerSpec, Limits, Result, World, about, math64};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::sync::OnceLock;
 
 /// Share of a cell that living corals cover.
 pub const CORAL_COVER: LayerSpec =
@@ -138,24 +140,28 @@ pub const CORALS: Entry<dyn Process> = Entry {
     name: "corals",
     schema: schema_of::<Corals>,
     defaults: defaults_of::<Corals>,
-    make: |table| Ok(Box::new(Colonies { corals: parameters_from(table)?, forcing: OnceLock::new() })),
+    make: |table| Ok(Box::new(Colonies { corals: parameters_from(table)? })),
     about: about!("corals.rs"),
     cites: &["kubicek2012", "bosscher1992", "liu2003", "lough2000"],
 };
 
-/// The process: its parameters, and the heat of all months once it is known.
+/// The process.
 struct Colonies {
     corals: Corals,
-    forcing: OnceLock<Forcing>,
 }
 
 impl Process for Colonies {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (CORAL_COVER, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.changed(0.0), LIMESTONE.changed(0.0), CORAL_COVER.written(0.0)]
     }
 
     fn needs(&self) -> Vec<&'static str> {
         if self.corals.sea == Sea::World { CLIMATE.to_vec() } else { Vec::new() }
+    }
+
+    fn reads(&self) -> Vec<Cow<'static, str>> {
+        let own = self.layers().into_iter().filter(|l| l.access != Access::Write).map(|l| l.spec.name);
+        own.chain(self.needs().into_iter().chain([SUBSTRATE]).map(Cow::Borrowed)).collect()
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {
@@ -168,9 +174,27 @@ impl Process for Colonies {
 }
 
 impl Action for Colonies {
-    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+    fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
+        Ok(Box::new(Growing { corals: self.corals.clone(), forcing: None }))
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        // Depth, light and substrate, and the sums that first settlers are placed by.
+        3 * 4 + 8
+    }
+}
+
+/// Corals in a simulation.
+struct Growing {
+    corals: Corals,
+    /// The heat of all months, once it is known.
+    forcing: Option<Forcing>,
+}
+
+impl ActionInstance for Growing {
+    fn act(&mut self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
         control.check()?;
-        let forcing = match self.forcing.get() {
+        let forcing = match &self.forcing {
             Some(known) => known.clone(),
             None => {
                 if self.corals.sea == Sea::World {
@@ -178,7 +202,7 @@ impl Action for Colonies {
                     world.components.insert(SEA, Numbers(means.map(f64::from).to_vec()));
                 }
                 let made = self.corals.forcing(world)?;
-                self.forcing.get_or_init(|| made).clone()
+                self.forcing.insert(made).clone()
             }
         };
         let mut plot = self.corals.plot_in(world, moment.sea_level_m, forcing, control)?;
@@ -193,11 +217,6 @@ impl Action for Colonies {
         self.corals.census_mut(world)?.push(&row)?;
         world.components.insert(POPULATION, plot.into_population());
         Ok(())
-    }
-
-    fn bytes_per_cell(&self) -> usize {
-        // Depth, light and substrate, and the sums that first settlers are placed by.
-        3 * 4 + 8
     }
 }
 

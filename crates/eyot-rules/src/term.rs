@@ -20,11 +20,11 @@ use crate::unit::Measure;
 use eyot_core::given::{Trace, Way};
 use eyot_core::graph::{Graph, Id, Op};
 use eyot_core::plan::{Pass, Plan, RuleKind};
-use eyot_core::process::{Action, Entry, Moment, Process};
+use eyot_core::process::{Access, Action, Entry, LayerUse, Moment, Process};
 use eyot_core::program::Program;
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Slot};
-use eyot_core::{Edge, Error, Grid, LayerSpec, Limits, Result, Rim, World, intern};
+use eyot_core::{Edge, Error, Grid, Limits, Result, Rim, World, intern};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
 use std::fmt;
@@ -442,7 +442,7 @@ struct Beside(Vec<(String, u32)>, Vec<String>, u64);
 
 impl Beside {
     fn of(process: &dyn Process, moment: &Moment) -> Self {
-        let layers = process.layers().into_iter().map(|(spec, value)| (spec.name.to_string(), value.to_bits()));
+        let layers = process.layers().into_iter().map(|l| (l.spec.name.to_string(), l.start.to_bits()));
         let needs = process.needs().into_iter().map(|name| name.to_string());
         let mut moved = *moment;
         process.advance(&mut moved);
@@ -520,11 +520,16 @@ fn planned(process: &dyn Process, moment: &Moment) -> Plan {
 }
 
 impl Process for Replaced {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<LayerUse> {
         let mut layers = self.plain.layers();
-        for layer in self.declared() {
-            layers.push((layer.spec.clone(), 0.0));
-        }
+        // What the process writes alone is read now if a term names it.
+        let named = |name: &str| self.terms.list.iter().any(|t| t.needs.iter().any(|n| *n == name));
+        layers.iter_mut().filter(|l| named(&l.spec.name)).for_each(|l| {
+            if l.access == Access::Write {
+                l.access = Access::Change;
+            }
+        });
+        layers.extend(self.declared().iter().map(|layer| layer.spec.clone().read(0.0)));
         layers
     }
 
@@ -536,7 +541,7 @@ impl Process for Replaced {
     }
 
     fn needs(&self) -> Vec<&'static str> {
-        let own: Vec<_> = self.plain.layers().into_iter().map(|(spec, _)| spec.name).collect();
+        let own: Vec<_> = self.plain.layers().into_iter().map(|l| l.spec.name).collect();
         let mut needs = self.plain.needs();
         needs.extend(self.terms.list.iter().flat_map(|t| &t.needs).filter(|n| !own.iter().any(|o| o == *n)));
         needs.sort_unstable();

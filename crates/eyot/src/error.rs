@@ -74,7 +74,7 @@ pub enum RunError {
         /// The folder.
         folder: PathBuf,
         /// What is wrong with the file, by name.
-        reason: String,
+        reason: Remedy,
     },
     /// A command of an earlier run does not fit the recipe.
     #[error("`{set}` cannot be given again in step {step}: {reason}")]
@@ -121,12 +121,12 @@ pub fn shell_word(path: &Path) -> String {
 
 impl RunError {
     /// What was asked for is not there, and the message says all.
-    pub(crate) fn input(reason: impl Into<Remedy>) -> Self {
+    pub fn input(reason: impl Into<Remedy>) -> Self {
         Self::Input { reason: reason.into(), help: None }
     }
 
     /// The same, with what would be right.
-    pub(crate) fn refused(reason: impl Into<Remedy>, help: impl Into<Remedy>) -> Self {
+    pub fn refused(reason: impl Into<Remedy>, help: impl Into<Remedy>) -> Self {
         Self::Input { reason: reason.into(), help: Some(help.into()) }
     }
 
@@ -157,7 +157,7 @@ impl RunError {
     }
 
     /// Errors of files and pictures name the file and the remedy themselves.
-    pub(crate) fn file(e: impl Into<Remedy>) -> Self {
+    pub fn file(e: impl Into<Remedy>) -> Self {
         Self::File(e.into())
     }
 
@@ -229,7 +229,10 @@ impl Worded for RunError {
     fn sentence(&self) -> Remedy {
         match self {
             Self::Step { step, source } => remedy![format!("{step}: "), source.sentence()],
-            Self::Input { reason: sentence, .. } | Self::File(sentence) | Self::Export(sentence) => sentence.clone(),
+            Self::Input { reason: sentence, .. }
+            | Self::Checkpoint { reason: sentence, .. }
+            | Self::File(sentence)
+            | Self::Export(sentence) => sentence.clone(),
             Self::Gpu(e) => e.sentence(),
             other => other.to_string().into(),
         }

@@ -40,13 +40,9 @@ pub use eyot_view as view;
 
 mod artist;
 mod backend;
-pub mod bench;
-pub mod bench_gpu;
-mod bench_rule;
 mod clock;
 pub mod convert;
-pub mod doctor;
-mod engines;
+pub mod engines;
 mod error;
 mod event;
 pub mod film;

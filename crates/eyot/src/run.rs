@@ -7,17 +7,20 @@ use crate::engines::EngineOptions;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
 use crate::lock::FolderLock;
+use crate::outputs::Outputs;
 use crate::recipe::Recipe;
 use crate::registry::Registry;
-use crate::session::{self, Budget, Clock, Events, Host, Outcome, Session, SessionOptions, Status};
+use crate::session::files::{REPORT_FILE, TIMELINE_STORE, unfinished};
+use crate::session::frames::stopped;
+use crate::session::{self, Budget, Clock, Events, Host, NewBranch, Outcome, Results, Session, SessionOptions, Status};
 use crate::state::State;
-use crate::store::{self, REPORT_FILE, TIMELINE_STORE};
 use crate::stream::{self, Stream};
 use crate::timeline;
 use crate::watch::Watcher;
 use eyot_core::remedy;
 use eyot_core::remedy::{Action, Remedy};
 use eyot_core::{Cancel, Limits, World};
+use eyot_io::storage::{Folder, Storage};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -162,7 +165,7 @@ impl Run {
     /// If the options ask for a streamed run, or one in one piece, or a recording, and it cannot be, or if the commands to be
     /// given again do not fit the recipe.
     pub fn check(recipe: &Recipe, options: &RunOptions) -> Result<bool, RunError> {
-        session::check(recipe, &options.session(), options.out.is_some())?;
+        session::check(recipe, &options.session(), &Registry::standard(), options.out.is_some())?;
         stream::chosen(recipe, options)
     }
 
@@ -175,11 +178,12 @@ impl Run {
         let streamed = Self::check(&recipe, &options)?;
         let lock = options.out.as_deref().map(prepare_folder).transpose()?;
         if let Some(out) = &options.out {
-            while let Some(left) = store::unfinished(out) {
+            let storage = storage_of(out);
+            while let Some(left) = unfinished(&*storage) {
                 if !options.restart {
                     return Err(RunError::Unfinished { folder: out.clone() });
                 }
-                std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
+                storage.remove(left).map_err(RunError::file)?;
             }
         }
         let mut warnings = Vec::new();
@@ -190,7 +194,7 @@ impl Run {
         world.sea_level_m = recipe.sea_level_m;
         world.georeference = recipe.georeference.clone();
         let state = State { streamed, ..State::new(&recipe, options.replay.clone()) };
-        launch(recipe, options, world, state, lock, warnings)
+        launch(recipe, options, &Registry::standard(), world, state, lock, warnings)
     }
 
     /// Continues a stopped run at the exact step: that of its checkpoint, or of the last recorded frame if it is later.
@@ -205,25 +209,10 @@ impl Run {
         }
         // Before looking: what a run at work leaves is not for others to continue.
         let lock = prepare_folder(folder)?;
-        let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
-        let damaged = |reason: String| RunError::Checkpoint { folder: folder.to_owned(), reason };
+        let storage = storage_of(folder);
+        let name = unfinished(&*storage).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
         let mut warnings = Vec::new();
-        let (saved, state) =
-            timeline::latest(folder, &path, &options.limits, registry.components(), &mut warnings).map_err(damaged)?;
-        let recipe = state.recipe(saved.recipe_toml, state.overrides.clone(), registry, &options.limits)?;
-        timeline::fits(&recipe, &saved.world, &state)
-            .map_err(|e| damaged(format!("`{}` does not fit its recipe: {e}", path.display())))?;
-        if state.place() == (0, 0) && !state.rewound {
-            warnings.push("the run was stopped before its first step was done; it begins anew".into());
-        }
-        if saved.engine_version != crate::VERSION {
-            let message = format!(
-                "the checkpoint was written by version {}, this is {}; the result may differ from a run in one piece",
-                saved.engine_version,
-                crate::VERSION
-            );
-            warnings.push(message.into());
-        }
+        let (recipe, world, state) = stopped(&storage, name, &options.limits, registry, &mut warnings)?;
         if state.streamed && options.watch.is_some() {
             return Err(RunError::refused(
                 format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
@@ -232,11 +221,11 @@ impl Run {
         }
         let stream = if state.streamed { Stream::Always } else { options.stream };
         let options = RunOptions { out: Some(folder.to_owned()), stream, ..options };
-        timeline::check(&recipe, &options.session(), true)?;
+        session::frames::check(&recipe, &options.session(), true)?;
         if state.streamed {
             stream::chosen(&recipe, &options)?;
         }
-        launch(recipe, options, saved.world, state, Some(lock), warnings)
+        launch(recipe, options, registry, world, state, Some(lock), warnings)
     }
 }
 
@@ -260,6 +249,7 @@ fn prepare_folder(folder: &Path) -> Result<FolderLock, RunError> {
 fn launch(
     recipe: Recipe,
     options: RunOptions,
+    registry: &Registry,
     world: World,
     state: State,
     lock: Option<FolderLock>,
@@ -278,8 +268,13 @@ fn launch(
         let _ = outbox.send(Event::Warning { message });
     }
     let last = Arc::new(Mutex::new(None));
-    let host =
-        Host { out: options.out.clone(), events: pass_on(outbox.clone(), last.clone()), ..Host::new(Clock::system()) };
+    let host = Host {
+        events: pass_on(outbox.clone(), last.clone()),
+        storage: options.out.as_deref().map(storage_of),
+        outputs: options.out.clone().map(|out| Arc::new(FolderOutputs(out)) as Arc<dyn session::Outputs>),
+        branches: options.out.clone().map(|out| Arc::new(FolderBranches(out)) as Arc<dyn session::Branches>),
+        ..Host::new(registry, Clock::system())
+    };
     let cancel = Cancel::default();
     let remote = Remote { commands, cancel: cancel.clone() };
     let thread = std::thread::Builder::new()
@@ -333,4 +328,37 @@ fn drive(mut session: Session, inbox: &Receiver<Command>) -> Result<Outcome, Run
         }
     }
     session.into_outcome().ok_or_else(|| RunError::Fault("it ended without a result".to_owned()))
+}
+
+fn storage_of(folder: &Path) -> Arc<dyn Storage> {
+    Arc::new(Folder::new(folder))
+}
+
+/// Writes the results of a session into a folder.
+struct FolderOutputs(PathBuf);
+
+impl session::Outputs for FolderOutputs {
+    fn write(&self, results: &Results<'_>) -> Result<Vec<PathBuf>, RunError> {
+        let outputs = Outputs {
+            recipe: results.recipe,
+            world: results.world,
+            source: results.world,
+            fingerprint: results.fingerprint,
+            clock: results.clock,
+            out: &self.0,
+            limits: results.limits,
+            control: results.control,
+            tell: results.tell,
+        };
+        outputs.write(results.state, &mut |_| {})
+    }
+}
+
+/// Puts branches into folders beside that of the run.
+struct FolderBranches(PathBuf);
+
+impl session::Branches for FolderBranches {
+    fn begin(&self, new: &NewBranch<'_>) -> Result<(), RunError> {
+        timeline::branch_off(new.recording, &self.0, new.frame, new.saved, new.state, new.out)
+    }
 }

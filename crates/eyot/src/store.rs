@@ -8,21 +8,11 @@ use eyot_core::{Limits, World};
 use eyot_io::ReadOptions;
 use eyot_recipe::View;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub use eyot_export::open::Opened;
 pub use eyot_export::pictures::Subject;
 pub use eyot_io::run_folder::*;
-
-/// Where the run in a folder can be continued from, if it did not come to its end: its checkpoint, or the world of a run
-/// that ended while it wrote its results. The report is what comes last.
-pub(crate) fn unfinished(folder: &Path) -> Option<PathBuf> {
-    let [checkpoint, world] = [CHECKPOINT_FILE, WORLD_FILE].map(|f| folder.join(f));
-    if checkpoint.exists() {
-        return Some(checkpoint);
-    }
-    (world.exists() && !folder.join(REPORT_FILE).exists()).then_some(world)
-}
 
 /// Opens the folder of a run, a saved world or any height map.
 ///

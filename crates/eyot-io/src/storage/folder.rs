@@ -104,7 +104,10 @@ impl Storage for Folder {
             Err(e) => Err(e),
         };
         match removed {
-            Err(e) if e.kind() != ErrorKind::NotFound => Err(Error::io(&path, "remove")(e)),
+            // Where a part of the name is a file, there is nothing of the whole name either.
+            Err(e) if !matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+                Err(Error::io(&path, "remove")(e))
+            }
             _ => Ok(()),
         }
     }

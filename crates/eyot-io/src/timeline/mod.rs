@@ -264,9 +264,17 @@ impl Timeline {
             let is = metadata::layer(&about, n, axes, false);
             // Their length is all that changes from frame to frame.
             let former = arrays.insert(name.to_owned(), is);
-            if former.is_some_and(|f| f["dimension_names"] != arrays[name]["dimension_names"]) {
+            if former.as_ref().is_some_and(|f| f["dimension_names"] != arrays[name]["dimension_names"]) {
                 let problem = format!("layer `{name}` lay elsewhere on the cells in former frames");
                 return Err(Error::format(&self.place(""), problem, "record into another folder"));
+            }
+            if former.is_some_and(|f| f["codecs"] != arrays[name]["codecs"]) {
+                let problem = "a program that packs arrays in another way began this recording";
+                return Err(Error::format(
+                    &self.place(""),
+                    problem,
+                    "go on with that program, or record into another folder",
+                ));
             }
             let folder = self.place(name);
             let put = |piece: &str, bytes: &[u8]| self.swap(&within(name, piece), Keep::Loose, bytes);

@@ -8,6 +8,7 @@
 mod array;
 mod codec;
 pub(crate) mod metadata;
+mod pack;
 mod read;
 mod write;
 

@@ -1,7 +1,7 @@
 //! Zarr stores, out.
 
-use super::metadata::{Axis, ZSTD_LEVEL};
-use super::{CHUNK, METADATA, PLACE, SHARD, STEPS, TIME, metadata};
+use super::metadata::Axis;
+use super::{CHUNK, METADATA, PLACE, SHARD, STEPS, TIME, metadata, pack};
 use crate::about::About;
 use crate::atomic::write_folder_atomically;
 use crate::error::{Error, Result};
@@ -95,7 +95,7 @@ pub(crate) fn write_coordinates(
         if !known.contains_key(axis.name) {
             let values = metadata::values_along(place, height, axis);
             let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-            put(&format!("{}/c/0", axis.name), &zstd_of(folder, &bytes)?)?;
+            put(&format!("{}/c/0", axis.name), &packed(folder, &bytes)?)?;
             known.insert(axis.name.to_owned(), metadata::coordinate(place, axis));
         }
     }
@@ -135,7 +135,7 @@ fn shard(path: &Path, band: &[f32], width: usize, left: usize) -> Result<Vec<u8>
                 let values = &band[(y0 + y) * width + x0..][..columns];
                 line.chunks_exact_mut(4).zip(values).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
             }
-            let packed = zstd_of(path, &bytes)?;
+            let packed = packed(path, &bytes)?;
             index.extend((out.len() as u64).to_le_bytes());
             index.extend((packed.len() as u64 + 4).to_le_bytes());
             out.extend(&packed);
@@ -148,8 +148,8 @@ fn shard(path: &Path, band: &[f32], width: usize, left: usize) -> Result<Vec<u8>
     Ok(out)
 }
 
-fn zstd_of(path: &Path, bytes: &[u8]) -> Result<Vec<u8>> {
-    zstd::bulk::compress(bytes, ZSTD_LEVEL).map_err(Error::io(path, "compress"))
+fn packed(path: &Path, bytes: &[u8]) -> Result<Vec<u8>> {
+    pack::pack(bytes).map_err(Error::io(path, "compress"))
 }
 
 fn write_piece(path: &Path, bytes: &[u8]) -> Result<()> {

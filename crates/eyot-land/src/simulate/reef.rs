@@ -36,7 +36,7 @@
 use eyot_core::given::Given;
 use eyot_core::layer::known::{CARBON, GROWTH, HEIGHT, LIMESTONE};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, SECONDS_PER_YEAR};
+use eyot_core::process::{LayerUse, Moment, Process, SECONDS_PER_YEAR};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
 use eyot_core::{Edge, Error, Grid, LayerSpec, Result, World, given, rule_params};
@@ -182,8 +182,14 @@ fn curve(points: &[[f64; 2]], t: f64) -> f64 {
 }
 
 impl Process for Reef {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (GROWTH, 0.0), (CARBON, 1.0), (REEF_FLOOR, UNKNOWN)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![
+            HEIGHT.changed(0.0),
+            LIMESTONE.changed(0.0),
+            GROWTH.changed(0.0),
+            CARBON.changed(1.0),
+            REEF_FLOOR.changed(UNKNOWN),
+        ]
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {

@@ -20,10 +20,10 @@ use super::hydraulic::{FLUX_X, FLUX_Y};
 use eyot_core::given::Given;
 use eyot_core::layer::known::WETNESS;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process};
+use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{LayerSpec, given, rule_params};
+use eyot_core::{given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,8 +46,8 @@ impl Default for Wetness {
 }
 
 impl Process for Wetness {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(FLUX_X, 0.0), (FLUX_Y, 0.0), (WETNESS, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![FLUX_X.read(0.0), FLUX_Y.read(0.0), WETNESS.changed(0.0)]
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

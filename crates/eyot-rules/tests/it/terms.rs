@@ -71,8 +71,8 @@ const DT: f32 = 0.7;
 const STUFF: LayerSpec = LayerSpec::new("stuff", "m", "", (-1e6, 1e6));
 
 impl Process for Pot {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(STUFF, 1.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![STUFF.changed(1.0)]
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

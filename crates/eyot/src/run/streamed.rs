@@ -13,6 +13,7 @@ use eyot_core::remedy;
 use eyot_core::remedy::Worded;
 use eyot_core::{Cancel, Control, Limits, World};
 use eyot_io::checkpoint;
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -25,6 +26,7 @@ pub(super) struct Streamed {
     recipe: Recipe,
     limits: Limits,
     host: Host,
+    out: Option<PathBuf>,
     world: World,
     state: State,
     cancel: Cancel,
@@ -54,8 +56,9 @@ pub(super) fn run(
     };
     let engine = options.engine.clone().unwrap_or_else(|| state.engine.clone());
     let (events, limits, seconds_before) = (host.events.clone(), options.limits, state.seconds);
+    let out = options.out.clone();
     let state = State { engine, ..state };
-    let mut run = Streamed { recipe, limits, host, world, state, cancel, begun, seconds_before };
+    let mut run = Streamed { recipe, limits, host, out, world, state, cancel, begun, seconds_before };
     let done = run.work(watch);
     events.tell(match &done {
         Ok(o) if o.finished => Event::Done {
@@ -84,7 +87,7 @@ impl Streamed {
             engine: crate::engines::Engine::cpu(self.limits).name(),
             threads: rayon::current_num_threads(),
             resumed,
-            out: self.host.out.clone(),
+            out: self.out.clone(),
         });
         self.checkpoint()?;
         match self.stream(watch) {
@@ -92,7 +95,7 @@ impl Streamed {
             // Whatever it was that the stop broke off.
             Err(_) if self.cancel.is_raised() => {
                 self.checkpoint()?;
-                let outputs = self.host.out.iter().map(|out| out.join(CHECKPOINT_FILE)).collect();
+                let outputs = self.out.iter().map(|out| out.join(CHECKPOINT_FILE)).collect();
                 let (fingerprint, journal) = (self.world.fingerprint(), std::mem::take(&mut self.state.journal));
                 Ok(Outcome { world: self.world.clone(), fingerprint, finished: false, outputs, journal })
             }
@@ -116,7 +119,7 @@ impl Streamed {
         self.state.timings = vec![(SURVEY.to_owned(), seconds)];
         tell(Event::StepDone { number, name: SURVEY.to_owned(), seconds });
         let mut outputs = Vec::new();
-        if let Some(out) = &host.out {
+        if let Some(out) = &self.out.clone() {
             let limits = self.limits;
             let job = Outputs {
                 recipe: &recipe,
@@ -147,7 +150,7 @@ impl Streamed {
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
-        let Some(out) = &self.host.out else { return Ok(()) };
+        let Some(out) = &self.out else { return Ok(()) };
         let path = out.join(CHECKPOINT_FILE);
         self.state.seconds = self.seconds();
         let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;

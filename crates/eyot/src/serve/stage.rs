@@ -175,7 +175,7 @@ fn made(recipe: &Recipe) -> Vec<String> {
             Work::Generate(g) => vec![g.layer.clone()],
             Work::Simulate(s) => {
                 let processes = s.processes.iter().filter(|u| u.enabled).filter_map(|u| u.make().ok());
-                processes.flat_map(|p| p.layers()).map(|(spec, _)| spec.name.into_owned()).collect()
+                processes.flat_map(|p| p.layers()).map(|l| l.spec.name.into_owned()).collect()
             }
         };
         for name in of_step {

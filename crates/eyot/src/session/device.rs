@@ -13,16 +13,16 @@ const MAX_DEVICES_LOST: u32 = 3;
 
 impl Session {
     /// Brings the world up to what the engine has done.
-    pub(super) fn bring_back(&mut self) -> Result<(), Failure> {
-        self.engine.bring_back(&mut self.world)?;
+    pub(super) fn download(&mut self) -> Result<(), Failure> {
+        self.engine.download(&mut self.world)?;
         self.settled = self.state.done;
         Ok(())
     }
 
-    /// As [`Session::bring_back`] where the session is about to stop or to look at the world: if the device is lost, the world is
+    /// As [`Session::download`] where the session is about to stop or to look at the world: if the device is lost, the world is
     /// what it was before, and so is the count of its steps.
     pub(super) fn settle(&mut self) {
-        if let Err(Failure::Device(e)) = self.bring_back() {
+        if let Err(Failure::Device(e)) = self.download() {
             let lost = format!("; {} steps since the world was last saved are lost", self.state.done - self.settled);
             self.tell(Event::Warning { message: remedy![e, lost] });
             self.unwind();

@@ -1,9 +1,16 @@
 //! What the host of a session gives it: the time, somebody who hears its events, and where its files go.
 
+use crate::error::RunError;
 use crate::event::Event;
+use crate::state::State;
+use eyot_core::{Control, Limits, World};
+use eyot_io::checkpoint::Checkpoint;
+use eyot_io::storage::Storage;
+use eyot_io::timeline::Timeline;
+use eyot_recipe::{Recipe, Registry};
 use std::collections::VecDeque;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -84,21 +91,85 @@ impl fmt::Debug for Events {
     }
 }
 
+/// What a session has come to.
+pub struct Results<'a> {
+    /// The recipe.
+    pub recipe: &'a Recipe,
+    /// The world in its last state.
+    pub world: &'a World,
+    /// Its fingerprint.
+    pub fingerprint: u64,
+    /// Seconds of a step of simulation, if that is known.
+    pub clock: Option<f64>,
+    /// What the run remembers.
+    pub(crate) state: &'a State,
+    /// Upper bounds on what writing may use.
+    pub limits: &'a Limits,
+    /// Raised on a request to stop.
+    pub control: &'a Control<'a>,
+    /// Hears of files and warnings.
+    pub tell: &'a dyn Fn(Event),
+}
+
+/// Writes what a session has come to: files, pictures, a report.
+pub trait Outputs: Send + Sync {
+    /// Writes everything, and says where.
+    ///
+    /// # Errors
+    /// If something could not be written; [`RunError::Stopped`] on a request to stop.
+    fn write(&self, results: &Results<'_>) -> Result<Vec<PathBuf>, RunError>;
+}
+
+/// A recorded moment that another run is to begin at.
+pub struct NewBranch<'a> {
+    /// The recording, whose frames up to this one the other run has, too.
+    pub recording: &'a Timeline,
+    /// The frame's number, from 0.
+    pub frame: usize,
+    /// The world.
+    pub saved: &'a Checkpoint,
+    pub(crate) state: &'a State,
+    /// Where the client wants it.
+    pub out: &'a Path,
+}
+
+/// Begins other runs.
+pub trait Branches: Send + Sync {
+    /// Puts a moment where another run can go on from it.
+    ///
+    /// # Errors
+    /// If that place cannot be used.
+    fn begin(&self, branch: &NewBranch<'_>) -> Result<(), RunError>;
+}
+
 /// What the host of a session gives it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 #[non_exhaustive]
 pub struct Host {
+    /// Generators, processes and kinds of components.
+    pub registry: Registry,
     /// The time.
     pub clock: Clock,
     /// Who hears what happens.
     pub events: Events,
-    /// Folder for checkpoints, the recording and the results. Without one nothing is written.
-    pub out: Option<PathBuf>,
+    /// Where checkpoints and the recording lie. Without one there are none.
+    pub storage: Option<Arc<dyn Storage>>,
+    /// Who writes the results. Without it the storage gets the world alone, as [`WORLD_FILE`](super::WORLD_FILE).
+    pub outputs: Option<Arc<dyn Outputs>>,
+    /// Who begins other runs.
+    pub branches: Option<Arc<dyn Branches>>,
 }
 
 impl Host {
-    /// A host that writes nothing and asks for the events.
-    pub fn new(clock: Clock) -> Self {
-        Self { clock, events: Events::queue(), out: None }
+    /// A host that keeps and writes nothing, and asks for the events.
+    pub fn new(registry: &Registry, clock: Clock) -> Self {
+        let registry = registry.clone();
+        Self { registry, clock, events: Events::queue(), storage: None, outputs: None, branches: None }
+    }
+
+    /// The same with a place for checkpoints and the recording.
+    #[must_use]
+    pub fn with_storage(self, storage: impl Storage + 'static) -> Self {
+        Self { storage: Some(Arc::new(storage)), ..self }
     }
 }

@@ -1,9 +1,9 @@
 //! Checkpoints.
 
 use super::Session;
+use super::files::CHECKPOINT_FILE;
 use crate::error::RunError;
 use crate::event::Event;
-use crate::store::CHECKPOINT_FILE;
 use eyot_core::remedy;
 use eyot_io::checkpoint;
 use std::path::PathBuf;
@@ -12,8 +12,8 @@ impl Session {
     /// Writes a checkpoint before anything is done, which holds little but the recipe: whenever the session is killed, it can be
     /// resumed.
     pub(super) fn keep_beginning(&mut self) {
-        let Some(out) = self.host.out.as_ref().filter(|_| self.state.place() == (0, 0)) else { return };
-        if !out.join(CHECKPOINT_FILE).exists() {
+        let Some(storage) = self.host.storage.as_ref().filter(|_| self.state.place() == (0, 0)) else { return };
+        if storage.bytes(CHECKPOINT_FILE).is_none() {
             let written = self.save();
             self.only_begun = written.is_ok();
             self.note_checkpoint(written.err());
@@ -22,9 +22,9 @@ impl Session {
 
     /// Removes a checkpoint that holds little but the recipe: if it was the recipe that failed, going on would fail again.
     pub(super) fn forget_beginning(&mut self) {
-        if let Some(out) = self.host.out.as_ref().filter(|_| std::mem::take(&mut self.only_begun)) {
+        if let Some(storage) = self.host.storage.as_ref().filter(|_| std::mem::take(&mut self.only_begun)) {
             // If it stays, the next run says that it is there.
-            let _ = std::fs::remove_file(out.join(CHECKPOINT_FILE));
+            let _ = storage.remove(CHECKPOINT_FILE);
         }
     }
 
@@ -58,8 +58,8 @@ impl Session {
     }
 
     pub(super) fn checkpoint(&mut self) -> Result<Option<PathBuf>, RunError> {
-        let Some(out) = &self.host.out else { return Ok(None) };
-        let path = out.join(CHECKPOINT_FILE);
+        let Some(storage) = &self.host.storage else { return Ok(None) };
+        let path = storage.place(CHECKPOINT_FILE);
         self.settle();
         self.save()?;
         self.only_begun = false;
@@ -70,10 +70,10 @@ impl Session {
 
     /// Writes the world as it is, and what is to be remembered beside it.
     fn save(&mut self) -> Result<(), RunError> {
-        let Some(out) = &self.host.out else { return Ok(()) };
-        let path = out.join(CHECKPOINT_FILE);
+        let Some(storage) = self.host.storage.clone() else { return Ok(()) };
         self.state.seconds = self.seconds();
         let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;
-        checkpoint::save(&path, &self.world, &self.recipe.source.text, &state).map_err(RunError::file)
+        checkpoint::save_in(&*storage, CHECKPOINT_FILE, &self.world, &self.recipe.source.text, &state)
+            .map_err(RunError::file)
     }
 }

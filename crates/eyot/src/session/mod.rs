@@ -8,10 +8,11 @@
 //! use eyot::session::{Budget, Clock, Host, Session, SessionOptions, Status};
 //! use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry};
 //!
+//! let registry = Registry::standard();
 //! let text = "[grid]\nsize = 32\n[[step]]\ngenerate = \"cone\"\nheight = 300.0\n";
 //! let source = RecipeSource { name: "hill.toml".into(), text: text.into(), folder: ".".into() };
-//! let recipe = Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default())?;
-//! let mut session = Session::new(recipe, SessionOptions::default(), Host::new(Clock::system()))?;
+//! let recipe = Recipe::parse(source, Overrides::default(), &registry, &Limits::default())?;
+//! let mut session = Session::new(recipe, SessionOptions::default(), Host::new(&registry, Clock::system()))?;
 //! while session.advance(Budget::Time(std::time::Duration::from_millis(16)))? == Status::Working {
 //!     for event in session.events() {
 //!         println!("{event:?}");
@@ -24,6 +25,8 @@
 
 mod device;
 mod end;
+pub(crate) mod files;
+pub(crate) mod frames;
 mod generate;
 mod host;
 mod keep;
@@ -35,14 +38,13 @@ mod watching;
 use crate::engines::{Engine, EngineOptions};
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
-use crate::registry::Registry;
 use crate::state::State;
 use crate::watch::{Watcher, Watching};
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::{Cancel, Limits, World};
 use eyot_io::timeline::Record;
-use eyot_recipe::{ProcessUse, Recipe, Step, Work, process_set};
+use eyot_recipe::{ProcessUse, Recipe, Registry, Step, Work, process_set};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -51,7 +53,8 @@ use end::Ended;
 use recording::Recorder;
 use simulate::Simulation;
 
-pub use host::{Clock, Events, Host};
+pub use files::{CHECKPOINT_FILE, REPORT_FILE, TIMELINE_STORE, WORLD_FILE};
+pub use host::{Branches, Clock, Events, Host, NewBranch, Outputs, Results};
 pub(crate) use requests::{Asked, Requests};
 
 /// Chunks of steps aim at this long: short enough for commands, long enough to cost nothing.
@@ -198,11 +201,35 @@ impl Session {
     /// # Errors
     /// If the options ask for a recording that cannot be, or if the commands to be given again do not fit the recipe.
     pub fn new(recipe: Recipe, options: SessionOptions, host: Host) -> Result<Self, RunError> {
-        check(&recipe, &options, host.out.is_some())?;
+        check(&recipe, &options, &host.registry, host.storage.is_some())?;
         let mut world = World::new(recipe.grid, recipe.seed);
         world.sea_level_m = recipe.sea_level_m;
         world.georeference = recipe.georeference.clone();
         let state = State::new(&recipe, options.replay.clone());
+        Ok(Self::at(recipe, options, host, world, state))
+    }
+
+    /// A session that goes on with the stopped run in the host's storage, at the exact step: that of its checkpoint, or of the
+    /// last recorded frame if it is later.
+    ///
+    /// # Errors
+    /// If there is no storage or no stopped run in it, the checkpoint is damaged, the recipe no longer passes its checks, or as
+    /// [`Session::new`].
+    pub fn resume(options: SessionOptions, host: Host) -> Result<Self, RunError> {
+        let Some(storage) = &host.storage else { return Err(RunError::input("there is no storage to go on from")) };
+        let folder = storage.place("");
+        let finished = storage.bytes(files::REPORT_FILE).is_some();
+        let name = files::unfinished(&**storage)
+            .ok_or_else(|| RunError::NothingToResume { folder: folder.clone(), finished })?;
+        let mut warnings = Vec::new();
+        let (recipe, world, state) = frames::stopped(storage, name, &options.limits, &host.registry, &mut warnings)?;
+        if state.streamed {
+            return Err(RunError::input("a streamed run is no session"));
+        }
+        check(&recipe, &options, &host.registry, true)?;
+        for message in warnings {
+            host.events.tell(Event::Warning { message });
+        }
         Ok(Self::at(recipe, options, host, world, state))
     }
 
@@ -337,7 +364,7 @@ impl Session {
             engine: self.engine.name(),
             threads: rayon::current_num_threads(),
             resumed: self.resumed,
-            out: self.host.out.clone(),
+            out: self.host.storage.as_ref().map(|s| s.place("")),
         });
         let other = self.state.engines.last().filter(|last| **last != self.engine.kind()).map(|last| {
             let now = self.engine.kind();
@@ -447,7 +474,12 @@ impl Session {
 }
 
 /// Finds what a session would refuse: a recording that cannot be, commands of an earlier run that do not fit.
-pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool) -> Result<(), RunError> {
+pub(crate) fn check(
+    recipe: &Recipe,
+    options: &SessionOptions,
+    registry: &Registry,
+    has_storage: bool,
+) -> Result<(), RunError> {
     let mut steps: Vec<(usize, Vec<ProcessUse>)> = Vec::new();
     for step in recipe.enabled_steps() {
         if let Work::Simulate(work) = &step.work {
@@ -459,10 +491,9 @@ pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool)
         let Some((_, uses)) = steps.iter_mut().find(|(number, _)| *number == entry.recipe_step) else {
             return Err(misfit("this recipe simulates nothing there".to_owned()));
         };
-        process_set::apply(uses, &entry.set, &Registry::standard(), &recipe.grid, &|_| true)
-            .map_err(|p| misfit(p.to_string()))?;
+        process_set::apply(uses, &entry.set, registry, &recipe.grid, &|_| true).map_err(|p| misfit(p.to_string()))?;
     }
-    crate::timeline::check(recipe, options, has_folder)
+    frames::check(recipe, options, has_storage)
 }
 
 /// A step of the recipe, for messages.

@@ -1,14 +1,15 @@
 //! What a session does for its recording: frames on the way, and the way back.
 
 use super::Session;
+use super::files::{CHECKPOINT_FILE, TIMELINE_STORE};
+use super::frames::{Damaged, Found, Moment, find, state_of};
+use super::host::NewBranch;
 use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
 use crate::state::State;
-use crate::store::{CHECKPOINT_FILE, TIMELINE_STORE};
-use crate::timeline::{Damaged, Found, Moment, branch_off, find, state_of};
 use eyot_core::remedy;
-use eyot_core::remedy::Remedy;
+use eyot_core::remedy::{Remedy, Worded};
 use eyot_io::Origin;
 use eyot_io::timeline::{self, Timeline};
 use eyot_recipe::ProcessUse;
@@ -36,12 +37,17 @@ impl Session {
     }
 
     fn open_recording(&mut self) -> Result<Option<Recorder>, RunError> {
-        let Some(out) = self.host.out.clone() else { return Ok(None) };
-        let path = out.join(TIMELINE_STORE);
+        let Some(storage) = self.host.storage.clone() else { return Ok(None) };
         let limits = self.options.limits;
         let mut timeline = match self.options.record {
-            _ if timeline::is_recording(&path) => Timeline::open_to_write(&path, &limits).map_err(RunError::file)?,
-            Some(record) => Timeline::create(&path, record, &self.origin(), &limits).map_err(RunError::file)?,
+            _ if timeline::is_recording_in(&*storage, TIMELINE_STORE) => {
+                Timeline::open_to_write_in(storage.clone(), TIMELINE_STORE, &limits).map_err(RunError::file)?
+            }
+            Some(record) => {
+                let origin = self.origin();
+                Timeline::create_in(storage.clone(), TIMELINE_STORE, record, &origin, &limits)
+                    .map_err(RunError::file)?
+            }
             None => return Ok(None),
         };
         if let Some(record) = self.options.record.filter(|r| *r != timeline.record()) {
@@ -50,7 +56,7 @@ impl Session {
         // What is later belongs to another future, or could not be read.
         timeline.truncate(self.world.step + 1).map_err(RunError::file)?;
         self.state.rewound = false;
-        if !out.join(CHECKPOINT_FILE).exists() && self.state.place() == (0, 0) {
+        if storage.bytes(CHECKPOINT_FILE).is_none() && self.state.place() == (0, 0) {
             // Whoever finds frames beside it knows that the run is not finished.
             self.checkpoint()?;
         }
@@ -139,7 +145,8 @@ impl Session {
     /// Sets the run back, or forth again, to the last frame of at most `step` steps.
     pub(super) fn rewind_to(&mut self, step: u64, forget: bool) -> Result<(), RunError> {
         let recorder = self.recorder.as_mut().ok_or_else(not_recorded)?;
-        let Found { frame, saved, state, damaged } = find(&recorder.timeline, Moment::Step(step))?;
+        let Found { frame, saved, state, damaged } =
+            find(&recorder.timeline, Moment::Step(step), self.host.registry.components())?;
         recorder.is_current = true;
         self.tell_damaged(&damaged);
         self.unsee();
@@ -158,10 +165,12 @@ impl Session {
     /// Puts the last frame of at most `step` steps into another folder.
     pub(super) fn branch(&mut self, step: u64, out: &Path) -> Result<(), RunError> {
         let recorder = self.recorder.as_ref().ok_or_else(not_recorded)?;
-        let Found { frame, saved, state, damaged } = find(&recorder.timeline, Moment::Step(step))?;
+        let Found { frame, saved, state, damaged } =
+            find(&recorder.timeline, Moment::Step(step), self.host.registry.components())?;
         let state = state.again(&self.state.changes(), false);
-        let folder = self.host.out.as_deref().ok_or_else(not_recorded)?;
-        branch_off(&recorder.timeline, folder, frame.frame, &saved, &state, out)?;
+        let branches = self.host.branches.as_ref().ok_or_else(|| RunError::input("there is no place for it here"))?;
+        let recording = &recorder.timeline;
+        branches.begin(&NewBranch { recording, frame: frame.frame, saved: &saved, state: &state, out })?;
         self.tell_damaged(&damaged);
         self.tell(Event::Branched { out: out.to_owned(), steps_done: frame.steps_done });
         Ok(())
@@ -169,7 +178,7 @@ impl Session {
 
     fn tell_damaged(&self, damaged: &[Damaged]) {
         for d in damaged {
-            self.tell(Event::Warning { message: format!("{d}; an earlier frame took its place").into() });
+            self.tell(Event::Warning { message: remedy![d.sentence(), "; an earlier frame took its place"] });
         }
     }
 }

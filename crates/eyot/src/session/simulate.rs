@@ -4,8 +4,8 @@ use super::{Heard, Phase, Session, label, overall};
 use crate::engines::Failure;
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry, Progress};
-use crate::registry::Registry;
-use eyot_core::process::{Scheduled, Span};
+use eyot_core::process::Span;
+use eyot_core::stepper;
 use eyot_core::{Control, Error};
 use eyot_recipe::{Change, Problems, ProcessUse, SimulateStep, Step, Work, process_set, schedule};
 use std::time::Duration;
@@ -14,7 +14,7 @@ use std::time::Duration;
 pub(super) struct Simulation {
     /// The processes with the changes by hand so far.
     uses: Vec<ProcessUse>,
-    scheduled: Vec<Scheduled>,
+    scheduled: stepper::Simulation,
     /// Steps to be done at a time.
     chunk: u64,
     /// Steps per second lately.
@@ -52,7 +52,7 @@ impl Session {
         };
         let fail = |source| RunError::Step { step: label(step), source };
         if self.state.done >= work.steps {
-            match self.bring_back() {
+            match self.download() {
                 Ok(()) => self.end_simulation(step, &s),
                 Err(Failure::Work(e)) => return Err(fail(e)),
                 Err(Failure::Device(e)) => {
@@ -68,7 +68,7 @@ impl Session {
             Heard::GoOn => {}
             Heard::Wait => {
                 if self.state.journal.len() > changes {
-                    s.scheduled = schedule(&s.uses).map_err(fail)?;
+                    s.scheduled = stepper::Simulation::new(schedule(&s.uses).map_err(fail)?);
                 }
                 self.phase = Phase::Simulating(s);
                 return Ok(false);
@@ -82,7 +82,7 @@ impl Session {
         self.note_engine();
         self.replay_due(step, &mut s.uses)?;
         if self.state.journal.len() > changes {
-            s.scheduled = schedule(&s.uses).map_err(fail)?;
+            s.scheduled = stepper::Simulation::new(schedule(&s.uses).map_err(fail)?);
         }
         let steps = self.steps_now(step, work, s.chunk);
         let (begun, first) = (self.host.clock.now(), self.world.step);
@@ -91,7 +91,7 @@ impl Session {
             self.engine.lose_device();
         }
         let span = Span { from: self.state.done, steps };
-        let result = self.engine.simulate(&mut self.world, &s.scheduled, span, &control);
+        let result = self.engine.simulate(&mut self.world, &mut s.scheduled, span, &control);
         if let Err(Failure::Device(e)) = result {
             self.go_on_without(e, step)?;
             (s.uses, s.scheduled) = self.scheduled(step, work)?;
@@ -181,13 +181,13 @@ impl Session {
     }
 
     /// The processes of a step with the changes by hand that have been made so far.
-    fn scheduled(&self, step: &Step, work: &SimulateStep) -> Result<(Vec<ProcessUse>, Vec<Scheduled>), RunError> {
+    fn scheduled(&self, step: &Step, work: &SimulateStep) -> Result<(Vec<ProcessUse>, stepper::Simulation), RunError> {
         let mut uses = work.processes.clone();
         for entry in self.state.journal.iter().filter(|e| e.recipe_step == step.number) {
             self.apply(&mut uses, &entry.set).map_err(RunError::Recipe)?;
         }
         let scheduled = schedule(&uses).map_err(|source| RunError::Step { step: label(step), source })?;
-        Ok((uses, scheduled))
+        Ok((uses, stepper::Simulation::new(scheduled)))
     }
 
     fn replay_due(&mut self, step: &Step, uses: &mut [ProcessUse]) -> Result<(), RunError> {
@@ -204,7 +204,7 @@ impl Session {
 
     fn apply(&self, uses: &mut [ProcessUse], set: &str) -> Result<(), Problems> {
         let has = |name: &str| self.world.get(name).is_some();
-        process_set::apply(uses, set, &Registry::standard(), &self.world.grid, &has)
+        process_set::apply(uses, set, &self.host.registry, &self.world.grid, &has)
     }
 
     /// Changes a parameter of the simulation under way, or warns why not.

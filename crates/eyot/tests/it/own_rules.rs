@@ -215,7 +215,7 @@ fn live(pattern: &[&str], steps: u64) -> Vec<(usize, usize)> {
     let grid = Grid::new(20, 16, 1.0, Rim::both(Edge::Wrap), &Limits::default()).unwrap();
     let mut world = World::new(grid, 1);
     let play = processes("life");
-    let spec = play[0].process.layers()[0].0.clone();
+    let spec = play[0].process.layers()[0].spec.clone();
     let at = |x: usize, y: usize| pattern.get(y).and_then(|row| row.as_bytes().get(x)) == Some(&b'#');
     let field = Field::from_fn(20, 16, |x, y| if at(x, y) { 1.0 } else { 0.0 });
     world.put(&spec, field).unwrap();

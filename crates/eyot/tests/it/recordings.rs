@@ -471,7 +471,7 @@ fn lost_frames_are_told_and_the_others_lead_back() {
     assert_eq!((done.frame.frame, done.damaged.len(), done.damaged[0].frame), (3, 1, 4));
     let done = rewind(&out, Moment::Step(55), false, &limits).unwrap();
     assert_eq!((done.frame.steps_done, done.damaged.len()), (47, 1));
-    assert!(done.damaged[0].reason.contains("water"), "{:?}", done.damaged);
+    assert!(done.damaged[0].reason.to_string().contains("water"), "{:?}", done.damaged);
     // Both go on to the same bytes.
     resume(&out);
     resume(&other);

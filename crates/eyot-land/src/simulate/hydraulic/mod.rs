@@ -46,7 +46,7 @@ use eyot_core::given::Given;
 use eyot_core::layer::known::{HEIGHT, SEDIMENT, WATER};
 use eyot_core::math;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process};
+use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
 use eyot_core::{Error, Grid, LayerSpec, Result, Stagger, given};
 use schemars::JsonSchema;
@@ -204,11 +204,11 @@ impl Hydraulic {
 }
 
 impl Process for Hydraulic {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let mut layers = vec![(HEIGHT, 0.0), (WATER, 0.0), (SEDIMENT, 0.0)];
+    fn layers(&self) -> Vec<LayerUse> {
+        let mut layers = vec![HEIGHT.changed(0.0), WATER.changed(0.0), SEDIMENT.changed(0.0)];
         match self.flux {
-            FluxForm::Signed => layers.extend([(FLUX_X, 0.0), (FLUX_Y, 0.0)]),
-            FluxForm::Classic => layers.extend(OUTFLOW.map(|o| (o, 0.0))),
+            FluxForm::Signed => layers.extend([FLUX_X.changed(0.0), FLUX_Y.changed(0.0)]),
+            FluxForm::Classic => layers.extend(OUTFLOW.map(|o| o.changed(0.0))),
         }
         layers
     }

@@ -13,7 +13,6 @@ use eyot_core::{Field, Grid, World};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::sync::mpsc::{Receiver, sync_channel};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Plates as a world keeps them.
 pub(crate) struct Before {
@@ -93,10 +92,7 @@ impl Plates {
 
 /// The next step.
 #[derive(Default)]
-pub(crate) struct Beside(Mutex<Work>);
-
-#[derive(Default)]
-struct Work {
+pub(crate) struct Lookahead {
     threads: Option<ThreadPool>,
     step: Option<Step>,
 }
@@ -107,23 +103,17 @@ enum Step {
     UnderWay(Receiver<Made>),
 }
 
-impl Beside {
-    /// True if no step is under way or waits.
-    pub(crate) fn is_idle(&self) -> bool {
-        self.work().step.is_none()
-    }
-
+impl Lookahead {
     /// Begins a step of plates that a world keeps with this state. If not `at_once`, it is only begun when it is asked for: for
     /// a world that does nothing in the meantime.
-    pub(crate) fn begin(&self, grid: &Grid, state: PlateState, plates: Plates, at_once: bool) {
-        let mut work = self.work();
-        if work.threads.is_none() && at_once {
+    pub(crate) fn begin(&mut self, grid: &Grid, state: PlateState, plates: Plates, at_once: bool) {
+        if self.threads.is_none() && at_once {
             // As many as the world's own: whoever waits for the step should not wait longer than for one of its own.
             let threads = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads());
             // A step that panics drops its sender, and is made again where its message can be seen.
-            work.threads = threads.thread_name(|_| "plates".into()).panic_handler(|_| ()).build().ok();
+            self.threads = threads.thread_name(|_| "plates".into()).panic_handler(|_| ()).build().ok();
         }
-        work.step = Some(match &work.threads {
+        self.step = Some(match &self.threads {
             Some(threads) if at_once => {
                 let (sender, receiver) = sync_channel(1);
                 let grid = *grid;
@@ -135,8 +125,8 @@ impl Beside {
     }
 
     /// The step that was begun, if it is one of the plates in `world`; waits for it.
-    pub(crate) fn take(&self, world: &World) -> Option<Made> {
-        let made = match self.work().step.take()? {
+    pub(crate) fn take(&mut self, world: &World) -> Option<Made> {
+        let made = match self.step.take()? {
             Step::Waits(waiting) => {
                 let (state, plates) = *waiting;
                 Made::new(&world.grid, state, plates)
@@ -144,9 +134,5 @@ impl Beside {
             Step::UnderWay(receiver) => receiver.recv().ok()?,
         };
         made.before.are_of(world).then_some(made)
-    }
-
-    fn work(&self) -> MutexGuard<'_, Work> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -4,7 +4,7 @@
 //! layers one after the other in the order of the process, and prints their names and the ledger in cell thicknesses.
 //! `peer_fields drainage SIZE 0 FILE` writes the heights that `benches/peers/drainage_peers.py` drains.
 
-use eyot::bench::{self, BenchSubject};
+use eyot_bench::cpu::{self, BenchSubject};
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::Span;
 use eyot_core::{Control, World};
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("usage: peer_fields signed|classic|thermal|reef|drainage SIZE STEPS FILE".into());
     };
     if case == "drainage" {
-        let (_, height) = bench::drainage_case(size.parse()?)?;
+        let (_, height) = cpu::drainage_case(size.parse()?)?;
         std::fs::write(file, height.iter().flat_map(|z| z.to_le_bytes()).collect::<Vec<u8>>())?;
         return Ok(());
     }
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "classic" => (BenchSubject::Hydraulic, true),
         name => (name.parse()?, false),
     };
-    let (mut world, processes) = bench::case(what, classic, size.parse()?)?;
+    let (mut world, processes) = cpu::case(what, classic, size.parse()?)?;
     let start = PathBuf::from(file);
     write(&world, start.clone())?;
     let span = Span { from: 0, steps: steps.parse()? };

@@ -51,7 +51,7 @@ fn wrong(problems: Vec<Problem>) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use crate::bench::{BenchSubject, case};
+    use crate::cpu::{BenchSubject, case};
     use eyot_core::Control;
     use eyot_core::engine::CpuEngine;
     use eyot_core::process::Span;

@@ -1,6 +1,7 @@
 //! What this machine can simulate on, and whether it does so rightly: `eyot doctor`.
 
-use crate::engines::{EngineChoice, EngineOptions, isa};
+use eyot::engines::isa;
+use eyot::{EngineChoice, EngineOptions};
 use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
@@ -172,7 +173,7 @@ fn test(adapter: Option<&str>, no_adapters: bool) -> Result<Test, Error> {
 fn on_card(gpu: Gpu, world: &mut World, processes: &[Scheduled], span: Span) -> Result<(), GpuError> {
     let mut engine = GpuEngine::new(gpu, Options::default(), None)?;
     engine.simulate(world, processes, span, &Control::none())?;
-    engine.bring_back(world)
+    engine.download(world)
 }
 
 /// Rounded hills of 60 m by the sea.

@@ -4,12 +4,9 @@
 //! queue is drained and a layer has been read back. Beside it stands what the work would take if nothing but the card's memory were
 //! in its way: the bytes that fused passes must move, over the bandwidth of a plain copy.
 
-use crate::bench::{self, BenchSubject};
-use crate::engines::{self, EngineOptions};
-use crate::error::RunError;
-use crate::recipe::{Overrides, Recipe, RecipeSource, Work as StepWork};
-use crate::registry::Registry;
-use crate::run::{Run, RunOptions};
+use crate::cpu::{self, BenchSubject};
+use eyot::engines::{card, keep_pipelines};
+use eyot::{EngineOptions, Overrides, Recipe, RecipeSource, Registry, Run, RunError, RunOptions, Work as StepWork};
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::remedy;
 use eyot_core::remedy::{Action, Setting};
@@ -111,13 +108,13 @@ pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
     }
     let (world, phases) = case(options)?;
     let how = Options::default().timed(true).most_passes(options.most_passes);
-    let mut engine = engines::card(&options.engine, how)?;
+    let mut engine = card(&options.engine, how)?;
     let copy_bandwidth = copy_bandwidth(engine.gpu())?;
     let cells = world.grid.cells() as f64;
     let start = phases.iter().any(|p| p.steps.is_some()).then(|| world.clone());
     let mut bench = Bench { engine: &mut engine, phases: &phases, start, world, done: 0 };
     let outcome = bench.measure(options.seconds).map_err(refused);
-    engines::keep_pipelines(&engine);
+    keep_pipelines(&engine);
     let Timed { seconds, steps, work, repeats } = outcome?;
     let n: u64 = steps.iter().sum();
     let whole = phases.iter().zip(&steps).all(|(p, n)| p.steps.is_some_and(|all| *n == all * repeats));
@@ -177,7 +174,7 @@ fn case(options: &GpuBenchOptions) -> Result<(World, Vec<Phase>), RunError> {
         }
         _ => {}
     }
-    let (world, processes) = bench::case(what, options.classic, options.size).map_err(input)?;
+    let (world, processes) = cpu::case(what, options.classic, options.size).map_err(input)?;
     if processes.iter().any(|s| s.process.action().is_some()) {
         return Err(none());
     }
@@ -282,7 +279,7 @@ impl Bench<'_> {
                     self.begin_anew();
                 } else {
                     // As runs do between two steps of a recipe.
-                    self.engine.bring_back(&mut self.world)?;
+                    self.engine.download(&mut self.world)?;
                     self.engine.release();
                     self.done = 0;
                 }

@@ -4,8 +4,8 @@
 //! stretch warms up, and the following ones are samples. Start fields and parameters are those of
 //! `benches/peers/common.py`; `benches/peers/check.py` shows that start fields are equal to the bit and results agree.
 
-use crate::bench_rule;
-use eyot_core::engine::{CpuEngine, Need};
+use crate::rule;
+use eyot_core::engine::{CpuEngine, MemoryEstimate};
 use eyot_core::isa::Isa;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Action as _, Generator, Moment, Process, Scheduled, Site, Span};
@@ -289,7 +289,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         (BenchSubject::Hydraulic, false) => (10.0, -350.0, 650.0, Box::new(Hydraulic::default())),
         (BenchSubject::Hydraulic, true) => (1.0, 0.0, 80.0, Box::new(mei_2007())),
         (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
-        (BenchSubject::Rule, _) => (10.0, 0.0, 1000.0, Box::new(bench_rule::thermal(10.0)?)),
+        (BenchSubject::Rule, _) => (10.0, 0.0, 1000.0, Box::new(rule::thermal(10.0)?)),
         // A year a step makes one spreading a growth; the default of ten years takes nine.
         (BenchSubject::Reef, _) => (10.0, -140.0, 60.0, Box::new(Reef { years_per_step: 1.0, ..Default::default() })),
         (
@@ -333,13 +333,14 @@ fn start(
     high: f64,
 ) -> Result<(World, Vec<Scheduled>)> {
     let mut layers: Vec<(LayerSpec, f32)> = Vec::new();
-    for (spec, value) in scheduled.iter().flat_map(|s| s.process.layers()) {
-        if layers.iter().all(|(l, _)| l.name != spec.name) {
-            layers.push((spec, value));
+    for layer in scheduled.iter().flat_map(|s| s.process.layers()) {
+        if layers.iter().all(|(l, _)| l.name != layer.spec.name) {
+            layers.push((layer.spec, layer.start));
         }
     }
     // The engine would find it out after the fields are filled, which takes long.
-    Limits::default().check_bytes("this benchmark", Need::of(&grid, layers.len(), &scheduled).bytes(&grid))?;
+    Limits::default()
+        .check_bytes("this benchmark", MemoryEstimate::of(&grid, layers.len(), &scheduled).bytes(&grid))?;
     let mut world = World::new(grid, 1);
     if what == BenchSubject::Streampower {
         world.sea_level_m = -1000.0;
@@ -422,7 +423,7 @@ const SAMPLES: u32 = 8;
 
 fn simulation(options: &BenchOptions) -> Result<BenchReport> {
     let (mut world, processes) = case(options.what, options.classic, options.size)?;
-    let held = Need::of(&world.grid, world.layers().len(), &processes);
+    let held = MemoryEstimate::of(&world.grid, world.layers().len(), &processes);
     let rules = rules(&world, &processes);
     let engine = CpuEngine { isa: options.isa.unwrap_or_else(Isa::best), ..CpuEngine::default() };
 
@@ -639,7 +640,7 @@ const TURN: u64 = 25;
 
 fn drift(options: &BenchOptions) -> Result<BenchReport> {
     let (mut world, processes) = case(options.what, options.classic, options.size)?;
-    let held = Need::of(&world.grid, world.layers().len(), &processes);
+    let held = MemoryEstimate::of(&world.grid, world.layers().len(), &processes);
     let engine = CpuEngine { isa: options.isa.unwrap_or_else(Isa::best), ..CpuEngine::default() };
     let stamps: Mutex<Vec<(u64, Instant)>> = Mutex::default();
     let (cancel, begun) = (Cancel::default(), Instant::now());
