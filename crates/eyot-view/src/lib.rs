@@ -27,6 +27,7 @@
 //! 3. One pass draws patches, the walls of a relief model, the sea and what stands behind, with four samples a pixel. Everything is
 //!    opaque: the sea's shader looks up the bottom itself.
 
+mod card;
 mod detail;
 mod flow;
 mod frame;

@@ -1,5 +1,6 @@
 //! The pipelines that draw, and pictures.
 
+use crate::card::CardMaker;
 use crate::detail::Look;
 use crate::frame::Parts;
 use crate::levels::PATCH;
@@ -22,6 +23,7 @@ const PICTURE: TextureFormat = TextureFormat::Rgba8Unorm;
 /// Draws scenes on one device.
 pub struct Renderer {
     maker: MapMaker,
+    card: CardMaker,
     module: wgpu::ShaderModule,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
@@ -47,6 +49,7 @@ struct Targets {
 }
 
 /// What a picture is drawn on: a texture's view of any format that can be drawn to, with one sample.
+#[non_exhaustive]
 pub struct Canvas<'a> {
     /// The view.
     pub view: &'a wgpu::TextureView,
@@ -54,6 +57,13 @@ pub struct Canvas<'a> {
     pub format: TextureFormat,
     /// Columns and rows.
     pub size: [u32; 2],
+}
+
+impl<'a> Canvas<'a> {
+    /// A view of that format and size (columns, rows).
+    pub fn new(view: &'a wgpu::TextureView, format: TextureFormat, size: [u32; 2]) -> Self {
+        Self { view, format, size }
+    }
 }
 
 impl Renderer {
@@ -105,13 +115,17 @@ impl Renderer {
         let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
         let buffer = gpu.buffer("quads of a patch", size_of_val(&quads[..]) as u64, usage)?;
         gpu.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(&quads));
-        let maker = MapMaker::new(gpu);
+        let (maker, card) = (MapMaker::new(gpu), CardMaker::new(gpu));
         gpu.check()?;
-        Ok(Self { maker, module, layout, sampler, quads: buffer, pipelines: HashMap::new(), canvas: None })
+        Ok(Self { maker, card, module, layout, sampler, quads: buffer, pipelines: HashMap::new(), canvas: None })
     }
 
     pub(crate) fn maker(&self) -> &MapMaker {
         &self.maker
+    }
+
+    pub(crate) fn card(&self) -> &CardMaker {
+        &self.card
     }
 
     pub(crate) fn bind(&self, gpu: &Gpu, frame: &wgpu::Buffer, maps: &Maps) -> wgpu::BindGroup {

@@ -16,5 +16,8 @@ pub const PICTURE: &str = concat!(
 /// From cells to the maps that pictures read.
 pub const MAPS: &str = include_str!("shaders/maps.wgsl");
 
+/// From layers on the card to cells.
+pub const CARD: &str = include_str!("shaders/card.wgsl");
+
 /// From a map to its next smaller level.
 pub const MIPS: &str = include_str!("shaders/mips.wgsl");
