@@ -38,7 +38,7 @@ pub(crate) fn read(bytes: &[u8]) -> bool {
         std::fs::write(path, bytes).expect("room for an input");
     }
     // As many as the seeds have, and one more.
-    let reads = |t: &Timeline, i: usize| t.look(i).is_ok() && t.load(i).is_ok();
+    let reads = |t: &Timeline, i: usize| t.look(i).is_ok() && t.load(i, &eyot::component_kinds()).is_ok();
     let found = Timeline::open(&store, &limits())
         .is_ok_and(|t| (0..t.frames().len().min(3)).filter(|&i| reads(&t, i)).count() > 0);
     // What a killed run had begun is carried out or refused.

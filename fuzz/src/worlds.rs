@@ -13,10 +13,10 @@ pub(crate) const WORDS: &[&str] =
 pub(crate) fn read(bytes: &[u8]) -> bool {
     let (path, again) = (scratch("world.eyot"), scratch("again.eyot"));
     std::fs::write(&path, with_checksum(bytes)).expect("room for an input");
-    let Ok(loaded) = checkpoint::load(&path, &limits()) else { return false };
+    let Ok(loaded) = checkpoint::load(&path, &limits(), &eyot::component_kinds()) else { return false };
     // What can be read can be written, unless it holds numbers that the header cannot carry, and is then the same.
     if checkpoint::save(&again, &loaded.world, &loaded.recipe_toml, &loaded.state).is_ok() {
-        let back = checkpoint::load(&again, &limits()).expect("a checkpoint of our own");
+        let back = checkpoint::load(&again, &limits(), &eyot::component_kinds()).expect("a checkpoint of our own");
         assert_eq!(back.world.fingerprint(), loaded.world.fingerprint());
         assert_eq!((back.recipe_toml, back.state), (loaded.recipe_toml, loaded.state));
     }

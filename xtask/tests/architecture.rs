@@ -102,6 +102,18 @@ fn the_small_crates_stand_on_the_core_and_do_no_io() {
 }
 
 #[test]
+fn recipes_stand_on_core_and_rules_and_open_files_in_one_place() {
+    let manifest = fs::read_to_string(root().join("crates/eyot-recipe/Cargo.toml")).unwrap();
+    let needed = manifest.split("[dev-dependencies]").next().unwrap();
+    let own: Vec<&str> = needed.lines().filter(|l| l.starts_with("eyot")).collect();
+    assert!(own.iter().all(|l| l.starts_with("eyot-core") || l.starts_with("eyot-rules")), "{own:?}");
+    for heavy in ["png", "zarr", "wgpu", "meshopt", "tungstenite", "zstd"] {
+        assert!(!needed.lines().any(|l| l.starts_with(heavy)), "eyot-recipe depends on {heavy}");
+    }
+    assert_absent("crates/eyot-recipe/src", &["std::fs", "std::net", "File::"], &["src/fs.rs"]);
+}
+
+#[test]
 fn only_io_opens_files() {
     for folder in ["crates/eyot-mesh/src", "crates/eyot-render/src"] {
         assert_absent(folder, &["std::fs", "File::"], &[]);

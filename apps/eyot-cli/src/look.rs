@@ -49,7 +49,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
         let drawn = eyot::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
-        if opened.world.features.contains_key(eyot::reef::corals::FEATURE) {
+        if opened.world.components.contains(eyot::reef::corals::FEATURE) {
             print::note(
                 "note: a view shows the sea and its floor; single corals are in the pictures of the export `dive`",
             );

@@ -13,6 +13,7 @@
 // Reason for the exception: rows of one field are handed to several threads at once, as the schedule allows.
 #![allow(unsafe_code)]
 
+use crate::component::Components;
 use crate::control::Control;
 use crate::error::Result;
 use crate::field::{Field, RawField, STAGGERS};
@@ -29,7 +30,6 @@ use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Tally, TallyUni
 use crate::schedule::{Buffer, Schedule};
 use crate::world::World;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Columns kept valid beyond each end of a row: rules may be evaluated at column -1 and look [`MAX_REACH`] further.
@@ -190,7 +190,7 @@ impl CpuEngine {
 struct Saved {
     fields: Vec<Field>,
     ledger: Ledger,
-    features: BTreeMap<String, Vec<f64>>,
+    components: Components,
 }
 
 /// Buffers of a simulation: two copies of each layer as needed, scratch layers, sums.
@@ -392,7 +392,7 @@ impl Arena {
         Saved {
             fields: self.world_fields().cloned().collect(),
             ledger: world.ledger.clone(),
-            features: world.features.clone(),
+            components: world.components.clone(),
         }
     }
 
@@ -403,7 +403,7 @@ impl Arena {
             self.fields[l][self.current[l]] = Some(field);
         }
         self.accounts.clear();
-        (world.ledger, world.features) = (saved.ledger, saved.features);
+        (world.ledger, world.components) = (saved.ledger, saved.components);
     }
 
     /// The current copies of the world's layers.

@@ -32,6 +32,14 @@ pub enum Error {
         /// The layers that exist, comma separated.
         present: String,
     },
+    /// A component of a world is not what it should be.
+    #[error("component `{name}`: {reason}")]
+    Component {
+        /// Its name, or that of the part of it.
+        name: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// A parameter has a value that the process or generator cannot work with.
     #[error("{owner}.{field}: {reason}")]
     BadParameter {

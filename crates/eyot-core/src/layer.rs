@@ -80,6 +80,11 @@ impl LayerSpec {
         (1..=64).contains(&name.len()) && !name.as_bytes()[0].is_ascii_digit() && name.bytes().all(plain)
     }
 
+    /// True for the names of axes and of the place on Earth, which files of research keep for themselves: no layer can have them.
+    pub fn is_axis(name: &str) -> bool {
+        ["x", "y", "x_face", "y_face", "time", "spatial_ref"].contains(&name)
+    }
+
     /// The same layer on a face.
     pub const fn on(mut self, stagger: Stagger) -> Self {
         self.stagger = stagger;

@@ -3,6 +3,7 @@
 //! This crate knows no process, no file format, no GPU and no window; everything else builds on it.
 
 pub mod about;
+pub mod component;
 pub mod conformance;
 pub mod control;
 pub mod engine;
@@ -29,6 +30,7 @@ pub mod rule;
 mod schedule;
 mod world;
 
+pub use component::{Component, ComponentKind, ComponentKinds, Components};
 pub use control::{Cancel, Control};
 pub use error::{Error, Result};
 pub use field::Field;

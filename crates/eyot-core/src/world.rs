@@ -1,12 +1,12 @@
 //! The world: grid, layers, clock and seed.
 
+use crate::component::Components;
 use crate::error::{Error, Result};
 use crate::field::Field;
 use crate::grid::Grid;
 use crate::layer::{Layer, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// Where on Earth (or elsewhere) a grid lies; kept from an imported file to the exported one.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -23,6 +23,16 @@ pub struct Georeference {
     /// What the code does not say of the coordinate system, in the words of the source file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub system: Option<CoordinateSystem>,
+}
+
+impl Georeference {
+    /// Of the same extent in other cells: columns and rows before, and now.
+    #[must_use]
+    pub fn rescaled(&self, from: (usize, usize), to: (usize, usize)) -> Self {
+        let (sx, sy) = (from.0 as f64 / to.0 as f64, from.1 as f64 / to.1 as f64);
+        let t = self.transform;
+        Self { transform: [t[0], t[1] * sx, t[2] * sy, t[3], t[4] * sx, t[5] * sy], ..self.clone() }
+    }
 }
 
 /// A coordinate system that no EPSG code says, or not all of it, as a file had it.
@@ -57,10 +67,9 @@ pub struct World {
     pub georeference: Option<Georeference>,
     /// What entered, left, moved and was clamped.
     pub ledger: Ledger,
-    /// What processes keep that is no layer, such as colonies or plates: by the process's name its numbers, in an order of its
-    /// own. Checkpoints hold them and [`World::fingerprint`] covers them, so that a run goes on from exactly here. Whoever reads
-    /// them takes them for a stranger's: they may come from a damaged file.
-    pub features: BTreeMap<String, Vec<f64>>,
+    /// What processes keep that is no layer, such as colonies or plates, by name. Checkpoints hold them and [`World::fingerprint`]
+    /// covers them, so that a run goes on from exactly here.
+    pub components: Components,
     layers: Vec<Layer>,
 }
 
@@ -74,7 +83,7 @@ impl World {
             step: 0,
             georeference: None,
             ledger: Ledger::default(),
-            features: BTreeMap::new(),
+            components: Components::default(),
             layers: Vec::new(),
         }
     }
@@ -168,15 +177,15 @@ impl World {
     pub fn fingerprint(&self) -> u64 {
         let mut print = Fingerprint::new(&self.grid, self.step, self.sea_level_m);
         for l in &self.layers {
-            print.begin_layer(&l.spec.name);
+            print.begin(&l.spec.name);
             l.field.rows().for_each(|r| print.values(r));
             if l.spec.stagger != Stagger::Cell {
                 print.values(&l.field.outer_faces());
             }
         }
-        for (name, numbers) in &self.features {
-            print.begin_layer(name);
-            numbers.iter().for_each(|n| print.add(n.to_bits()));
+        for (name, component) in self.components.iter() {
+            print.begin(name);
+            component.fingerprint(&mut print);
         }
         print.value()
     }
@@ -199,14 +208,24 @@ impl Fingerprint {
         print
     }
 
-    /// Goes on with the layer `name`.
-    pub fn begin_layer(&mut self, name: &str) {
+    /// Goes on with the layer or component `name`.
+    pub fn begin(&mut self, name: &str) {
         name.bytes().for_each(|b| self.add(u64::from(b)));
     }
 
     /// Goes on with the next values of the layer.
     pub fn values(&mut self, values: &[f32]) {
         values.iter().for_each(|v| self.add(u64::from(v.to_bits())));
+    }
+
+    /// Goes on with a number of a component.
+    pub fn number(&mut self, number: f64) {
+        self.add(number.to_bits());
+    }
+
+    /// Goes on with any 64 bits of a component.
+    pub fn word(&mut self, word: u64) {
+        self.add(word);
     }
 
     /// The fingerprint so far.

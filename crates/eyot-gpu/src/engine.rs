@@ -21,9 +21,9 @@ use eyot_core::graph::Graph;
 use eyot_core::plan::{Pass, Plan, RuleKind};
 use eyot_core::process::{self, Moment, Scheduled, Span, acts, may_fail, plan_step};
 use eyot_core::rule::{Tally, TallyUnit};
-use eyot_core::{Edge, Error, Field, Grid, LayerSpec, Ledger, Limits, Stagger, World};
+use eyot_core::{Components, Edge, Error, Field, Grid, LayerSpec, Ledger, Limits, Stagger, World};
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
@@ -176,7 +176,7 @@ struct Resident {
 struct Held {
     layers: Vec<(Cow<'static, str>, Field)>,
     ledger: Ledger,
-    features: BTreeMap<String, Vec<f64>>,
+    components: Components,
 }
 
 impl Held {
@@ -188,7 +188,7 @@ impl Held {
                 layer.field = field;
             }
         }
-        (world.ledger, world.features) = (self.ledger, self.features);
+        (world.ledger, world.components) = (self.ledger, self.components);
         (world.step, world.sea_level_m) = synced;
     }
 }
@@ -892,7 +892,7 @@ impl Resident {
         let held = self.held.get_or_insert_with(|| Held {
             layers: Vec::new(),
             ledger: world.ledger.clone(),
-            features: world.features.clone(),
+            components: world.components.clone(),
         });
         for spec in self.specs[..self.world_layers].iter().filter(|s| wanted(s)) {
             if held.layers.iter().all(|(kept, _)| *kept != spec.name) {

@@ -168,7 +168,7 @@ fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {
         ..Georeference::default()
     };
     let raster = read_raster(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif"),
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("../eyot-recipe/data/jacksboro.tif"),
         &ReadOptions::default(),
         limits,
     )?;

@@ -8,21 +8,24 @@
 //! length of the header  u64
 //! header                JSON: engine version, grid, clock, seed, ledger, layers, recipe, state
 //! CRC-32                u32, of everything before it
-//! for each feature, in the header's order:
-//!   numbers             f64
-//!   CRC-32              u32, of these numbers
+//! for each component, in the header's order, which is that of their names:
+//!   bytes               what [`eyot_core::Component::encode`] wrote
+//!   CRC-32              u32, of these bytes
 //! for each layer, in the header's order:
 //!   values              f32, row by row from the north, without padding
 //!   outer faces         f32, only for layers on faces: column -1 from the north, then row -1 from the west
 //!   CRC-32              u32, of these values
 //! ```
+//! The header names kind, version and bytes of each component. In format version 2 all of them were plain lists of f64, called
+//! features; such files are read as version 1 of the kind that has taken the name over ([`eyot_core::ComponentKind::formerly`]).
+//!
 //! The header fixes the file's length, which is checked before anything is allocated: a file that was cut short, or has
 //! been added to, is refused at once.
 
 use crate::atomic::{put, row_bytes, write_atomically};
 use crate::error::{Error, Result};
 use crate::head::{Head, HeadFile, check_crc, number, read_faces, write_faces};
-use eyot_core::{Layer, Limits, World};
+use eyot_core::{ComponentKinds, Layer, Limits, World};
 use serde_json::Value;
 use std::io::Read;
 use std::path::Path;
@@ -64,19 +67,19 @@ pub fn save(path: &Path, world: &World, recipe_toml: &str, state: &Value) -> Res
     })
 }
 
-/// Reads a checkpoint.
+/// Reads a checkpoint whose components are all of these kinds.
 ///
 /// # Errors
-/// If the file cannot be read, is no checkpoint, was written in another format version, is truncated or damaged, or
-/// exceeds `limits`. Sizes are checked against the file's length and `limits` before anything is allocated.
-pub fn load(path: &Path, limits: &Limits) -> Result<Checkpoint> {
+/// If the file cannot be read, is no checkpoint, was written in another format version, is truncated or damaged, holds a component
+/// of another kind, or exceeds `limits`. Sizes are checked against the file's length and `limits` before anything is allocated.
+pub fn load(path: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Checkpoint> {
     let mut file = HeadFile::open(path)?;
     file.head.check(path, limits)?;
     file.check_length(path, file.head.value_bytes() + file.head.face_bytes())?;
-    let features = file.features(path)?;
+    let components = file.components(path, limits, kinds)?;
     let HeadFile { head, mut input, .. } = file;
     let mut buffer = vec![0; 4 * head.grid.width];
-    head.restore(features, |layer| read_values(path, &mut input, &mut buffer, layer))
+    head.restore(components, |layer| read_values(path, &mut input, &mut buffer, layer))
 }
 
 /// What the run itself wanted to remember in a checkpoint; its layers are not read.

@@ -6,24 +6,27 @@ use crate::atomic::{put, row_bytes};
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
 use crate::raster::check_size;
+use eyot_core::component::{Decoder, Encoder};
 use eyot_core::layer::known;
-use eyot_core::{Beyond, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Stagger, World};
+use eyot_core::{Beyond, Component, ComponentKinds, Components, Georeference, Grid};
+use eyot_core::{Layer, LayerSpec, Ledger, Limits, Stagger, World};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::{BufReader, Read, Write};
+use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"EYOTCKPT";
 /// Raised whenever an older program would misread the file.
-const FORMAT_VERSION: u32 = 2;
+const FORMAT_VERSION: u32 = 3;
+/// The last version before components had kinds: they were lists of numbers, called features.
+const OF_NUMBERS: u32 = 2;
 /// Magic, version and length of the header.
 const PREFIX_BYTES: usize = 8 + 4 + 8;
 /// Recipe, ledger and layer list are kilobytes; the state of a run may be more.
 const MAX_HEADER_BYTES: u64 = 256 << 20;
-/// Numbers of a feature that are read or written at a time.
-const FEATURE_PART: usize = 1 << 16;
+/// Bytes of a component's name or kind.
+const MAX_NAME: usize = 256;
 const AGAIN: &str = "run the recipe again";
 /// Far more steps than any recipe can ask for, and few enough for exact arithmetic with them.
 pub(crate) const MAX_STEP: u64 = 1 << 48;
@@ -38,10 +41,31 @@ pub(crate) struct Head {
     georeference: Option<Georeference>,
     ledger: Ledger,
     pub(crate) layers: Vec<LayerHeader>,
-    /// Names of the features, and how many numbers they have.
+    #[serde(default)]
+    components: Vec<ComponentHeader>,
+    /// In files of the version [`OF_NUMBERS`]: names of components, and how many numbers they have.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     features: Vec<(String, u64)>,
     pub(crate) recipe_toml: String,
     pub(crate) state: Value,
+}
+
+/// What a component is, and how many bytes it takes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct ComponentHeader {
+    name: String,
+    kind: String,
+    version: u32,
+    bytes: u64,
+}
+
+impl ComponentHeader {
+    fn of(path: &Path, name: &str, component: &dyn Component) -> Result<Self> {
+        let mut all = Summed::of(io::sink());
+        encode(path, component, &mut all)?;
+        let kind = component.kind();
+        Ok(Self { name: name.to_owned(), kind: kind.name.to_owned(), version: kind.version, bytes: all.bytes })
+    }
 }
 
 /// A [`LayerSpec`] whose range can be unbounded: JSON has no infinity.
@@ -106,7 +130,12 @@ impl Head {
                 .map(|g| Georeference { nodata: g.nodata.filter(|v| v.is_finite()), ..g }),
             ledger: world.ledger.clone(),
             layers: world.layers().iter().map(|l| LayerHeader::from(&l.spec)).collect(),
-            features: world.features.iter().map(|(name, numbers)| (name.clone(), numbers.len() as u64)).collect(),
+            components: world
+                .components
+                .iter()
+                .map(|(name, c)| ComponentHeader::of(path, name, c))
+                .collect::<Result<_>>()?,
+            features: Vec::new(),
             recipe_toml: recipe_toml.to_owned(),
             state: state.clone(),
         };
@@ -115,7 +144,8 @@ impl Head {
         // A head that cannot be read back is worse than none, so try.
         match serde_json::from_slice::<Self>(&text) {
             Ok(back) if back == head && text.len() as u64 <= MAX_HEADER_BYTES => {
-                Ok(Sealed { text, features: &world.features })
+                let bytes = head.components.iter().map(|c| c.bytes).collect();
+                Ok(Sealed { text, components: &world.components, bytes })
             }
             _ => Err(fault("the world or the run's state holds a number that is not finite, or too much text".into())),
         }
@@ -143,18 +173,25 @@ impl Head {
                 return Err(damaged(path, &format!("two layers are called `{}`", l.name)));
             }
         }
-        for (i, (name, _)) in self.features.iter().enumerate() {
-            if self.features[..i].iter().any(|(other, _)| other == name) {
-                return Err(damaged(path, &format!("two features are called `{name}`")));
+        if self.components.len() > limits.max_layers {
+            let problem = format!("it has {} components, the limit is {}", self.components.len(), limits.max_layers);
+            return Err(Error::format(path, problem, "raise the limit"));
+        }
+        for (i, c) in self.components.iter().enumerate() {
+            if c.name.len().max(c.kind.len()) > MAX_NAME {
+                return Err(damaged(path, "a component has a name that is too long"));
+            }
+            if self.components[..i].iter().any(|other| other.name == c.name) {
+                return Err(damaged(path, &format!("two components are called `{}`", c.name)));
             }
         }
         let layers = self.layers.len() as u128 * field;
-        limits.check_bytes("the world of this checkpoint", layers + self.feature_bytes()).map_err(Error::beyond(path))
+        limits.check_bytes("the world of this checkpoint", layers + self.component_bytes()).map_err(Error::beyond(path))
     }
 
-    /// Bytes of the numbers of all features, with a checksum each.
-    fn feature_bytes(&self) -> u128 {
-        self.features.iter().map(|(_, numbers)| 8 * u128::from(*numbers) + 4).sum()
+    /// Bytes of all components, with a checksum each.
+    fn component_bytes(&self) -> u128 {
+        self.components.iter().map(|c| u128::from(c.bytes) + 4).sum()
     }
 
     /// Bytes of the values of all layers, with a checksum each.
@@ -175,11 +212,11 @@ impl Head {
     /// The world, with what `fill` makes of each layer, and what else the head holds.
     pub(crate) fn restore(
         self,
-        features: BTreeMap<String, Vec<f64>>,
+        components: Components,
         mut fill: impl FnMut(&mut Layer) -> Result<()>,
     ) -> Result<Checkpoint> {
         let mut world = World::new(self.grid, self.seed);
-        world.features = features;
+        world.components = components;
         world.step = self.step;
         world.sea_level_m = self.sea_level_m;
         world.georeference = self.georeference;
@@ -191,17 +228,19 @@ impl Head {
     }
 }
 
-/// A head as the text that is written, and the features behind it.
+/// A head as the text that is written, and the components behind it.
 pub(crate) struct Sealed<'a> {
     text: Vec<u8>,
-    features: &'a BTreeMap<String, Vec<f64>>,
+    components: &'a Components,
+    /// Of each component.
+    bytes: Vec<u64>,
 }
 
 impl Sealed<'_> {
     /// Bytes in a file.
     pub(crate) fn len(&self) -> u64 {
-        let features: usize = self.features.values().map(|numbers| 8 * numbers.len() + 4).sum();
-        (PREFIX_BYTES + self.text.len() + 4 + features) as u64
+        let components: u64 = self.bytes.iter().map(|bytes| bytes + 4).sum();
+        (PREFIX_BYTES + self.text.len() + 4) as u64 + components
     }
 
     pub(crate) fn write(&self, path: &Path, file: &mut impl Write) -> Result<()> {
@@ -215,22 +254,65 @@ impl Sealed<'_> {
         put(file, path, &prefix)?;
         put(file, path, &self.text)?;
         put(file, path, &crc.finalize().to_le_bytes())?;
-        for numbers in self.features.values() {
-            let mut crc = crc32fast::Hasher::new();
-            for part in numbers.chunks(FEATURE_PART) {
-                let bytes: Vec<u8> = part.iter().flat_map(|n| n.to_le_bytes()).collect();
-                crc.update(&bytes);
-                put(file, path, &bytes)?;
-            }
+        for (_, component) in self.components.iter() {
+            let mut summed = Summed::of(&mut *file);
+            encode(path, component, &mut summed)?;
+            let crc = summed.crc;
             put(file, path, &crc.finalize().to_le_bytes())?;
         }
         Ok(())
     }
 }
 
+fn encode(path: &Path, component: &dyn Component, out: &mut impl Write) -> Result<()> {
+    let mut encoder = Encoder::new(out);
+    component.encode(&mut encoder);
+    encoder.finish().map_err(Error::io(path, "write"))
+}
+
+/// Counts what goes through and keeps its checksum.
+struct Summed<T> {
+    inner: T,
+    crc: crc32fast::Hasher,
+    bytes: u64,
+}
+
+impl<T> Summed<T> {
+    fn of(inner: T) -> Self {
+        Self { inner, crc: crc32fast::Hasher::new(), bytes: 0 }
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
+        self.crc.update(bytes);
+        self.bytes += bytes.len() as u64;
+    }
+}
+
+impl<T: Write> Write for Summed<T> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.inner.write(bytes)?;
+        self.add(&bytes[..n]);
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<T: Read> Read for Summed<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let n = self.inner.read(bytes)?;
+        self.add(&bytes[..n]);
+        Ok(n)
+    }
+}
+
 /// A file that begins with a head.
 pub(crate) struct HeadFile {
     pub(crate) head: Head,
+    /// Version of the file's format.
+    version: u32,
     /// What comes after the head.
     pub(crate) input: BufReader<File>,
     /// Bytes of the head with everything around it.
@@ -249,13 +331,13 @@ impl HeadFile {
         }
         let file_bytes = metadata.len();
         let mut input = BufReader::with_capacity(1 << 18, File::open(path).map_err(io())?);
-        let (head, head_bytes) = read_head(path, &mut input, file_bytes)?;
-        Ok(Self { head, input, head_bytes, file_bytes })
+        let (head, version, head_bytes) = read_head(path, &mut input, file_bytes)?;
+        Ok(Self { head, version, input, head_bytes, file_bytes })
     }
 
-    /// Refuses a file that is not as long as the head, the features and `rest` bytes.
+    /// Refuses a file that is not as long as the head, the components and `rest` bytes.
     pub(crate) fn check_length(&self, path: &Path, rest: u128) -> Result<()> {
-        let expected = u128::from(self.head_bytes) + self.head.feature_bytes() + rest;
+        let expected = u128::from(self.head_bytes) + self.head.component_bytes() + rest;
         if expected == u128::from(self.file_bytes) {
             return Ok(());
         }
@@ -263,29 +345,27 @@ impl HeadFile {
         Err(Error::format(path, problem, format!("it is truncated or damaged: {AGAIN}")))
     }
 
-    /// Reads the features; their size and that of the file have been checked.
-    pub(crate) fn features(&mut self, path: &Path) -> Result<BTreeMap<String, Vec<f64>>> {
-        let mut features = BTreeMap::new();
-        for (name, count) in &self.head.features {
-            let count = *count as usize;
-            let mut crc = crc32fast::Hasher::new();
-            let mut numbers = Vec::with_capacity(count);
-            let mut buffer = vec![0; 8 * count.min(FEATURE_PART)];
-            while numbers.len() < count {
-                let bytes = &mut buffer[..8 * (count - numbers.len()).min(FEATURE_PART)];
-                self.input.read_exact(bytes).map_err(Error::io(path, "read"))?;
-                crc.update(bytes);
-                numbers.extend(bytes.chunks_exact(8).map(|b| f64::from_le_bytes(std::array::from_fn(|i| b[i]))));
-            }
-            check_crc(path, &mut self.input, crc, &format!("feature `{name}`"))?;
-            features.insert(name.clone(), numbers);
+    /// Reads the components; their size and that of the file have been checked.
+    pub(crate) fn components(&mut self, path: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Components> {
+        let mut components = Components::default();
+        for header in &self.head.components {
+            let ComponentHeader { name, kind, version, bytes } = header;
+            let kind = if self.version == OF_NUMBERS { kinds.of_former(name).name } else { kind };
+            let mut summed = Summed::of((&mut self.input).take(*bytes));
+            let mut decoder = Decoder::new(name, &mut summed, *bytes, &self.head.grid, limits);
+            let decoded = kinds.decode(kind, *version, &mut decoder);
+            // Damage explains itself, whatever the decoder made of it.
+            io::copy(&mut summed, &mut io::sink()).map_err(Error::io(path, "read"))?;
+            let crc = summed.crc;
+            check_crc(path, &mut self.input, crc, &format!("component `{name}`"))?;
+            components.insert_shared(name, decoded.map_err(Error::core(path))?);
         }
-        Ok(features)
+        Ok(components)
     }
 }
 
-/// The head and the bytes that it takes with everything around it.
-fn read_head(path: &Path, input: &mut impl Read, file_bytes: u64) -> Result<(Head, u64)> {
+/// The head, the version of the format, and the bytes that the head takes with everything around it.
+fn read_head(path: &Path, input: &mut impl Read, file_bytes: u64) -> Result<(Head, u32, u64)> {
     let io = || Error::io(path, "read");
     let mut prefix = [0; PREFIX_BYTES];
     if file_bytes < PREFIX_BYTES as u64 + 4 {
@@ -296,8 +376,9 @@ fn read_head(path: &Path, input: &mut impl Read, file_bytes: u64) -> Result<(Hea
         return Err(Error::format(path, "this is no Eyot checkpoint", "give the name of a checkpoint"));
     }
     let version = u32::from_le_bytes([prefix[8], prefix[9], prefix[10], prefix[11]]);
-    if version != FORMAT_VERSION {
-        let problem = format!("the checkpoint has format version {version}, this program reads {FORMAT_VERSION}");
+    if !(OF_NUMBERS..=FORMAT_VERSION).contains(&version) {
+        let known = format!("this program reads {OF_NUMBERS} to {FORMAT_VERSION}");
+        let problem = format!("the checkpoint has format version {version}, {known}");
         return Err(Error::format(path, problem, "continue it with the version of Eyot that wrote it"));
     }
     let length = u64::from_le_bytes(std::array::from_fn(|i| prefix[12 + i]));
@@ -312,8 +393,21 @@ fn read_head(path: &Path, input: &mut impl Read, file_bytes: u64) -> Result<(Hea
     crc.update(&prefix);
     crc.update(&text);
     check_crc(path, input, crc, "the header")?;
-    let header = serde_json::from_slice(&text).map_err(|e| damaged(path, &format!("unreadable header: {e}")))?;
-    Ok((header, header_bytes))
+    let mut head: Head =
+        serde_json::from_slice(&text).map_err(|e| damaged(path, &format!("unreadable header: {e}")))?;
+    let of_its_version = match version {
+        OF_NUMBERS => head.components.is_empty(),
+        _ => head.features.is_empty(),
+    };
+    if !of_its_version {
+        return Err(damaged(path, "its components are those of another version"));
+    }
+    for (name, numbers) in std::mem::take(&mut head.features) {
+        // More than any file has.
+        let bytes = numbers.saturating_mul(8);
+        head.components.push(ComponentHeader { name, kind: String::new(), version: 1, bytes });
+    }
+    Ok((head, version, header_bytes))
 }
 
 /// Writes the values of a layer's outer faces, if it lies on faces.

@@ -10,7 +10,7 @@
 //! Writers take their values from [`Rows`], band by band, so that a raster need not fit in memory.
 //!
 //! ```
-//! use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
+//! use eyot_core::{ComponentKinds, Field, Grid, Limits, Rim, World, layer::known};
 //! use eyot_io::{RasterFormat, ReadOptions, checkpoint, read_raster, write_layer};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,7 +27,7 @@
 //!
 //! let path = folder.path().join("run.ckpt");
 //! checkpoint::save(&path, &world, "name = \"Hill\"", &serde_json::json!({"entry": 0}))?;
-//! assert_eq!(checkpoint::load(&path, &limits)?.world, world);
+//! assert_eq!(checkpoint::load(&path, &limits, &ComponentKinds::core())?.world, world);
 //! # Ok(())
 //! # }
 //! ```
@@ -79,4 +79,4 @@ pub use rows::Rows;
 pub use sample::{ByteOrder, RowOrder, Sample};
 pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};
 pub use table::{Column, Table, write_parquet};
-pub use zarr::{SECONDS, is_coordinate, store_attributes, write_store};
+pub use zarr::{SECONDS, store_attributes, write_store};

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| "out/drainage".to_owned());
     std::fs::create_dir_all(&folder)?;
     let control = Control::none();
-    let tile = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif");
+    let tile = Path::new(env!("CARGO_MANIFEST_DIR")).join("../eyot-recipe/data/jacksboro.tif");
     let jacksboro = eyot_io::read_raster(&tile, &eyot_io::ReadOptions::default(), &Limits::default())?.field;
     let grid = Grid::new(512, 512, 30.0, Rim::OPEN, &Limits::default())?;
     let world = World::new(grid, 1);

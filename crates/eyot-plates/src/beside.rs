@@ -7,7 +7,7 @@
 use crate::crust::metres;
 use crate::geometry::rows_at_once;
 use crate::plates::Plates;
-use crate::process::{CRUST, CRUST_AGE, NUMBERS, PLATE};
+use crate::process::{CRUST, CRUST_AGE, PLATE, numbers};
 use eyot_core::{Field, Grid, World};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub(crate) struct Before {
 impl Before {
     /// True if `world` keeps these.
     fn are_of(&self, world: &World) -> bool {
-        let numbers = world.features.get(NUMBERS).map(Vec::as_slice).unwrap_or_default();
+        let Ok(numbers) = numbers(world) else { return false };
         let bits = |v: &[f64]| v.iter().map(|n| n.to_bits()).collect::<Vec<_>>();
         if (world.grid, world.seed) != (self.grid, self.seed) || bits(numbers) != bits(&self.numbers) {
             return false;

@@ -58,6 +58,7 @@ use crate::geometry::rows_at_once;
 use crate::parameters::Tectonics;
 use crate::plates::{Plates, check};
 use crate::start::Start;
+use eyot_core::component::Numbers;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Action, Entry, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from, schema_of};
 use eyot_core::{Control, Grid, LayerSpec, Result, World, about};
@@ -122,7 +123,7 @@ impl Process for Drift {
     /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise. Begins the first
     /// step.
     fn prepare(&self, world: &mut World) -> Result<()> {
-        if !world.features.contains_key(NUMBERS) {
+        if !world.components.contains(NUMBERS) {
             let sea = world.sea_level_m as f32;
             let height: Vec<f32> = world.layer("height")?.field.iter().map(|h| h - sea).collect();
             let flat = height.iter().all(|&h| h == height[0]);
@@ -134,7 +135,7 @@ impl Process for Drift {
         if self.beside.is_idle()
             && let Some((plates, _)) = of_world(world, self.parameters.clone())?
         {
-            self.beside.begin(&world.grid, numbers(world).to_vec(), plates, true);
+            self.beside.begin(&world.grid, numbers(world)?.to_vec(), plates, true);
         }
         Ok(())
     }
@@ -154,11 +155,11 @@ impl Action for Drift {
             Some(made) => made,
             None => {
                 let Some((plates, _)) = of_world(world, self.parameters.clone())? else { return Ok(()) };
-                Made::new(&world.grid, numbers(world).to_vec(), plates)
+                Made::new(&world.grid, numbers(world)?.to_vec(), plates)
             }
         };
         // The numbers end with the level of the sea.
-        let sea = numbers(world).last().map_or(0.0, |&s| s as f32);
+        let sea = numbers(world)?.last().map_or(0.0, |&s| s as f32);
         let Made { mut plates, before } = made;
         let own = *plates.budget();
         plates.add_changes(&before, &world.layer("height")?.field, sea);
@@ -169,7 +170,7 @@ impl Action for Drift {
         budget.start = 0;
         budget.post(&mut world.ledger, moment.grid.cell_area_m2());
         plates.publish(world, sea, true)?;
-        self.beside.begin(&world.grid, numbers(world).to_vec(), plates, !alone);
+        self.beside.begin(&world.grid, numbers(world)?.to_vec(), plates, !alone);
         Ok(())
     }
 
@@ -183,13 +184,14 @@ impl Action for Drift {
 }
 
 /// What a world keeps of its plates beside layers; nothing if it has none.
-fn numbers(world: &World) -> &[f64] {
-    world.features.get(NUMBERS).map(Vec::as_slice).unwrap_or_default()
+pub(crate) fn numbers(world: &World) -> Result<&[f64]> {
+    Ok(world.components.get::<Numbers>(NUMBERS)?.map(|n| &*n.0).unwrap_or_default())
 }
+
 /// The plates of a world and the level of the sea, m, at which they were made; `None` if it has none.
 fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, f32)>> {
     // The numbers end with the level of the sea.
-    let Some((&sea, numbers)) = numbers(world).split_last() else { return Ok(None) };
+    let Some((&sea, numbers)) = numbers(world)?.split_last() else { return Ok(None) };
     let layer = |spec: &LayerSpec| Ok::<_, eyot_core::Error>(world.layer(&spec.name)?.field.iter());
     let maps = (layer(&PLATE)?, layer(&CRUST)?, layer(&CRUST_AGE)?);
     Ok(Some((Plates::restore(&world.grid, world.seed, parameters, numbers, maps)?, sea as f32)))
@@ -224,7 +226,7 @@ impl Plates {
         }
         let mut numbers = self.numbers();
         numbers.push(f64::from(sea));
-        world.features.insert(NUMBERS.to_owned(), numbers);
+        world.components.insert(NUMBERS, Numbers(numbers));
         Ok(())
     }
 }

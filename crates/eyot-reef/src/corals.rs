@@ -35,6 +35,7 @@ use crate::community::{
     CHUMBE, Census, CensusColumn, Community, Forcing, Ground, Plot, Site, Temperatures, Variability,
 };
 use crate::community::{MONTH_DAYS, YEAR_DAYS};
+use eyot_core::component::Numbers;
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
 use eyot_core::process::{Action, Entry, Moment, Process, check_ranges, defaults_of, parameters_from, schema_of};
 use eyot_core::{Control, Error, Field, Grid, LayerSpec, Limits, Result, World, about, math64};
@@ -172,7 +173,7 @@ impl Action for Colonies {
             None => {
                 if self.corals.sea == Sea::World {
                     let means = self.corals.sea_of(world, moment.sea_level_m)?;
-                    world.features.insert(SEA.to_owned(), means.map(f64::from).to_vec());
+                    world.components.insert(SEA, Numbers(means.map(f64::from).to_vec()));
                 }
                 let made = self.corals.forcing(world)?;
                 self.forcing.get_or_init(|| made).clone()
@@ -187,8 +188,8 @@ impl Action for Colonies {
         cover(&plot, &mut world.layer_mut(&CORAL_COVER.name)?.field, control)?;
         let names: Vec<&str> = self.corals.community.species.iter().map(|s| s.name.as_str()).collect();
         let row = census.columns(&names).into_iter().map(|(_, v)| v);
-        world.features.entry(CENSUS.to_owned()).or_default().extend(row);
-        world.features.insert(FEATURE.to_owned(), plot.numbers());
+        world.components.entry(CENSUS, Numbers::default)?.0.extend(row);
+        world.components.insert(FEATURE, Numbers(plot.numbers()));
         Ok(())
     }
 
@@ -259,7 +260,7 @@ impl Corals {
 
     /// Equation (3): what the sea was when the first month began, or is now.
     fn sea_of(&self, world: &World, sea_level_m: f64) -> Result<[f32; 12]> {
-        if let Some(known) = world.features.get(SEA) {
+        if let Some(Numbers(known)) = world.components.get(SEA)? {
             let sound = known.len() == 12 && known.iter().all(|t| (-5.0..=400.0).contains(t));
             let reason = || wrong("saved state", format!("`{SEA}` does not hold twelve temperatures"));
             return if sound { Ok(std::array::from_fn(|m| known[m] as f32)) } else { Err(reason()) };
@@ -295,8 +296,8 @@ impl Corals {
 
     fn plot_in(&self, world: &World, sea_level_m: f64, forcing: Forcing, control: &Control<'_>) -> Result<Plot> {
         let (community, site) = (self.community.clone(), self.site(world, sea_level_m)?);
-        match world.features.get(FEATURE) {
-            Some(numbers) => Plot::restore(community, site, forcing, world.seed, *control.limits(), numbers),
+        match world.components.get::<Numbers>(FEATURE)? {
+            Some(Numbers(numbers)) => Plot::restore(community, site, forcing, world.seed, *control.limits(), numbers),
             None => Plot::under(community, site, forcing, world.seed, control),
         }
     }

@@ -14,7 +14,7 @@ pub(crate) fn of_run(recipe: &Recipe, journal: &[JournalEntry]) -> Option<f64> {
         let mut uses = work.processes.clone();
         agree(&mut seconds, of_step(&uses, &recipe.grid)?)?;
         for entry in journal.iter().filter(|e| e.recipe_step == step.number) {
-            process_set::apply(&mut uses, &entry.set, &recipe.grid, &|_| true).ok()?;
+            process_set::apply(&mut uses, &entry.set, &crate::Registry::standard(), &recipe.grid, &|_| true).ok()?;
             agree(&mut seconds, of_step(&uses, &recipe.grid)?)?;
         }
     }

@@ -464,7 +464,9 @@ impl Driver {
     }
 
     fn apply(&self, uses: &mut [ProcessUse], set: &str) -> Result<(), Problems> {
-        process_set::apply(uses, set, &self.world.grid, &|name| self.world.get(name).is_some())
+        process_set::apply(uses, set, &crate::Registry::standard(), &self.world.grid, &|name| {
+            self.world.get(name).is_some()
+        })
     }
 
     fn set(&mut self, step: &Step, uses: Option<&mut Vec<ProcessUse>>, set: String) {

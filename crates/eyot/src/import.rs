@@ -13,11 +13,10 @@
 //! Cells without a value are filled from their neighbours. A grid that is taken `from` a file keeps its place on Earth.
 //! Heights that the file says are feet become metres; other units stay as they are.
 
-use crate::backend::io::{self, ReadOptions, Sample};
-use crate::builtin;
-use crate::keys::FirstRow;
+use crate::backend::io::{self, ReadOptions, RowOrder, Sample};
 use eyot_core::process::{Entry, Generator, Site};
-use eyot_core::{Edge, Error, Field, Georeference, Grid, Limits, Result, about};
+use eyot_core::{Edge, Error, Field, Grid, Limits, Result, about};
+use eyot_recipe::{DATA, FirstRow, RasterInfo, Refusal, Resolver, alternatives, data, nearest};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -61,7 +60,7 @@ pub struct Import {
 }
 
 /// The registry line of [`Import`]; it is here because the land crate touches no files.
-pub(crate) const IMPORT: Entry<dyn Generator> =
+pub(crate) static IMPORT: Entry<dyn Generator> =
     Entry::<dyn Generator>::generator::<Import>("import", about!("import.rs"), &[]);
 
 impl Generator for Import {
@@ -133,7 +132,7 @@ impl Import {
             size: self.columns_rows.map(|[w, h]| (w as usize, h as usize)),
             sample: numbers.map(|n| n.0),
             byte_order: numbers.map(|n| n.1),
-            row_order: self.first_row.map(FirstRow::row_order),
+            row_order: self.first_row.map(row_order),
             ..ReadOptions::default()
         };
         let mut limits = Limits::default();
@@ -156,11 +155,11 @@ pub(crate) fn read(file: &str, options: &ReadOptions, limits: &Limits) -> std::r
     let Some(name) = file.strip_prefix("builtin:") else {
         return io::read_raster(Path::new(file), options, limits).map_err(|e| e.to_string());
     };
-    let data = builtin::data(name).ok_or_else(|| missing_builtin(name))?;
+    let found = data(name).ok_or_else(|| missing_builtin(name))?;
     let unpack = || -> std::io::Result<(tempfile::TempDir, PathBuf)> {
         let folder = tempfile::tempdir()?;
         let path = folder.path().join(name);
-        std::fs::write(&path, data.bytes)?;
+        std::fs::write(&path, found.bytes)?;
         Ok((folder, path))
     };
     let (_folder, path) =
@@ -168,49 +167,72 @@ pub(crate) fn read(file: &str, options: &ReadOptions, limits: &Limits) -> std::r
     io::read_raster(&path, options, limits).map_err(|e| e.to_string())
 }
 
-/// The path that a recipe in `folder` means, or a sentence about why there is no such file, and a remedy.
-pub(crate) fn resolve(file: &str, folder: &Path) -> std::result::Result<String, (String, String)> {
-    if let Some(name) = file.strip_prefix("builtin:") {
-        return match builtin::data(name) {
-            Some(_) => Ok(file.to_owned()),
-            None => Err((format!("Eyot brings no height map `{name}`"), missing_builtin(name))),
-        };
+/// The files of this machine, and the height maps that come with Eyot as `builtin:NAME`.
+pub(crate) struct Files;
+
+impl Resolver for Files {
+    fn text(&self, file: &str, folder: &Path) -> std::result::Result<String, Refusal> {
+        eyot_recipe::fs::text(file, folder)
     }
-    let path = folder.join(file);
-    match std::fs::metadata(&path) {
-        Ok(m) if m.is_file() || io::is_zarr(&path) => Ok(path.display().to_string()),
-        Ok(_) => Err((
-            format!("`{}` is not a file", path.display()),
-            "give the name of a height map, such as .tif, .png, .exr, .npy, .r16 or .r32, or a Zarr store".into(),
-        )),
-        Err(e) => {
-            let reason = if e.kind() == std::io::ErrorKind::NotFound {
-                "there is no such file".to_owned()
-            } else {
-                e.to_string()
+
+    fn locate(&self, file: &str, folder: &Path) -> std::result::Result<String, Refusal> {
+        if let Some(name) = file.strip_prefix("builtin:") {
+            return match data(name) {
+                Some(_) => Ok(file.to_owned()),
+                None => Err(Refusal::new(format!("Eyot brings no height map `{name}`"), missing_builtin(name))),
             };
-            Err((
-                format!("cannot read `{}`: {reason}", path.display()),
-                "file names are relative to the recipe's folder".into(),
-            ))
         }
+        let path = folder.join(file);
+        match std::fs::metadata(&path) {
+            Ok(m) if m.is_file() || io::is_zarr(&path) => Ok(path.display().to_string()),
+            Ok(_) => Err(Refusal::new(
+                format!("`{}` is not a file", path.display()),
+                "give the name of a height map, such as .tif, .png, .exr, .npy, .r16 or .r32, or a Zarr store",
+            )),
+            Err(e) => {
+                let reason = if e.kind() == std::io::ErrorKind::NotFound {
+                    "there is no such file".to_owned()
+                } else {
+                    e.to_string()
+                };
+                Err(Refusal::new(
+                    format!("cannot read `{}`: {reason}", path.display()),
+                    "file names are relative to the recipe's folder",
+                ))
+            }
+        }
+    }
+
+    fn raster(&self, located: &str, limits: &Limits) -> std::result::Result<RasterInfo, Refusal> {
+        // Only size and place count here, so a picture need not say which heights its greys are.
+        let any_heights = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), ..ReadOptions::default() };
+        let raster = read(located, &any_heights, limits).map_err(|reason| {
+            Refusal::new(reason, "it must be a height map: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, R16 or R32")
+        })?;
+        Ok(RasterInfo {
+            width: raster.field.width(),
+            height: raster.field.height(),
+            cell_m: raster.cell_m,
+            georeference: raster.georeference,
+        })
+    }
+}
+
+/// The order of rows in the words of the files.
+pub(crate) fn row_order(first: FirstRow) -> RowOrder {
+    match first {
+        FirstRow::North => RowOrder::NorthFirst,
+        FirstRow::South => RowOrder::SouthFirst,
     }
 }
 
 fn missing_builtin(name: &str) -> String {
-    let all: Vec<&str> = builtin::DATA.iter().map(|d| d.name).collect();
-    match crate::diagnostic::nearest(name, all.iter().copied()) {
+    let all: Vec<&str> = DATA.iter().map(|d| d.name).collect();
+    match nearest(name, all.iter().copied()) {
         Some(n) => format!("did you mean `builtin:{n}`?"),
         None if all.is_empty() => "give the name of a file".to_owned(),
-        None => format!("there is {}", crate::diagnostic::alternatives(all)),
+        None => format!("there is {}", alternatives(all)),
     }
-}
-
-/// The georeference of the same extent in other cells.
-pub(crate) fn rescaled(g: &Georeference, from: (usize, usize), to: (usize, usize)) -> Georeference {
-    let (sx, sy) = (from.0 as f64 / to.0 as f64, from.1 as f64 / to.1 as f64);
-    let t = g.transform;
-    Georeference { transform: [t[0], t[1] * sx, t[2] * sy, t[3], t[4] * sx, t[5] * sy], ..g.clone() }
 }
 
 /// Fits a field to a grid of the same extent: the mean over bilinear samples, as many a cell as the field is finer.

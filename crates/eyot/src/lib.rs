@@ -43,13 +43,8 @@ mod backend;
 pub mod bench;
 pub mod bench_gpu;
 mod bench_rule;
-mod builtin;
-mod check;
-mod cite;
 mod clock;
 pub mod convert;
-mod describe;
-mod diagnostic;
 pub mod doctor;
 mod drive;
 mod engines;
@@ -58,49 +53,39 @@ mod event;
 mod exports;
 pub mod film;
 mod import;
-mod keys;
-mod layers;
 mod lock;
-pub mod merge;
 mod need;
-mod node;
 mod outputs;
-mod process_set;
-mod recipe;
 mod registry;
 mod run;
-mod schema;
 pub mod serve;
-mod set;
 mod state;
 pub mod store;
 mod stream;
-mod texts;
 pub mod timeline;
-mod validate;
 mod watch;
 
 pub use artist::{Drawn, ViewRequest, draw_view};
-pub use builtin::{BuiltIn, RECIPES};
-pub use cite::{Citation, Citations, all_citations, cite};
-pub use describe::{Choice, Description, Expression, ParameterInfo, describe};
-pub use diagnostic::{Diagnostic, Problems, Source, nearest};
 pub use engines::{EngineChoice, EngineOptions};
 pub use error::{RunError, shell_word};
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
 pub use eyot_io::timeline::Record;
+pub use eyot_recipe::{
+    Actor, BuiltIn, Bytes, Change, Choice, Citation, Citations, Description, Diagnostic, Export, ExportFormat,
+    Expression, FirstRow, GenerateStep, Merge, Overrides, ParameterInfo, Preset, Problems, ProcessUse, RECIPES, Recipe,
+    RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, Work, all_citations, cite, describe,
+    keys, merge, nearest, recipe_schema,
+};
 pub use import::Import;
-pub use keys::{Bytes, Export, ExportFormat, FirstRow, Preset, View};
-pub use merge::Merge;
-pub use node::Span;
-pub use recipe::{Actor, GenerateStep, Overrides, ProcessUse, Recipe, RecipeSource, SimulateStep, Step, Work};
-pub use registry::Registry;
+pub use registry::{Registry, component_kinds};
 pub use run::{Handle, Outcome, Remote, Run, RunOptions};
-pub use schema::recipe_schema;
 pub use stream::{OVERVIEW, Stream};
 pub use timeline::Timeline;
 pub use watch::{Look, Watch, Watcher};
+
+// Where the modules of a run look for what recipes are.
+pub(crate) use eyot_recipe::{self as diagnostic, self as recipe, layers, process_set};
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -165,7 +165,8 @@ impl Run {
             let Some((_, uses)) = steps.iter_mut().find(|(number, _)| *number == entry.recipe_step) else {
                 return Err(misfit("this recipe simulates nothing there".to_owned()));
             };
-            process_set::apply(uses, &entry.set, &recipe.grid, &|_| true).map_err(|p| misfit(p.to_string()))?;
+            process_set::apply(uses, &entry.set, &Registry::standard(), &recipe.grid, &|_| true)
+                .map_err(|p| misfit(p.to_string()))?;
         }
         timeline::check(recipe, options)?;
         stream::chosen(recipe, options)
@@ -213,8 +214,9 @@ impl Run {
         let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
         let damaged = |reason: String| RunError::Checkpoint { folder: folder.to_owned(), reason };
         let mut warnings = Vec::new();
-        let (saved, state) = timeline::latest(folder, &path, &options.limits, &mut warnings).map_err(damaged)?;
-        let recipe = Recipe::of_run(&state, saved.recipe_toml, state.overrides.clone(), registry, &options.limits)?;
+        let (saved, state) =
+            timeline::latest(folder, &path, &options.limits, registry.components(), &mut warnings).map_err(damaged)?;
+        let recipe = state.recipe(saved.recipe_toml, state.overrides.clone(), registry, &options.limits)?;
         timeline::fits(&recipe, &saved.world, &state)
             .map_err(|e| damaged(format!("`{}` does not fit its recipe: {e}", path.display())))?;
         if saved.engine_version != crate::VERSION {

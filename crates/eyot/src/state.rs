@@ -2,8 +2,8 @@
 
 use crate::engines::EngineOptions;
 use crate::event::JournalEntry;
-use crate::recipe::{Overrides, Recipe, RecipeSource};
-use crate::texts::Texts;
+use eyot_core::Limits;
+use eyot_recipe::{Overrides, Problems, Recipe, RecipeSource, Registry, Texts};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -94,6 +94,17 @@ impl State {
     /// The same without anything that differs between two runs of one recipe: what a finished world carries.
     pub(crate) fn without_times(&self) -> Self {
         Self { seconds: 0.0, timings: Vec::new(), card_seconds: 0.0, engine: EngineOptions::default(), ..self.clone() }
+    }
+
+    /// The recipe of the run, with the text files that it read when it began.
+    pub(crate) fn recipe(
+        &self,
+        text: String,
+        overrides: Overrides,
+        registry: &Registry,
+        limits: &Limits,
+    ) -> Result<Recipe, Problems> {
+        Recipe::parse_with(self.source(text), overrides, registry, limits, self.texts.clone())
     }
 
     pub(crate) fn source(&self, text: String) -> RecipeSource {

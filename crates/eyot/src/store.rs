@@ -5,12 +5,11 @@ use crate::backend::io::{self, ReadOptions, checkpoint};
 use crate::error::RunError;
 use crate::import;
 use crate::keys::View;
-use crate::node::{Kind, Node};
 use crate::outputs;
-use crate::registry::Registry;
-use crate::set;
+use crate::registry::{Registry, component_kinds};
 use eyot_core::layer::known;
 use eyot_core::{Control, Grid, Limits, Rim, World};
+use eyot_recipe::value_of;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -163,7 +162,7 @@ fn streamed(folder: &Path, limits: &Limits) -> Option<Result<Opened, RunError>> 
 }
 
 fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
-    let saved = checkpoint::load(file, limits).map_err(RunError::input)?;
+    let saved = checkpoint::load(file, limits, &component_kinds()).map_err(RunError::input)?;
     let mut notes = Vec::new();
     if saved.state["finished"] != Value::Bool(true) {
         notes.push("this run is not finished; this is its last checkpoint".to_owned());
@@ -174,14 +173,10 @@ fn saved(file: &Path, limits: &Limits) -> Result<Opened, RunError> {
 
 /// Whether a run's recipe, a text, with its `--set`, a list of texts, wants its view from above.
 pub(crate) fn seen_from_above(recipe: &Value, set: &Value) -> bool {
-    let Ok(mut doc) = Node::parse(recipe.as_str().unwrap_or_default(), 0) else { return false };
     // What a run was begun with has passed its checks.
-    let (mut sources, mut problems) = (Vec::new(), Vec::new());
-    for flag in set.as_array().into_iter().flatten().filter_map(Value::as_str) {
-        set::apply(&mut doc, flag, &Registry::standard(), &mut sources, &mut problems);
-    }
-    let value = doc.get("view").and_then(|view| view.get("from_above"));
-    value.is_some_and(|v| matches!(v.kind, Kind::Bool(true)))
+    let set: Vec<&str> = set.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    let recipe = recipe.as_str().unwrap_or_default();
+    value_of(recipe, &set, &["view", "from_above"], &Registry::standard()) == Some(Value::Bool(true))
 }
 
 /// What a picture shows.

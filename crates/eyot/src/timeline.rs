@@ -11,11 +11,11 @@ use crate::error::RunError;
 use crate::lock::FolderLock;
 use crate::need;
 use crate::recipe::{Recipe, Work};
-use crate::registry::Registry;
+use crate::registry::{Registry, component_kinds};
 use crate::run::RunOptions;
 use crate::state::State;
 use crate::store::{self, CHECKPOINT_FILE, TIMELINE_STORE, WORLD_FILE};
-use eyot_core::{Limits, World};
+use eyot_core::{ComponentKinds, Limits, World};
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
@@ -133,7 +133,7 @@ impl Timeline {
     /// # Errors
     /// If there is no such frame, it is damaged or exceeds the limits.
     pub fn load(&self, i: usize) -> Result<World, RunError> {
-        self.store.load(i).map(|c| c.world).map_err(RunError::input)
+        self.store.load(i, &component_kinds()).map(|c| c.world).map_err(RunError::input)
     }
 }
 
@@ -164,8 +164,7 @@ pub fn rewind(folder: &Path, moment: Moment, forget: bool, limits: &Limits) -> R
     io::remove_leftovers(folder);
     let mut store = timeline::Timeline::open_to_write(&path, limits).map_err(RunError::input)?;
     let Found { frame, saved, state, damaged } = find(&store, moment)?;
-    let recipe =
-        Recipe::of_run(&state, saved.recipe_toml.clone(), state.overrides.clone(), &Registry::standard(), limits)?;
+    let recipe = state.recipe(saved.recipe_toml.clone(), state.overrides.clone(), &Registry::standard(), limits)?;
     fits(&recipe, &saved.world, &state).map_err(|e| of_no_run(&frame, &e))?;
     let state = state.again(&newest(folder, &store)?.changes(), forget);
     let dropped = store.frames().len() - 1 - frame.frame;
@@ -212,7 +211,7 @@ pub fn branch(
     let store = open(&path, Some(&lock), limits)?;
     let Found { frame, saved, state, damaged } = find(&store, moment)?;
     let text = saved.recipe_toml.clone();
-    let before = Recipe::of_run(&state, text.clone(), state.overrides.clone(), registry, limits)?;
+    let before = state.recipe(text.clone(), state.overrides.clone(), registry, limits)?;
     fits(&before, &saved.world, &state).map_err(|e| of_no_run(&frame, &e))?;
     let mut state = state.again(&newest(folder, &store)?.changes(), how.forget);
     if !how.set.is_empty() {
@@ -234,7 +233,7 @@ fn changed(
 ) -> Result<Recipe, RunError> {
     let mut overrides = state.overrides.clone();
     overrides.set.extend_from_slice(set);
-    let after = Recipe::of_run(state, text, overrides, registry, limits)?;
+    let after = state.recipe(text, overrides, registry, limits)?;
     let start = |r: &Recipe| (r.grid, r.seed, r.sea_level_m.to_bits(), r.steps.len());
     if start(before) != start(&after) {
         let reason = "grid, seed, sea level and number of steps are settled at this moment".to_owned();
@@ -304,9 +303,10 @@ pub(crate) fn latest(
     folder: &Path,
     path: &Path,
     limits: &Limits,
+    kinds: &ComponentKinds,
     warnings: &mut Vec<String>,
 ) -> Result<(Checkpoint, State), String> {
-    let of_checkpoint = checkpoint::load(path, limits).map_err(|e| e.to_string()).and_then(|saved| {
+    let of_checkpoint = checkpoint::load(path, limits, kinds).map_err(|e| e.to_string()).and_then(|saved| {
         let state: State = serde_json::from_value(saved.state.clone())
             .map_err(|e| format!("`{}` holds no state of a run: {e}", path.display()))?;
         Ok((saved, state))
@@ -315,7 +315,7 @@ pub(crate) fn latest(
     if !path.ends_with(CHECKPOINT_FILE) || of_checkpoint.as_ref().is_ok_and(|(_, s)| s.rewound) {
         return of_checkpoint;
     }
-    match last_frame(folder, of_checkpoint.as_ref().ok().map(|(_, s)| s.place()), limits, warnings) {
+    match last_frame(folder, of_checkpoint.as_ref().ok().map(|(_, s)| s.place()), limits, kinds, warnings) {
         Ok(Some((saved, state))) => {
             if let Err(e) = of_checkpoint {
                 warnings.push(format!("{e}; the run goes on from its recording"));
@@ -337,6 +337,7 @@ fn last_frame(
     folder: &Path,
     than: Option<(usize, u64)>,
     limits: &Limits,
+    kinds: &ComponentKinds,
     warnings: &mut Vec<String>,
 ) -> Result<Option<(Checkpoint, State)>, RunError> {
     let path = folder.join(TIMELINE_STORE);
@@ -349,7 +350,7 @@ fn last_frame(
         if than.is_some_and(|place| state.as_ref().is_ok_and(|s| s.place() <= place)) {
             break;
         }
-        match state.and_then(|state| Ok((store.load(i).map_err(|e| e.to_string())?, state))) {
+        match state.and_then(|state| Ok((store.load(i, kinds).map_err(|e| e.to_string())?, state))) {
             Ok(found) => return Ok(Some(found)),
             Err(reason) => warnings.push(broken(&store, i, reason).to_string()),
         }
@@ -398,7 +399,8 @@ pub(crate) fn find(store: &timeline::Timeline, moment: Moment) -> Result<Found, 
     let first = if let Moment::Frame(i) = moment { i } else { 0 };
     let mut damaged = Vec::new();
     for i in (first..=last).rev() {
-        let read = state_of(store, i).and_then(|s| Ok((store.load(i).map_err(|e| e.to_string())?, s)));
+        let read =
+            state_of(store, i).and_then(|s| Ok((store.load(i, &component_kinds()).map_err(|e| e.to_string())?, s)));
         match read {
             Ok((saved, state)) => {
                 damaged.reverse();

@@ -352,7 +352,9 @@ fn a_forged_world_is_refused() {
     let f = folder.path();
     std::fs::write(f.join("small.toml"), SMALL).unwrap();
     said(f, &["run", "small.toml"], 0, &[]);
-    let saved = eyot::io::checkpoint::load(&f.join("small/world.eyot"), &eyot::Limits::default()).unwrap();
+    let saved =
+        eyot::io::checkpoint::load(&f.join("small/world.eyot"), &eyot::Limits::default(), &eyot::component_kinds())
+            .unwrap();
     let mut world = saved.world;
     let spec = eyot::core::LayerSpec { name: "../../../x".into(), ..eyot::core::layer::known::WATER };
     world.ensure(&spec, 1.0);

@@ -1,5 +1,6 @@
 //! The engine as its users meet it: parity over long runs, actions, stops, lost devices, memory, and how much it does.
 
+use eyot_core::component::Numbers;
 use eyot_core::control::{Cancel, Control};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known;
@@ -236,7 +237,7 @@ impl Action for Lift {
     fn act(&self, moment: &Moment, world: &mut World, _: &Control<'_>) -> eyot_core::Result<()> {
         world.layer_mut("height")?.field.map_in_place(|h| h + 1.0);
         world.ledger.add("lift.rock", world.grid.cells() as f64, "m3", "Rock from below", 1);
-        world.features.entry("lift".into()).or_insert_with(|| vec![0.0])[0] += 1.0;
+        world.components.entry("lift", || Numbers(vec![0.0]))?.0[0] += 1.0;
         if let Some((device, turn)) = &self.0
             && *turn == moment.turn as f64
         {
@@ -269,7 +270,8 @@ fn quick_actions_leave_the_world_on_the_card() {
     engine.simulate(&mut whole, &processes, Span { from: 0, steps: 30 }, &Control::none()).unwrap();
     engine.bring_back(&mut whole).unwrap();
     assert!(largest_difference(&whole, &cpu) < 1e-2, "{}", largest_difference(&whole, &cpu));
-    assert_eq!((whole.features["lift"][0], whole.ledger.amount("lift.rock")), (8.0, 8.0 * 1600.0));
+    let lifts = whole.components.get::<Numbers>("lift").unwrap().unwrap().0[0];
+    assert_eq!((lifts, whole.ledger.amount("lift.rock")), (8.0, 8.0 * 1600.0));
     assert!(whole.ledger.amount("water.rain") > 0.0);
     engine.release();
     for from in (0..30).step_by(3) {
@@ -293,7 +295,7 @@ fn quick_actions_leave_the_world_on_the_card() {
         let lossy = with(Some((engine.gpu().device().clone(), turn)));
         let outcome = engine.simulate(&mut world, &lossy, Span { from: sound.step, steps: 20 }, &none);
         assert!(outcome.is_err(), "turn {turn}");
-        assert_eq!((world.step, world.features.clone()), (sound.step, sound.features.clone()), "turn {turn}");
+        assert_eq!((world.step, world.components.clone()), (sound.step, sound.components.clone()), "turn {turn}");
         for l in sound.layers() {
             assert!(world.get(&l.spec.name) == Some(&l.field), "turn {turn}: {}", l.spec.name);
         }

@@ -10,7 +10,7 @@ use crate::raster::check_size;
 use crate::sample::Sample;
 use crate::zarr::metadata::{Axis, FACES, X, X_FACE, Y, Y_FACE};
 use crate::zarr::{Array, METADATA, SHARD, TIME, check_name, node};
-use eyot_core::{Layer, Limits, Stagger};
+use eyot_core::{ComponentKinds, Layer, Limits, Stagger};
 use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -122,16 +122,16 @@ impl Timeline {
         Ok(head.state)
     }
 
-    /// Frame `i` as the checkpoint that it is.
+    /// Frame `i` as the checkpoint that it is, with components of these kinds.
     ///
     /// # Errors
-    /// If there is no such frame, it is damaged or exceeds the limits. Sizes are checked before anything is allocated.
-    pub fn load(&self, i: usize) -> Result<Checkpoint> {
+    /// If there is no such frame, it is damaged, holds a component of another kind, or exceeds the limits. Sizes are checked before anything is allocated.
+    pub fn load(&self, i: usize, kinds: &ComponentKinds) -> Result<Checkpoint> {
         let (path, mut file) = self.open_head(i)?;
         file.check_length(&path, file.head.face_bytes() + 4 * file.head.on_faces())?;
-        let features = file.features(&path)?;
+        let components = file.components(&path, &self.limits, kinds)?;
         let HeadFile { head, mut input, .. } = file;
-        head.restore(features, |layer| {
+        head.restore(components, |layer| {
             self.read_layer(i, layer)?;
             if layer.spec.stagger == Stagger::Cell {
                 return Ok(());

@@ -14,8 +14,8 @@ mod write;
 pub(crate) use array::{Array, metadata as node};
 pub use read::store_attributes;
 pub(crate) use read::{is_node, names, read};
+pub use write::write_store;
 pub(crate) use write::{Flush, check_name, write_coordinates, write_layer, write_piece};
-pub use write::{is_coordinate, write_store};
 
 /// The name of every metadata file.
 pub(crate) const METADATA: &str = "zarr.json";

@@ -1,11 +1,12 @@
 //! Zarr stores, out.
 
-use super::metadata::{Axis, X_FACE, Y_FACE, ZSTD_LEVEL};
+use super::metadata::{Axis, ZSTD_LEVEL};
 use super::{CHUNK, METADATA, PLACE, SHARD, STEPS, TIME, metadata};
 use crate::about::About;
 use crate::atomic::write_folder_atomically;
 use crate::error::{Error, Result};
 use crate::rows::{Rows, each_marked_band};
+use eyot_core::LayerSpec;
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 use std::fs::{self, File};
@@ -62,15 +63,10 @@ fn name_of(about: &About) -> &str {
     if about.name.is_empty() { "height" } else { &about.name }
 }
 
-/// True for the names of coordinates, which no layer in a store can have.
-pub fn is_coordinate(name: &str) -> bool {
-    ["x", "y", X_FACE, Y_FACE, TIME, PLACE].contains(&name)
-}
-
 /// Refuses what cannot name the array of a layer.
 pub(crate) fn check_name(path: &Path, name: &str) -> Result<()> {
     let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
-    if !letters || name.is_empty() || name.starts_with(['.', '_']) || is_coordinate(name) {
+    if !letters || name.is_empty() || name.starts_with(['.', '_']) || LayerSpec::is_axis(name) {
         return Err(bad_name(path, name));
     }
     Ok(())
@@ -174,4 +170,19 @@ pub(crate) fn write_piece(path: &Path, bytes: &[u8], flush: Flush) -> Result<()>
 
 fn write_metadata(folder: &Path, value: &Value) -> Result<()> {
     write_piece(&folder.join(METADATA), format!("{value:#}\n").as_bytes(), Flush::Yes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::metadata::{X_FACE, Y_FACE};
+    use super::*;
+
+    #[test]
+    fn coordinates_are_no_names_of_layers() {
+        for name in ["x", "y", X_FACE, Y_FACE, TIME, PLACE] {
+            assert!(LayerSpec::is_axis(name), "{name}");
+            assert!(check_name(Path::new("a.zarr"), name).is_err(), "{name}");
+        }
+        assert!(check_name(Path::new("a.zarr"), "height").is_ok());
+    }
 }

@@ -1,10 +1,18 @@
 //! Checkpoints come back bit by bit, and damaged ones are refused without harm.
 
-use eyot_core::{Edge, Field, Georeference, Grid, LayerSpec, Limits, Rim, Stagger, World, layer::known};
-use eyot_io::checkpoint::{load, save};
+use eyot_core::component::Numbers;
+use eyot_core::{
+    ComponentKinds, Edge, Field, Georeference, Grid, LayerSpec, Limits, Rim, Stagger, World, layer::known,
+};
+use eyot_io::checkpoint::{Checkpoint, save};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+
+/// A checkpoint without components of other kinds than those of the core.
+fn load(path: &Path, limits: &Limits) -> eyot_io::Result<Checkpoint> {
+    eyot_io::checkpoint::load(path, limits, &ComponentKinds::core())
+}
 
 fn world(w: usize, h: usize, values: &[f32]) -> World {
     let rim = Rim { x: Edge::Wrap, y: Edge::Open };
@@ -26,7 +34,7 @@ fn world(w: usize, h: usize, values: &[f32]) -> World {
         }),
     });
     world.ledger.add("water.rain", 1e300 / 3.0, "m3", "Rain that \"fell\"", 1);
-    world.features.insert("plates".into(), vec![1.0 / 3.0, -1e-300, 12.0]);
+    world.components.insert("plates", Numbers(vec![1.0 / 3.0, -1e-300, 12.0]));
     world.ledger.add("water.out", 5e-324, "m3", "Left over the rim", -1);
     world.put(&known::HEIGHT, Field::from_slice(w, h, values).unwrap()).unwrap();
     let flux = LayerSpec::new("flux", "m3/s", "Flux", (f32::NEG_INFINITY, f32::INFINITY)).on(Stagger::FaceX);
@@ -41,8 +49,8 @@ fn bits(world: &World) -> Vec<(String, Vec<u32>)> {
 fn saved(folder: &Path) -> (PathBuf, World) {
     let path = folder.join("run.ckpt");
     let mut world = world(5, 4, &[0.5; 20]);
-    world.features.insert("corals".into(), vec![1.5, -0.0, 3.0]);
-    world.features.insert("plates".into(), Vec::new());
+    world.components.insert("corals", Numbers(vec![1.5, -0.0, 3.0]));
+    world.components.insert("plates", Numbers(Vec::new()));
     save(&path, &world, "name = \"Atoll\"\n", &json!({"entry": 3, "left": [1.5, null]})).unwrap();
     (path, world)
 }
@@ -60,17 +68,17 @@ proptest! {
         let mut world = world(w, h, &values);
         world.ledger.add("sand.in", amount, "m3", "Sand", 1);
         let numbers: Vec<f64> = pattern.iter().map(|&bits| f64::from_bits(u64::from(bits) << 29)).collect();
-        world.features.insert("corals".into(), numbers.clone());
+        world.components.insert("corals", Numbers(numbers.clone()));
         let state = json!({"amount": amount});
         save(&path, &world, "seed = 7", &state).unwrap();
         let back = load(&path, &Limits::default()).unwrap();
         prop_assert_eq!(bits(&back.world), bits(&world));
         prop_assert_eq!(back.world.fingerprint(), world.fingerprint());
-        let back_bits: Vec<u64> = back.world.features["corals"].iter().map(|n| n.to_bits()).collect();
+        let back_bits: Vec<u64> = back.world.components.get::<Numbers>("corals").unwrap().unwrap().0.iter().map(|n| n.to_bits()).collect();
         prop_assert_eq!(back_bits, numbers.iter().map(|n| n.to_bits()).collect::<Vec<_>>());
         prop_assert_eq!(back.world.ledger.amount("sand.in").to_bits(), amount.to_bits());
         prop_assert_eq!(&back.world.ledger, &world.ledger);
-        prop_assert_eq!(&back.world.features, &world.features);
+        prop_assert_eq!(&back.world.components, &world.components);
         prop_assert_eq!(back.world.sea_level_m.to_bits(), world.sea_level_m.to_bits());
         prop_assert_eq!(&back.world.georeference, &world.georeference);
         prop_assert_eq!((back.world.grid, back.world.seed, back.world.step), (world.grid, world.seed, world.step));

@@ -6,7 +6,7 @@ use std::path::Path;
 
 #[test]
 fn jacksboro_is_read_with_its_cell_size_and_place() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../eyot-recipe/data/jacksboro.tif");
     let r = read_raster(&path, &ReadOptions::default(), &Limits::default()).unwrap();
     assert_eq!((r.field.width(), r.field.height(), r.filled()), (403, 344, 0));
     let (x, y) = r.cell_m.unwrap();

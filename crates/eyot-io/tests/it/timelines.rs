@@ -1,6 +1,8 @@
 //! Recordings come back bit by bit, keep within their bound, survive a kill at any moment, and are refused if they are broken.
 
-use eyot_core::{Edge, Field, Georeference, Grid, LayerSpec, Limits, Rim, Stagger, World, layer::known};
+use eyot_core::{
+    ComponentKinds, Edge, Field, Georeference, Grid, LayerSpec, Limits, Rim, Stagger, World, layer::known,
+};
 use eyot_io::timeline::{Record, Timeline, is_recording, remove};
 use eyot_io::{ReadOptions, read_raster};
 use serde_json::{Map, Value, json};
@@ -90,7 +92,7 @@ fn steps_become_times_where_their_length_is_known() {
 
 fn assert_whole(t: &Timeline) {
     for (i, frame) in t.frames().iter().enumerate() {
-        let back = t.load(i).unwrap();
+        let back = t.load(i, &ComponentKinds::core()).unwrap();
         assert_eq!(back.world, world(frame.step));
         assert_eq!(back.world.fingerprint(), world(frame.step).fingerprint());
         assert_eq!((back.recipe_toml.as_str(), &back.state), ("name = \"Test\"", &state(frame.step)));
@@ -131,7 +133,7 @@ fn every_frame_comes_back_to_the_bit() {
     let again = Timeline::open(&path, &Limits::default()).unwrap();
     assert_eq!((again.frames(), again.record()), (t.frames(), PLENTY));
     assert_whole(&again);
-    assert!(again.load(10).unwrap_err().to_string().contains("no frame 10"));
+    assert!(again.load(10, &ComponentKinds::core()).unwrap_err().to_string().contains("no frame 10"));
     let inside = t.frames().iter().map(|f| f.bytes).sum::<u64>();
     assert!(inside < bytes(&path) && inside > bytes(&path) / 2, "{inside} of {}", bytes(&path));
     // Others find the last step of a layer in it.
@@ -404,7 +406,9 @@ fn broken_and_hostile_recordings_are_refused() {
         let (_folder, path) = place();
         drop(recorded(&path, PLENTY, [0, 10, 20]));
         change(&path);
-        let read = || -> eyot_io::Result<()> { Timeline::open(&path, &Limits::default())?.load(1).map(drop) };
+        let read = || -> eyot_io::Result<()> {
+            Timeline::open(&path, &Limits::default())?.load(1, &ComponentKinds::core()).map(drop)
+        };
         let e = read().expect_err(part).to_string();
         assert!(e.contains(part) && e.contains("timeline.zarr"), "{part}: {e}");
     }
@@ -427,7 +431,7 @@ fn frames_that_are_lost_harm_no_others() {
     fs::remove_file(path.join("height/c/4/0/0")).unwrap();
     let assert_rest = |t: &Timeline, whole: &[usize]| {
         for i in 0..t.frames().len() {
-            let loaded = t.load(i);
+            let loaded = t.load(i, &ComponentKinds::core());
             assert_eq!(loaded.is_ok(), whole.contains(&i), "frame {i}");
             assert_eq!(t.look(i).is_ok(), loaded.is_ok(), "frame {i}");
             if let Ok(saved) = loaded {
@@ -439,7 +443,7 @@ fn frames_that_are_lost_harm_no_others() {
     assert_eq!(steps(&t), [0, 10, 20, 30, 40, 50]);
     assert_eq!(t.frames().iter().map(|f| f.is_there).collect::<Vec<_>>(), [true, false, true, true, true, true]);
     assert_rest(&t, &[0, 3, 5]);
-    assert!(t.load(1).unwrap_err().to_string().contains("frame 1 is missing"));
+    assert!(t.load(1, &ComponentKinds::core()).unwrap_err().to_string().contains("frame 1 is missing"));
     let copy = t.copy(4, &folder.path().join("copy.zarr")).unwrap();
     assert_rest(&copy, &[0, 3]);
     let mut t = Timeline::open_to_write(&path, &Limits::default()).unwrap();
@@ -456,6 +460,11 @@ fn frames_that_are_lost_harm_no_others() {
     let again = Timeline::open(&path, &Limits::default()).unwrap();
     assert_eq!(again.frames(), t.frames());
     for (i, frame) in again.frames().iter().enumerate().filter(|(_, f)| ![20, 40].contains(&f.step)) {
-        assert_eq!(again.load(i).unwrap().world, world(frame.step), "frame {i} of step {}", frame.step);
+        assert_eq!(
+            again.load(i, &ComponentKinds::core()).unwrap().world,
+            world(frame.step),
+            "frame {i} of step {}",
+            frame.step
+        );
     }
 }

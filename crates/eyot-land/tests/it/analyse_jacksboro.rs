@@ -12,7 +12,7 @@ fn data(path: &str) -> Vec<u8> {
 }
 
 fn tile() -> Field {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif");
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../eyot-recipe/data/jacksboro.tif");
     let raster = eyot_io::read_raster(&path, &eyot_io::ReadOptions::default(), &Limits::default()).unwrap();
     assert_eq!((raster.field.width(), raster.field.height(), raster.filled()), (COLUMNS, ROWS, 0));
     raster.field

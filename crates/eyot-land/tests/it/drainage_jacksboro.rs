@@ -22,9 +22,12 @@ fn crc32(bytes: impl Iterator<Item = u8>) -> u32 {
 /// steepest neighbour, and richdem in those 74134 where that is also the lowest. Drained cells by pyflwdir.
 #[test]
 fn every_cell_agrees_with_pyflwdir_richdem_and_fastscapelib() {
-    let raster =
-        eyot_io::read_raster(&path("../../data/jacksboro.tif"), &eyot_io::ReadOptions::default(), &Limits::default())
-            .unwrap();
+    let raster = eyot_io::read_raster(
+        &path("../eyot-recipe/data/jacksboro.tif"),
+        &eyot_io::ReadOptions::default(),
+        &Limits::default(),
+    )
+    .unwrap();
     let z = raster.field.to_vec();
     let grid = Grid::new(COLUMNS, ROWS, 90.0, Rim::OPEN, &Limits::default()).unwrap();
     let out = outlets(&z, &grid, &Base::default()).unwrap();

@@ -57,7 +57,7 @@ fn stored(world: &World) -> World {
     for l in world.layers() {
         copy.put(&l.spec, Field::from_slice(96, 48, &l.field.to_vec()).unwrap()).unwrap();
     }
-    copy.features = world.features.clone();
+    copy.components = world.components.clone();
     copy
 }
 

@@ -1,5 +1,6 @@
 //! The process: a reef in a world, month by month.
 
+use eyot_core::component::Numbers;
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::Scheduled;
@@ -13,6 +14,10 @@ fn slope() -> World {
     let mut world = World::new(grid, 7);
     world.put(&HEIGHT, Field::from_fn(48, 40, |x, _| -1.0 - 14.0 * x as f32 / 47.0)).unwrap();
     world
+}
+
+fn numbers(world: &World, name: &str) -> Vec<f64> {
+    world.components.get::<Numbers>(name).unwrap().unwrap().0.clone()
 }
 
 fn months(world: &mut World, parameters: Value, steps: u64) {
@@ -29,9 +34,9 @@ fn a_reef_goes_on_from_its_numbers_to_the_same_bits() {
     for steps in [1, 12, 17] {
         months(&mut parts, json!({}), steps);
     }
-    assert_eq!(whole.features[FEATURE], parts.features[FEATURE]);
+    assert_eq!(numbers(&whole, FEATURE), numbers(&parts, FEATURE));
     assert_eq!(whole.fingerprint(), parts.fingerprint());
-    assert!(whole.features[FEATURE].len() > 1000);
+    assert!(numbers(&whole, FEATURE).len() > 1000);
 }
 
 #[test]
@@ -63,8 +68,9 @@ fn the_census_has_a_row_for_each_month() {
         14,
     );
     let columns = Corals::default().census_columns();
-    let rows: Vec<&[f64]> = world.features[CENSUS].chunks_exact(columns.len()).collect();
-    assert_eq!((rows.len(), world.features[CENSUS].len()), (14, 14 * columns.len()));
+    let census = numbers(&world, CENSUS);
+    let rows: Vec<&[f64]> = census.chunks_exact(columns.len()).collect();
+    assert_eq!((rows.len(), numbers(&world, CENSUS).len()), (14, 14 * columns.len()));
     assert!(rows.iter().enumerate().all(|(i, r)| r[0] == i as f64));
     let cover = world.get("coral_cover").unwrap();
     assert!(cover.iter().all(|c| (0.0..=1.0).contains(&c)) && cover.sum() > 10.0);
@@ -78,7 +84,7 @@ fn the_census_has_a_row_for_each_month() {
 fn strangers_numbers_are_refused_by_name() {
     let mut world = slope();
     months(&mut world, json!({}), 2);
-    let sound = world.features[FEATURE].clone();
+    let sound = numbers(&world, FEATURE);
     let corals = Corals::default();
     corals.plot(&world).unwrap();
     type Spoil = fn(&mut Vec<f64>);
@@ -95,7 +101,7 @@ fn strangers_numbers_are_refused_by_name() {
     for (i, spoil) in spoils.iter().enumerate() {
         let mut numbers = sound.clone();
         spoil(&mut numbers);
-        world.features.insert(FEATURE.into(), numbers);
+        world.components.insert(FEATURE, Numbers(numbers));
         let e = corals.plot(&world).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(e.contains("does not belong to this reef"), "{i}: {e}");
     }
@@ -151,22 +157,22 @@ fn the_sea_has_the_climate_of_its_world_as_it_was_when_it_began() {
     let mut world = with_climate(slope());
     let still = json!({"sea": "world", "variability": {"weather": 0.0, "years": 0.0}});
     months(&mut world, still.clone(), 6);
-    let means = world.features[SEA].clone();
+    let means = numbers(&world, SEA);
     // The warmest month is June, whose middle is 87 days after the beginning of spring; land counts for nothing.
     assert!(means.len() == 12 && means.iter().all(|t| (25.4..28.6).contains(t)), "{means:?}");
     let june = 27.0 + 1.5 * (360.0f64 * (166.0 - 79.0) / 365.0).to_radians().sin();
     assert!((means[5] - june).abs() < 1e-5 && means.iter().all(|t| *t <= means[5]), "{means:?}");
     let columns = Corals::default().census_columns();
     let at = columns.iter().position(|c| c.name == "temperature_c").unwrap();
-    let row = |world: &World, month: usize| world.features[CENSUS][month * columns.len() + at];
+    let row = |world: &World, month: usize| numbers(world, CENSUS)[month * columns.len() + at];
     assert!((row(&world, 5) - means[5]).abs() < 0.02, "{} {}", row(&world, 5), means[5]);
     // A climate that changes later does not change the sea of a reef that has begun, also after a break.
     let warmer = Field::new(48, 40, 35.0);
     world.layer_mut("temperature_mean").unwrap().field = warmer;
     months(&mut world, still.clone(), 12);
-    assert_eq!(world.features[SEA], means);
+    assert_eq!(numbers(&world, SEA), means);
     assert!((row(&world, 17) - row(&world, 5)).abs() < 0.5);
-    world.features.insert(SEA.into(), vec![27.0; 3]);
+    world.components.insert(SEA, Numbers(vec![27.0; 3]));
     let corals: Corals = serde_json::from_value(still).unwrap();
     assert!(corals.plot(&world).err().unwrap().to_string().contains("twelve temperatures"));
     // Without a climate there is nothing to take.
@@ -181,7 +187,7 @@ fn a_measured_sea_is_what_the_table_says() {
     months(&mut world, json!({"sea": "measured", "temperatures": series}), 14);
     let columns = Corals::default().census_columns();
     let at = columns.iter().position(|c| c.name == "temperature_c").unwrap();
-    let means: Vec<f64> = world.features[CENSUS].chunks_exact(columns.len()).map(|r| r[at]).collect();
+    let means: Vec<f64> = numbers(&world, CENSUS).chunks_exact(columns.len()).map(|r| r[at]).collect();
     let want: Vec<f64> = (0..14).map(|m| 21.0 + f64::from(m % 12)).collect();
     assert!(means.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-4), "{means:?}");
 }

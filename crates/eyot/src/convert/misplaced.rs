@@ -3,7 +3,6 @@
 use super::{Conversion, Input, Output};
 use crate::backend::io::{Numbers, Raster, RasterFormat};
 use crate::error::RunError;
-use crate::exports;
 use crate::keys::Preset;
 
 /// Extensions of files, which name no folder that somebody means.
@@ -87,7 +86,7 @@ impl Conversion<'_> {
         ];
         let wrong = checks.into_iter().find(|(wrong, ..)| *wrong).map(|(_, why, remedy)| format!("{why}; {remedy}"));
         let size = || {
-            let (problem, help) = exports::size_problem(options.preset?, options.size?)?;
+            let (problem, help) = options.preset?.size_problem(options.size?)?;
             Some(format!("{problem}; {}", help.replace("`size`", "--size")))
         };
         wrong.or_else(size)

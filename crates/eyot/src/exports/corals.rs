@@ -8,6 +8,7 @@ use crate::error::RunError;
 use crate::keys::ExportFormat;
 use crate::need;
 use crate::recipe::{Actor, Recipe, Work};
+use eyot_core::component::Numbers;
 use eyot_core::process::parameters_from;
 use eyot_core::{Field, Limits, Result, World};
 use eyot_reef::bodies::{Bodies, Body, Detail};
@@ -81,7 +82,8 @@ pub(super) fn plan(corals: &Corals, world: &World) -> std::result::Result<Drawin
 
 fn rows<'a>(corals: &Corals, world: &'a World) -> Vec<&'a [f64]> {
     let columns = corals.census_columns().len();
-    world.features.get(CENSUS).map_or_else(Vec::new, |numbers| numbers.chunks_exact(columns).collect())
+    let census = world.components.get::<Numbers>(CENSUS).ok().flatten();
+    census.map_or_else(Vec::new, |numbers| numbers.0.chunks_exact(columns).collect())
 }
 
 /// What stands on the sea floor.

@@ -13,10 +13,9 @@ use super::Source;
 use crate::backend::io::{self, About, Rows};
 use crate::keys::Export;
 use eyot_core::Result;
+use eyot_recipe::MATERIALS;
 use rayon::prelude::*;
 
-/// The materials in the order of red, green, blue and alpha.
-pub(crate) const MATERIALS: [&str; 4] = ["grass", "rock", "sand", "snow"];
 /// Half of the band in which snow fades out, m.
 const SNOW_FADE_M: f32 = 100.0;
 

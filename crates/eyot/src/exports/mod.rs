@@ -11,16 +11,17 @@ mod source;
 use crate::backend::io::{self, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 use crate::backend::{mesh, render};
 use crate::error::RunError;
-use crate::keys::{Bytes, Export, ExportFormat, FirstRow, Preset};
+use crate::import::row_order;
+use crate::keys::{Bytes, Export, ExportFormat, Preset};
 use crate::outputs::stopped;
 use eyot_core::{Control, Limits, World};
+use eyot_recipe::MATERIALS;
 use eyot_reef::corals::Corals;
-use materials::{MATERIALS, Materials};
+use materials::Materials;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
 pub(crate) use corals::of as corals_of;
-pub(crate) use preset::{free_prefix, size_problem};
 pub(crate) use source::Source;
 
 /// What all exports of a world share.
@@ -68,11 +69,6 @@ impl Job<'_> {
     }
 }
 
-/// Layers that only exports know: the shares of materials.
-pub(crate) fn is_material(layer: &str) -> bool {
-    MATERIALS.contains(&layer)
-}
-
 /// What the root of a Zarr store says of its origin.
 pub(crate) fn origin(world: &World, name: &str, recipe: Option<&str>, clock: Option<f64>) -> Map<String, Value> {
     let mut m = Map::new();
@@ -90,114 +86,28 @@ pub(crate) fn origin(world: &World, name: &str, recipe: Option<&str>, clock: Opt
     m
 }
 
-impl Export {
-    /// False for exports that always show the height.
-    pub(crate) fn uses_layers(&self) -> bool {
-        match self.preset {
-            Some(preset) => preset == Preset::Gis,
-            None => {
-                !self.format.is_of_corals()
-                    && !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj | ExportFormat::Splat)
-            }
-        }
-    }
-
-    /// True for layers that only exports know: the shares of materials.
-    pub(crate) fn knows(&self, layer: &str) -> bool {
-        let takes = match self.preset {
-            Some(preset) => preset == Preset::Gis,
-            None => self.format != ExportFormat::Map,
-        };
-        takes && is_material(layer)
-    }
-
-    /// True for exports that make triangles or vertices of cells.
-    pub(crate) fn needs_two_cells(&self) -> bool {
-        match self.preset {
-            Some(preset) => preset != Preset::Gis,
-            None => matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
-        }
-    }
-
-    /// True if its files can be written while the world is made, one band of rows after the other.
-    pub(crate) fn streams(&self) -> bool {
-        match self.preset {
-            Some(preset) => preset == Preset::Gis,
-            None => !self.format.is_of_corals() && !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
-        }
-    }
-
-    /// The names of the files that it writes, without the descriptions beside them.
-    pub(crate) fn files(&self) -> Vec<String> {
-        let p = &self.prefix;
-        let each = |ending: &str| self.layers.iter().map(|l| format!("{p}{l}{ending}")).collect();
-        if let Some(preset) = self.preset {
-            return match preset {
-                Preset::Gis => each(".tif"),
-                other => preset::files(other, p),
-            };
-        }
-        match (self.format, self.format.raster()) {
-            (ExportFormat::Zarr, _) => vec![format!("{p}world.zarr")],
-            (ExportFormat::Exr, _) if self.layers.len() > 1 => vec![format!("{p}layers.exr")],
-            (_, Some(raster)) => each(&format!(".{}", raster.extension())),
-            (ExportFormat::Glb, _) => vec![format!("{p}terrain.glb")],
-            (ExportFormat::Obj, _) => vec![format!("{p}terrain.obj")],
-            (ExportFormat::Splat, _) => vec![format!("{p}splat.png")],
-            (ExportFormat::Mask, _) => each("_mask.png"),
-            (ExportFormat::Census, _) => vec![format!("{p}census.csv")],
-            (ExportFormat::Parquet, _) => vec![format!("{p}census.parquet")],
-            (ExportFormat::Plots, _) => {
-                ["cover.svg", "plot.svg", "cover.png", "plot.png"].map(|n| format!("{p}{n}")).to_vec()
-            }
-            (ExportFormat::Corals, _) => vec![format!("{p}corals.glb")],
-            (ExportFormat::CoralsObj, _) => vec![format!("{p}corals.obj")],
-            (ExportFormat::CoralsPly, _) => vec![format!("{p}corals.ply")],
-            (ExportFormat::Dive, _) => ["dive", "side", "above"].map(|n| format!("{p}{n}.png")).to_vec(),
-            _ => each("_map.png"),
-        }
-    }
-
-    fn write_options(&self) -> WriteOptions {
-        WriteOptions {
-            scale: self.range.map(|[low, high]| (low, high)),
-            byte_order: if self.bytes == Bytes::Big { ByteOrder::Big } else { ByteOrder::Little },
-            row_order: self.first_row.map_or(RowOrder::NorthFirst, FirstRow::row_order),
-            nodata: None,
-        }
+/// How values of layers are written.
+fn write_options(export: &Export) -> WriteOptions {
+    WriteOptions {
+        scale: export.range.map(|[low, high]| (low, high)),
+        byte_order: if export.bytes == Bytes::Big { ByteOrder::Big } else { ByteOrder::Little },
+        row_order: export.first_row.map_or(RowOrder::NorthFirst, row_order),
+        nodata: None,
     }
 }
 
-impl FirstRow {
-    /// The same in the words of the files.
-    pub(crate) fn row_order(self) -> RowOrder {
-        match self {
-            Self::North => RowOrder::NorthFirst,
-            Self::South => RowOrder::SouthFirst,
-        }
-    }
-}
-
-impl ExportFormat {
-    /// True for what `corals` leaves beside layers.
-    pub(crate) fn is_of_corals(self) -> bool {
-        use ExportFormat::{Census, Corals, CoralsObj, CoralsPly, Dive, Parquet, Plots};
-        matches!(self, Census | Parquet | Plots | Corals | CoralsObj | CoralsPly | Dive)
-    }
-
-    /// The raster format, if it is one.
-    pub(crate) fn raster(self) -> Option<RasterFormat> {
-        Some(match self {
-            Self::Png16 => RasterFormat::Png16,
-            Self::GeoTiff => RasterFormat::GeoTiff,
-            Self::R32 => RasterFormat::R32,
-            Self::R16 => RasterFormat::R16,
-            Self::Exr => RasterFormat::Exr,
-            Self::Npy => RasterFormat::Npy,
-            Self::Zarr => RasterFormat::Zarr,
-            _ => return None,
-        })
-    }
+/// The raster format, if it is one.
+pub(crate) fn raster(format: ExportFormat) -> Option<RasterFormat> {
+    Some(match format {
+        ExportFormat::Png16 => RasterFormat::Png16,
+        ExportFormat::GeoTiff => RasterFormat::GeoTiff,
+        ExportFormat::R32 => RasterFormat::R32,
+        ExportFormat::R16 => RasterFormat::R16,
+        ExportFormat::Exr => RasterFormat::Exr,
+        ExportFormat::Npy => RasterFormat::Npy,
+        ExportFormat::Zarr => RasterFormat::Zarr,
+        _ => return None,
+    })
 }
 
 /// Writes the files of an export.
@@ -220,7 +130,7 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
             if layers.is_empty() {
                 return Ok(());
             }
-            say_place(job, export.format.raster());
+            say_place(job, raster(export.format));
             let path = job.file(&files[0])?;
             write_together(&path, &mut layers, export.format, &job.attributes)
         }
@@ -255,12 +165,12 @@ pub(crate) fn write(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> 
             Ok(())
         }
         other => {
-            let Some(format) = other.raster() else { return Ok(()) };
+            let Some(format) = raster(other) else { return Ok(()) };
             say_place(job, Some(format));
             for (name, layer) in files.iter().zip(&export.layers) {
                 if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) {
                     let path = job.file(name)?;
-                    io::write_rows(&path, &mut *rows, &about, format, &export.write_options()).map_err(unmade)?;
+                    io::write_rows(&path, &mut *rows, &about, format, &write_options(export)).map_err(unmade)?;
                 }
             }
             Ok(())

@@ -5,9 +5,10 @@ use super::{Job, materials, write_layer, write_mesh, write_splat};
 use crate::backend;
 use crate::backend::io::{self, ByteOrder, RasterFormat, WriteOptions};
 use crate::error::RunError;
+use crate::import::row_order;
 use crate::keys::{Export, FirstRow, Preset};
 use eyot_core::{Georeference, World};
-use materials::MATERIALS;
+use eyot_recipe::MATERIALS;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -15,78 +16,8 @@ use std::path::Path;
 /// along a side.
 const UNREAL: [(usize, usize, usize, usize); 5] =
     [(505, 63, 1, 8), (1009, 63, 2, 8), (2017, 63, 2, 16), (4033, 63, 2, 32), (8129, 127, 2, 32)];
-/// Vertices along a side of Unity's terrains.
-const UNITY: [usize; 8] = [33, 65, 129, 257, 513, 1025, 2049, 4097];
 /// What GIS users expect where nothing else is said.
 const NODATA: f32 = -9999.0;
-
-impl Preset {
-    /// Name in recipes and on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Unreal => "unreal",
-            Self::Unity => "unity",
-            Self::Godot => "godot",
-            Self::Blender => "blender",
-            Self::Gis => "gis",
-        }
-    }
-
-    /// The preset of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Unreal, Self::Unity, Self::Godot, Self::Blender, Self::Gis].into_iter().find(|p| p.name() == name)
-    }
-
-    /// Sizes that the program accepts; empty if it accepts all.
-    fn sizes(self) -> Vec<usize> {
-        match self {
-            Self::Unreal => UNREAL.iter().map(|u| u.0).collect(),
-            Self::Unity => UNITY.to_vec(),
-            _ => Vec::new(),
-        }
-    }
-}
-
-/// What is wrong with a size for a preset, and what would be right.
-pub(crate) fn size_problem(preset: Preset, size: u32) -> Option<(String, String)> {
-    let sizes = preset.sizes();
-    if sizes.contains(&(size as usize)) {
-        return None;
-    }
-    let name = preset.name();
-    if sizes.is_empty() {
-        return Some((format!("the preset `{name}` keeps the size of the grid"), "leave `size` out".to_owned()));
-    }
-    let list: Vec<String> = sizes.iter().map(usize::to_string).collect();
-    Some((format!("{size} is no size for the preset `{name}`"), format!("choose {}", list.join(", "))))
-}
-
-/// A prefix for the files of a preset that no other export uses: `gis` writes files that are named like layers.
-pub(crate) fn free_prefix(preset: Preset, others: &[Export]) -> String {
-    let mut export = Export { preset: Some(preset), ..Export::default() };
-    let taken: Vec<String> = others.iter().filter(|e| e.enabled).flat_map(Export::files).collect();
-    while export.files().iter().any(|f| taken.contains(f)) {
-        export.prefix = format!("{}_{}", preset.name(), export.prefix);
-    }
-    export.prefix
-}
-
-/// The names of the files of a preset other than `gis`.
-pub(super) fn files(preset: Preset, p: &str) -> Vec<String> {
-    let n = preset.name();
-    let mut files: Vec<String> = match preset {
-        Preset::Unreal => vec![format!("{p}{n}_height.png"), format!("{p}{n}_height.r16")],
-        Preset::Unity => vec![format!("{p}{n}_height.raw"), format!("{p}{n}_splat.png")],
-        Preset::Godot => vec![format!("{p}{n}_height.exr"), format!("{p}{n}_splat.png")],
-        _ => vec![format!("{p}{n}_terrain.glb"), format!("{p}{n}_height.exr")],
-    };
-    if matches!(preset, Preset::Unreal | Preset::Blender) {
-        files.extend(MATERIALS.map(|m| format!("{p}{n}_{m}.png")));
-    }
-    // What says how to use the others comes last.
-    files.push(format!("{p}{n}.json"));
-    files
-}
 
 pub(super) fn write(job: &mut Job<'_>, export: &Export, preset: Preset) -> Result<(), RunError> {
     match preset {
@@ -103,7 +34,7 @@ fn fitted(job: &Job<'_>, export: &Export, preset: Preset) -> Result<(World, usiz
     let g = &job.world.grid;
     let longer = g.width.max(g.height) as f64;
     let far = |n: usize| (n as f64 / longer).ln().abs();
-    let nearest = preset.sizes().into_iter().min_by(|&a, &b| far(a).total_cmp(&far(b)));
+    let nearest = preset.sizes().iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)));
     let n = export.size.map_or(nearest.unwrap_or(g.width), |n| n as usize);
     if (g.width, g.height) != (n, n) {
         (job.note)(format!(
@@ -125,7 +56,7 @@ fn range(world: &World) -> Result<(f64, f64), RunError> {
 }
 
 fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
-    let names = files(Preset::Unreal, &export.prefix);
+    let names = Preset::Unreal.files(&export.prefix);
     let (world, n) = fitted(job, export, Preset::Unreal)?;
     let (low, high) = range(&world)?;
     // At Z scale 100, the 65536 steps from 0 to 65536 are 512 m; 65535 is the highest that a file can say.
@@ -163,7 +94,7 @@ fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
 }
 
 fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
-    let names = files(Preset::Unity, &export.prefix);
+    let names = Preset::Unity.files(&export.prefix);
     let (world, n) = fitted(job, export, Preset::Unity)?;
     let (low, high) = range(&world)?;
     // Unity puts the first row of a RAW at z = 0, unless it is told to flip it; so north becomes +z.
@@ -171,7 +102,7 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
     let options = WriteOptions {
         scale: Some((low, high)),
         byte_order: ByteOrder::Little,
-        row_order: first_row.row_order(),
+        row_order: row_order(first_row),
         nodata: None,
     };
     let path = job.file(&names[0])?;
@@ -184,7 +115,7 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
         "preset": "unity",
         "heightmap": {
             "file": names[0], "depth": "16 bit", "resolution": n, "byte_order": "Windows",
-            "flip_vertically": first_row == FirstRow::North, "row_order": first_row.row_order(),
+            "flip_vertically": first_row == FirstRow::North, "row_order": row_order(first_row),
         },
         "terrain_size_m": {
             "x": world.grid.cell_x_m * (n - 1) as f64,
@@ -202,7 +133,7 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
 }
 
 fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
-    let names = files(Preset::Godot, &export.prefix);
+    let names = Preset::Godot.files(&export.prefix);
     let g = job.world.grid;
     // Terrain3D has one distance of vertices for both axes.
     let spacing = g.cell_x_m.min(g.cell_y_m);
@@ -236,7 +167,7 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
 }
 
 fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), RunError> {
-    let names = files(Preset::Blender, &export.prefix);
+    let names = Preset::Blender.files(&export.prefix);
     let world = job.world;
     write_mesh(job, Path::new(&names[0]), export)?;
     let path = job.file(&names[1])?;
@@ -300,6 +231,8 @@ fn describe(job: &mut Job<'_>, names: &[String], about: &Value) -> Result<(), Ru
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exports::raster;
+    use eyot_recipe::ExportFormat;
 
     /// Epic, Landscape Technical Guide: a component has 1 or 2 x 2 sections of 7 to 255 quads, a landscape at most 1024
     /// components, and components share no vertices but those of their borders.
@@ -312,10 +245,20 @@ mod tests {
         }
     }
 
+    #[test]
+    fn recipes_and_writers_agree_on_sizes_and_extensions() {
+        use ExportFormat::{Exr, GeoTiff, Glb, Npy, Png16, R16, R32, Zarr};
+        assert_eq!(UNREAL.map(|u| u.0), *Preset::Unreal.sizes());
+        for format in [Png16, GeoTiff, R32, R16, Exr, Npy, Zarr, Glb] {
+            assert_eq!(format.extension(), raster(format).map(RasterFormat::extension), "{format:?}");
+        }
+    }
+
     /// Unity, TerrainData.heightmapResolution: 33 to 4097, a power of two and one.
     #[test]
     fn terrains_of_unity_are_powers_of_two_and_one() {
-        assert!(UNITY.iter().all(|n| (n - 1).is_power_of_two() && (33..=4097).contains(n)));
-        assert!(UNITY.is_sorted() && UNITY.len() == 8);
+        let sizes = Preset::Unity.sizes();
+        assert!(sizes.iter().all(|n| (n - 1).is_power_of_two() && (33..=4097).contains(n)));
+        assert!(sizes.is_sorted() && sizes.len() == 8);
     }
 }

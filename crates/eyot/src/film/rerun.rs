@@ -5,7 +5,7 @@ use crate::error::RunError;
 use crate::event::{Command, Event};
 use crate::need;
 use crate::recipe::{Recipe, Work};
-use crate::registry::Registry;
+use crate::registry::{Registry, component_kinds};
 use crate::run::{Handle, Run, RunOptions};
 use crate::state::State;
 use crate::store::WORLD_FILE;
@@ -38,14 +38,14 @@ impl Made {
             help: Some("--run films runs that simulate something and that `eyot run` finished in one piece"),
         };
         let file = folder.join(WORLD_FILE);
-        let saved = checkpoint::load(&file, limits).map_err(|e| refuse(e.to_string()))?;
+        let saved = checkpoint::load(&file, limits, &component_kinds()).map_err(|e| refuse(e.to_string()))?;
         let state: State = serde_json::from_value(saved.state)
             .map_err(|e| refuse(format!("`{}` holds no state of a run: {e}", file.display())))?;
         if !state.finished {
             return Err(refuse(format!("the run in `{}` is not finished", folder.display())));
         }
         let overrides = state.overrides.clone();
-        let recipe = Recipe::of_run(&state, saved.recipe_toml, overrides, &Registry::standard(), limits)?;
+        let recipe = state.recipe(saved.recipe_toml, overrides, &Registry::standard(), limits)?;
         let made = Self { world: saved.world, recipe, state };
         let (first, last) = made.span();
         if first == last {

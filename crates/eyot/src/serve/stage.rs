@@ -6,6 +6,7 @@ use crate::exports::corals;
 use crate::layers;
 use crate::recipe::{Recipe, Work};
 use crate::watch::{Look, Watch};
+use eyot_core::component::Numbers;
 use eyot_core::{Cancel, Limits, Stagger, World};
 use eyot_reef::bodies::Shape;
 use eyot_reef::community::{Form, RAYS};
@@ -50,7 +51,7 @@ impl Stage {
             ..Scene::default()
         };
         // Before their first month there is nobody.
-        if let Some(corals) = self.corals.as_ref().filter(|_| world.features.contains_key(FEATURE)) {
+        if let Some(corals) = self.corals.as_ref().filter(|_| world.components.contains(FEATURE)) {
             add_reef(&mut scene, corals, world, self.options.rays).map_err(|e| e.to_string())?;
         }
         Ok(scene)
@@ -191,7 +192,7 @@ fn raster(world: &World, name: &str) -> Option<Raster> {
 fn add_reef(scene: &mut Scene, corals: &Corals, world: &World, with_rays: bool) -> eyot_core::Result<()> {
     let plot = corals.plot(world)?;
     let columns = corals.census_columns();
-    let rows = world.features.get(CENSUS).map_or(&[][..], Vec::as_slice);
+    let rows = world.components.get::<Numbers>(CENSUS)?.map_or(&[][..], |n| &n.0);
     scene.moment.census = rows.chunks_exact(columns.len().max(1)).next_back().unwrap_or_default().to_vec();
     let month = scene.moment.census.first().map_or(0, |m| *m as i64 + 1);
     let settled = |age: u32| (month - i64::from(age)).clamp(i32::MIN.into(), i32::MAX.into()) as i32;

@@ -13,7 +13,7 @@ mod survey;
 mod tests;
 mod world;
 
-pub(crate) use plan::{Load, Obstacle, Place, chosen, obstacle};
+pub(crate) use plan::{chosen, streamed_memory};
 pub(crate) use survey::Survey;
 pub(crate) use world::StreamedWorld;
 

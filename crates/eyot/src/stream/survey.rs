@@ -3,7 +3,6 @@
 use super::OVERVIEW;
 use super::world::{StreamedLayer, StreamedWorld};
 use crate::backend::io::Rows;
-use crate::import;
 use crate::recipe::Recipe;
 use eyot_core::{Field, Fingerprint, Grid, Result, World};
 use rayon::prelude::*;
@@ -43,12 +42,11 @@ pub(super) fn survey(
     let mut overview = World::new(coarse, recipe.seed);
     overview.sea_level_m = recipe.sea_level_m;
     let size = (coarse.width * cells, coarse.height * cells);
-    overview.georeference =
-        recipe.georeference.as_ref().map(|g| import::rescaled(g, size, (coarse.width, coarse.height)));
+    overview.georeference = recipe.georeference.as_ref().map(|g| g.rescaled(size, (coarse.width, coarse.height)));
     let mut fingerprint = Fingerprint::new(&grid, 0, recipe.sea_level_m);
     let mut ranges = Vec::new();
     for layer in layers {
-        fingerprint.begin_layer(&layer.spec.name);
+        fingerprint.begin(&layer.spec.name);
         let mut means = Means::new(cells, &grid);
         let mut range = (f32::INFINITY, f32::NEG_INFINITY);
         each_band(&mut world.rows(layer.stage), |band| {

@@ -3,7 +3,7 @@
 use super::stages::Stages;
 use super::survey::{Survey, survey};
 use crate::backend::io::{About, Rows};
-use crate::exports::{self, Source};
+use crate::exports::Source;
 use crate::recipe::Recipe;
 use eyot_core::{Cancel, Control, Error, Georeference, Grid, LayerSpec, Result};
 use std::collections::BTreeMap;
@@ -47,7 +47,9 @@ impl<'a> StreamedWorld<'a> {
         let passes = stages.below_tops().len()
             + layers.len()
             + exported
-                .filter(|name| exports::is_material(name) || layers.iter().any(|l| l.spec.name == **name))
+                .filter(|name| {
+                    eyot_recipe::MATERIALS.contains(&name.as_str()) || layers.iter().any(|l| l.spec.name == **name)
+                })
                 .count();
         Ok(Self {
             grid: recipe.grid,

@@ -148,7 +148,7 @@ fn every_format_goes_into_every_preset_and_mesh_or_says_why_not() {
 fn conversions_go_around_without_loss() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let real = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/jacksboro.tif");
+    let real = Path::new(env!("CARGO_MANIFEST_DIR")).join("../eyot-recipe/data/jacksboro.tif");
     let original = raster(&real);
     assert!(original.tags["SOURCE"].contains("SRTM"), "{:?}", original.tags);
     // Through every format of floats and back.

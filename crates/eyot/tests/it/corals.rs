@@ -69,7 +69,7 @@ fn a_stopped_reef_goes_on_to_the_same_bytes() {
     let registry = Registry::standard();
     let outcome = Run::resume(parts.path(), &registry, RunOptions::default()).unwrap().join().unwrap();
     assert!(outcome.finished);
-    assert_eq!(outcome.world.features, world.features);
+    assert_eq!(outcome.world.components, world.components);
     assert_eq!(outcome.fingerprint, world.fingerprint());
     for file in ["census.csv", "census.parquet", "corals.glb", "plot.svg", "world.eyot"] {
         let [a, b] = [&whole, &parts].map(|f| std::fs::read(f.path().join(file)).unwrap());
@@ -127,11 +127,11 @@ fn a_run_goes_on_with_the_series_that_it_began_with() {
     // Another sea, and then none: the run keeps its own.
     std::fs::write(&sea, series(4.0)).unwrap();
     let other = common::run(measured(folder.path(), 18).unwrap(), &folder.path().join("other"));
-    assert_ne!(other.features["corals.census"], whole.features["corals.census"]);
+    assert_ne!(other.components, whole.components);
     std::fs::remove_file(&sea).unwrap();
     let outcome = Run::resume(&out, &Registry::standard(), RunOptions::default()).unwrap().join().unwrap();
     assert!(outcome.finished);
-    assert_eq!(outcome.world.features, whole.features);
+    assert_eq!(outcome.world.components, whole.components);
 }
 
 #[test]

@@ -322,7 +322,9 @@ fn a_run_resumes_from_its_last_frame_if_that_is_later_than_its_checkpoint() {
     // As a kill leaves it: an early checkpoint that says nothing of going back, and frames.
     rewind(&out, Moment::Step(60), false, &Limits::default()).unwrap();
     let checkpoint = out.join(store::CHECKPOINT_FILE);
-    let saved = eyot::io::checkpoint::load(&early.join(store::CHECKPOINT_FILE), &Limits::default()).unwrap();
+    let saved =
+        eyot::io::checkpoint::load(&early.join(store::CHECKPOINT_FILE), &Limits::default(), &eyot::component_kinds())
+            .unwrap();
     let mut state = saved.state.clone();
     state["rewound"] = false.into();
     let early_checkpoint =
@@ -494,7 +496,7 @@ fn frames_beyond_their_run_are_refused() {
     let out = folder.path().join("out");
     run(&out, Some(RECORD));
     let mut store = Store::open_to_write(&out.join("timeline.zarr"), &Limits::default()).unwrap();
-    let last = store.load(9).unwrap();
+    let last = store.load(9, &eyot::component_kinds()).unwrap();
     let mut wrong = Vec::new();
     let mut put = |change: &dyn Fn(&mut eyot::World, &mut serde_json::Value), part: &'static str| {
         let (mut world, mut state) = (last.world.clone(), last.state.clone());

@@ -3,6 +3,7 @@
 use eyot::network::{Client, Ending, Gone, Options, Order, Scene, Status};
 use eyot::serve::{ServeOptions, Serving};
 use eyot::{Command, Event, Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_core::component::Numbers;
 use eyot_reef::corals::{CENSUS, Corals};
 use std::time::Duration;
 
@@ -76,7 +77,7 @@ fn assert_shows_reef(scene: &Scene, world: &World) {
     let seen: Vec<_> = scene.algae.iter().map(|a| (a.id, a.x, a.y, a.radius, a.height)).collect();
     assert_eq!(seen, algae.iter().map(key).collect::<Vec<_>>());
     let columns = corals.census_columns().len();
-    let rows = &world.features[CENSUS];
+    let rows = &world.components.get::<Numbers>(CENSUS).unwrap().unwrap().0;
     assert_eq!(scene.moment.census, rows[rows.len() - columns..]);
 }
 

@@ -7,25 +7,26 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The head of a recipe.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub(crate) struct Document {
+pub struct Document {
     /// What the landscape is called.
-    pub(crate) name: String,
+    pub name: String,
     /// One sentence about the landscape.
-    pub(crate) about: String,
+    pub about: String,
     /// Seed of all random numbers. The same recipe with the same seed gives the same bytes.
     #[schemars(extend("unit" = "1"))]
-    pub(crate) seed: u64,
+    pub seed: u64,
     /// Level of the sea at the start, in the datum of the height.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
-    pub(crate) sea_level: f64,
+    pub sea_level: f64,
 }
 
 /// `256` or `[256, 128]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub(crate) enum Cells {
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Cells {
     One(#[schemars(range(min = 1))] u32),
     Two(#[schemars(inner(range(min = 1)))] [u32; 2]),
 }
@@ -33,7 +34,8 @@ pub(crate) enum Cells {
 /// `10.0` or `[10.0, 12.5]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub(crate) enum Lengths {
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Lengths {
     One(#[schemars(range(min = 1e-6, max = 1e10))] f64),
     Two(#[schemars(inner(range(min = 1e-6, max = 1e10)))] [f64; 2]),
 }
@@ -41,55 +43,56 @@ pub(crate) enum Lengths {
 /// `"closed"` or `["wrap", "open"]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub(crate) enum Edges {
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Edges {
     One(Edge),
     Two([Edge; 2]),
 }
 
 /// The grid.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct Grid {
+pub struct Grid {
     /// Columns and rows, or one number for a square.
     #[schemars(extend("unit" = "1"))]
-    pub(crate) size: Option<Cells>,
+    pub size: Option<Cells>,
     /// Size of a cell, west-east and north-south, or one number for square cells. 10 m if nothing else is said.
     #[schemars(extend("unit" = "m"))]
-    pub(crate) cell: Option<Lengths>,
+    pub cell: Option<Lengths>,
     /// Extent of the whole grid, west-east and north-south, instead of the cell size.
     #[schemars(extend("unit" = "m"))]
-    pub(crate) extent_m: Option<Lengths>,
+    pub extent_m: Option<Lengths>,
     /// What lies beyond the border: a wall, a free outfall, or the far side; one for both axes, or west-east and north-south.
-    pub(crate) rim: Option<Edges>,
+    pub rim: Option<Edges>,
     /// A height map whose size, cells and place on Earth the grid takes over; relative to the recipe's folder.
-    pub(crate) from: Option<String>,
+    pub from: Option<String>,
 }
 
 /// A step that generates.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub(crate) struct Generate {
+pub struct Generate {
     /// A name for messages and for `--set NAME.parameter=value`.
-    pub(crate) name: Option<String>,
+    pub name: Option<String>,
     /// One sentence about the step.
-    pub(crate) about: Option<String>,
+    pub about: Option<String>,
     /// Whether the step is done.
-    pub(crate) enabled: bool,
+    pub enabled: bool,
     /// The generator.
-    pub(crate) generate: String,
+    pub generate: String,
     /// The layer that it works on.
     #[schemars(regex(pattern = r"^[a-z_][a-z0-9_]*$"))]
-    pub(crate) layer: String,
+    pub layer: String,
     /// How the new values join the layer. A source adds and a filter replaces if nothing else is said.
-    pub(crate) merge: Option<Merge>,
+    pub merge: Option<Merge>,
     /// A layer from 0 to 1 that says where how much of the change is kept. Less than 0 counts as 0, more than 1 as 1.
-    pub(crate) mask: Option<String>,
+    pub mask: Option<String>,
     /// Strength of the merge: a factor on the new values, or the weight of a `lerp`.
     #[schemars(range(min = -1e6, max = 1e6), extend("unit" = "1"))]
-    pub(crate) amount: f32,
+    pub amount: f32,
     /// A seed for this step alone, so that it stays as it is when steps move or the recipe's seed changes.
     #[schemars(extend("unit" = "1"))]
-    pub(crate) seed: Option<u64>,
+    pub seed: Option<u64>,
 }
 
 impl Default for Generate {
@@ -109,28 +112,29 @@ impl Default for Generate {
 }
 
 /// One name or several.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub(crate) enum Names {
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Names {
     One(String),
     Many(#[schemars(length(min = 1))] Vec<String>),
 }
 
 /// A step that simulates. Each process has a table of its own: `hydraulic.rain = 0.002`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub(crate) struct Simulate {
+pub struct Simulate {
     /// A name for messages and for `--set NAME.parameter=value`.
-    pub(crate) name: Option<String>,
+    pub name: Option<String>,
     /// One sentence about the step.
-    pub(crate) about: Option<String>,
+    pub about: Option<String>,
     /// Whether the step is done.
-    pub(crate) enabled: bool,
+    pub enabled: bool,
     /// The processes, in the order in which they act within one step.
-    pub(crate) simulate: Names,
+    pub simulate: Names,
     /// How many steps.
     #[schemars(range(min = 1), extend("unit" = "1"))]
-    pub(crate) steps: u64,
+    pub steps: u64,
 }
 
 impl Default for Simulate {
@@ -140,14 +144,14 @@ impl Default for Simulate {
 }
 
 /// When a process acts; beside its own parameters.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub(crate) struct Schedule {
+pub struct Schedule {
     /// The process acts in every n-th step.
     #[schemars(range(min = 1, max = 1_000_000_000), extend("unit" = "1"))]
-    pub(crate) every: u64,
+    pub every: u64,
     /// Whether the process acts at all.
-    pub(crate) enabled: bool,
+    pub enabled: bool,
 }
 
 impl Default for Schedule {
@@ -159,36 +163,37 @@ impl Default for Schedule {
 /// A number, or an expression.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub(crate) enum Amount {
+#[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+pub enum Amount {
     Number(#[schemars(range(min = -3e38, max = 3e38))] f64),
     Text(String),
 }
 
 /// A layer of the recipe's own, and the rule that changes it. Name it in `simulate` to let the rule act.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct Layer {
+pub struct Layer {
     /// The layer's name, and the rule's.
     #[schemars(regex(pattern = r"^[a-z_][a-z0-9_]*$"))]
-    pub(crate) name: String,
+    pub name: String,
     /// One sentence: what the layer holds.
-    pub(crate) about: Option<String>,
+    pub about: Option<String>,
     /// Unit, for example `m`, `m/s` or `1` for a plain number. Units of sums are checked where it is given.
-    pub(crate) unit: Option<String>,
+    pub unit: Option<String>,
     /// First values: a number, or an expression over layers that are there before and the recipe's layers above this one.
-    pub(crate) start: Amount,
+    pub start: Amount,
     /// Smallest and largest value. What a rule makes beyond is moved to the nearer end and counted in the ledger; what is no number ends the run.
     #[schemars(inner(range(min = -3e38, max = 3e38)))]
-    pub(crate) range: Option<[f64; 2]>,
+    pub range: Option<[f64; 2]>,
     /// An expression: the value after a step, from the values before. Without it nothing changes the layer.
-    pub(crate) next: Option<String>,
+    pub next: Option<String>,
     /// A condition: where the rule applies. Everywhere if not given.
-    pub(crate) mask: Option<String>,
+    pub mask: Option<String>,
     /// The rule acts in every n-th step.
     #[schemars(range(min = 1, max = 1_000_000_000), extend("unit" = "1"))]
-    pub(crate) every: u64,
+    pub every: u64,
     /// Numbers that the expressions name, and that a step, `--set` and a running simulation can change.
-    pub(crate) parameters: BTreeMap<String, f64>,
+    pub parameters: BTreeMap<String, f64>,
 }
 
 impl Default for Layer {
@@ -208,23 +213,23 @@ impl Default for Layer {
 }
 
 /// A rule of the recipe's own that changes layers that are there. Name it in `simulate` to let it act.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct Rule {
+pub struct Rule {
     /// The rule's name.
     #[schemars(regex(pattern = r"^[a-z_][a-z0-9_]*$"))]
-    pub(crate) name: String,
+    pub name: String,
     /// One sentence: what the rule does.
-    pub(crate) about: Option<String>,
+    pub about: Option<String>,
     /// For each layer that the rule changes an expression: its value after a step, from all values before.
-    pub(crate) set: BTreeMap<String, String>,
+    pub set: BTreeMap<String, String>,
     /// A condition: where the rule applies. Everywhere if not given.
-    pub(crate) mask: Option<String>,
+    pub mask: Option<String>,
     /// The rule acts in every n-th step.
     #[schemars(range(min = 1, max = 1_000_000_000), extend("unit" = "1"))]
-    pub(crate) every: u64,
+    pub every: u64,
     /// Numbers that the expressions name, and that a step, `--set` and a running simulation can change.
-    pub(crate) parameters: BTreeMap<String, f64>,
+    pub parameters: BTreeMap<String, f64>,
 }
 
 impl Default for Rule {
@@ -324,7 +329,7 @@ pub enum FirstRow {
 }
 
 /// A file to write when the run is done, or the files of a preset.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Export {
     /// What the file holds.
@@ -383,7 +388,7 @@ impl Default for Export {
 }
 
 /// The pictures of a finished run: `preview.png` as a camera sees it, and `relief.png` from above.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct View {
     /// Whether the pictures are made.

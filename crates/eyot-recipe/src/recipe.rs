@@ -1,20 +1,25 @@
 //! Recipes: the documents that say everything that decides the bytes.
 
 use crate::builtin;
-use crate::diagnostic::{Diagnostic, Problems, Source};
+use crate::diagnostic::Problems;
+use crate::doc::RecipeDoc;
 use crate::keys::{Export, Preset, View};
 use crate::merge::Merge;
 use crate::registry::Registry;
-use crate::state::State;
-use crate::texts::Texts;
 use crate::validate;
 use eyot_core::process::{Entry, Generator, Process, Scheduled};
 use eyot_core::{Georeference, Grid, Limits};
 use eyot_rules::{Acting, Replaced, Scope, Terms, TextRule};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Texts of files by the names that the recipe gives them.
+///
+/// Checkpoints carry them, so that a run that goes on, is set back or is run again has the same ones, whatever has become of the files.
+pub type Texts = BTreeMap<String, String>;
 
 /// Where a recipe came from: enough to read it again after a resume.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -65,7 +70,7 @@ pub struct Recipe {
     /// What was changed by flags.
     pub overrides: Overrides,
     /// Text files that it names.
-    pub(crate) texts: Texts,
+    pub texts: Texts,
 }
 
 /// One `[[step]]`.
@@ -83,7 +88,7 @@ pub struct Step {
 
 impl Step {
     /// Whether the other does the same.
-    pub(crate) fn does_as(&self, other: &Self) -> bool {
+    pub fn does_as(&self, other: &Self) -> bool {
         let work = match (&self.work, &other.work) {
             (Work::Generate(a), Work::Generate(b)) => {
                 let what = |g: &GenerateStep| (g.entry.name, g.merge, g.amount.to_bits(), g.seed);
@@ -196,7 +201,7 @@ impl Actor {
     }
 
     /// JSON Schema of its parameters.
-    pub(crate) fn schema(&self) -> Value {
+    pub fn schema(&self) -> Value {
         let rule = match self {
             Self::Process(entry) => return (entry.schema)().to_value(),
             Self::Rule(rule) => rule,
@@ -210,7 +215,7 @@ impl Actor {
     }
 
     /// Keys of the literature behind it.
-    pub(crate) fn cites(&self) -> &'static [&'static str] {
+    pub fn cites(&self) -> &'static [&'static str] {
         match self {
             Self::Process(entry) => entry.cites,
             Self::Rule(_) => &[],
@@ -218,7 +223,7 @@ impl Actor {
     }
 
     /// The process; parameters that are missing have their defaults.
-    pub(crate) fn make(&self, parameters: &Value) -> Result<Box<dyn Process>, serde_json::Error> {
+    pub fn make(&self, parameters: &Value) -> Result<Box<dyn Process>, serde_json::Error> {
         match self {
             Self::Process(entry) => (entry.make)(parameters.clone()),
             Self::Rule(rule) => {
@@ -232,7 +237,7 @@ impl Actor {
 
 impl ProcessUse {
     /// The process with its parameters.
-    pub(crate) fn make(&self) -> Result<Box<dyn Process>, serde_json::Error> {
+    pub fn make(&self) -> Result<Box<dyn Process>, serde_json::Error> {
         match self.actor {
             Actor::Process(entry) if !self.terms.list().is_empty() => {
                 Ok(Box::new(Replaced::new(entry, self.parameters.clone(), Arc::clone(&self.terms))?))
@@ -243,7 +248,7 @@ impl ProcessUse {
 }
 
 /// The processes that are switched on, ready for the engine.
-pub(crate) fn schedule(uses: &[ProcessUse]) -> Result<Vec<Scheduled>, eyot_core::Error> {
+pub fn schedule(uses: &[ProcessUse]) -> Result<Vec<Scheduled>, eyot_core::Error> {
     let scheduled = |u: &ProcessUse| {
         let process = u.make().map_err(|e| unfit(u.actor.name(), &e))?;
         Ok(Scheduled { name: u.actor.name(), process, every: u.every.max(1) })
@@ -269,23 +274,31 @@ impl Recipe {
         validate::recipe(source, overrides, registry, limits, Texts::new())
     }
 
-    /// The recipe of a run that has begun, with the text files that it read then.
-    pub(crate) fn of_run(
-        state: &State,
-        text: String,
+    /// As [`Recipe::parse`], with text files that were read before: those are not asked for again.
+    ///
+    /// # Errors
+    /// As [`Recipe::parse`].
+    pub fn parse_with(
+        source: RecipeSource,
+        overrides: Overrides,
+        registry: &Registry,
+        limits: &Limits,
+        texts: Texts,
+    ) -> Result<Self, Problems> {
+        validate::recipe(source, overrides, registry, limits, texts)
+    }
+
+    /// Checks a document that was built in code. What is wrong points into [`RecipeDoc::to_toml`].
+    ///
+    /// # Errors
+    /// As [`Recipe::parse`].
+    pub fn check(
+        doc: &RecipeDoc,
         overrides: Overrides,
         registry: &Registry,
         limits: &Limits,
     ) -> Result<Self, Problems> {
-        validate::recipe(state.source(text), overrides, registry, limits, state.texts.clone())
-    }
-
-    /// Reads and checks a recipe from a file.
-    ///
-    /// # Errors
-    /// As [`Recipe::parse`], and if the file cannot be read.
-    pub fn read(path: &Path, overrides: Overrides, registry: &Registry, limits: &Limits) -> Result<Self, Problems> {
-        Self::parse(RecipeSource::read(path)?, overrides, registry, limits)
+        Self::parse(doc.source(), overrides, registry, limits)
     }
 
     /// The steps that will be done.
@@ -295,63 +308,9 @@ impl Recipe {
 }
 
 impl RecipeSource {
-    /// Reads a recipe's text from a file.
-    ///
-    /// # Errors
-    /// If the file cannot be read, is not text, or is far too long for a recipe.
-    pub fn read(path: &Path) -> Result<Self, Problems> {
-        const MOST_BYTES: u64 = 4 << 20;
-        let name = path.display().to_string();
-        let fail = |message: String, help: &str| {
-            let source = Source { name: name.clone(), text: String::new() };
-            Problems::new(vec![source], vec![Diagnostic::whole(message).help(help)])
-        };
-        let known = builtin::RECIPES.iter().map(|r| r.name);
-        let meta = std::fs::metadata(path).map_err(|e| {
-            let guess =
-                path.file_stem().and_then(|s| s.to_str()).and_then(|s| crate::diagnostic::nearest(s, known.clone()));
-            let help = match guess {
-                Some(n) => format!("did you mean the built-in recipe `{n}`? `eyot list` shows all of them"),
-                None => "give the name of a recipe file, or of a built-in recipe from `eyot list`".to_owned(),
-            };
-            fail(format!("cannot read the recipe `{name}`: {e}"), &help)
-        })?;
-        if !meta.is_file() {
-            return Err(fail(
-                format!("`{name}` is not a file"),
-                "give the name of a recipe file; `eyot resume` takes a folder",
-            ));
-        }
-        if meta.len() > MOST_BYTES {
-            let message = format!("`{name}` has {} bytes, which no recipe needs", meta.len());
-            return Err(fail(message, "recipes are short TOML documents; is this the right file?"));
-        }
-        let bytes = std::fs::read(path)
-            .map_err(|e| fail(format!("cannot read the recipe `{name}`: {e}"), "check its permissions"))?;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let message = format!("`{name}` is not text: byte {} is not UTF-8", e.utf8_error().valid_up_to());
-            fail(message, "recipes are TOML documents in UTF-8; is this the right file?")
-        })?;
-        let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let folder = std::path::absolute(parent).unwrap_or_else(|_| parent.to_owned());
-        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
-        Ok(Self { name, text, folder })
-    }
-
     /// A built-in recipe.
     pub fn builtin(name: &str) -> Option<Self> {
         let r = builtin::RECIPES.iter().find(|r| r.name == name)?;
         Some(Self { name: format!("{name} (built in)"), text: r.text.to_owned(), folder: PathBuf::from(".") })
-    }
-
-    /// A built-in recipe if there is one of that name, else the file.
-    ///
-    /// # Errors
-    /// As [`RecipeSource::read`].
-    pub fn find(name: &str) -> Result<Self, Problems> {
-        match Self::builtin(name) {
-            Some(s) => Ok(s),
-            None => Self::read(Path::new(name)),
-        }
     }
 }

@@ -1,19 +1,14 @@
 //! From a document to a checked recipe: everything that is wrong is collected, with its place.
 
-use crate::backend::io::ReadOptions;
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, Problems, Source, alternatives, nearest};
-use crate::exports;
-use crate::import;
+use crate::host::{RasterInfo, Refusal};
 use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View};
-use crate::need;
+use crate::memory::{self, Obstacle, Place};
 use crate::node::{Kind, Node, Span};
-use crate::recipe::{Overrides, Recipe, RecipeSource, Step};
+use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
 use crate::registry::Registry;
 use crate::set;
-use crate::store::Subject;
-use crate::stream::{self, Obstacle, Place};
-use crate::texts::{self, Texts};
 use eyot_core::process::{Parameters, schema_of};
 use eyot_core::{Error, Georeference, Grid, LayerSpec, Limits, Rim};
 use serde_json::Value;
@@ -138,7 +133,7 @@ impl Validator<'_> {
                 None => return (None, None),
             },
         };
-        let base = raster.as_ref().map(|r| (r.field.width(), r.field.height()));
+        let base = raster.as_ref().map(|r| (r.width, r.height));
         let named = keys.size.map(|s| match s {
             Cells::One(n) => (n as usize, n as usize),
             Cells::Two([w, h]) => (w as usize, h as usize),
@@ -187,8 +182,7 @@ impl Validator<'_> {
         };
         match (Grid { width: w, height: h, cell_x_m: dx, cell_y_m: dy, rim }).checked(self.limits) {
             Ok(grid) => {
-                let georeference =
-                    raster.and_then(|r| r.georeference).zip(base).map(|(g, b)| import::rescaled(&g, b, (w, h)));
+                let georeference = raster.and_then(|r| r.georeference).zip(base).map(|(g, b)| g.rescaled(b, (w, h)));
                 (Some(grid), georeference)
             }
             Err(e) => {
@@ -200,31 +194,16 @@ impl Validator<'_> {
         }
     }
 
-    fn raster(&mut self, file: &str, span: Span) -> Option<crate::backend::io::Raster> {
+    fn raster(&mut self, file: &str, span: Span) -> Option<RasterInfo> {
         let path = self.file(file, &span)?;
-        // Only size and place count here, so a picture need not say which heights its greys are.
-        let any_heights = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), ..ReadOptions::default() };
-        match import::read(&path, &any_heights, self.limits) {
-            Ok(r) => Some(r),
-            Err(reason) => {
-                self.out.push(
-                    Diagnostic::at(span, reason, "this file")
-                        .help("it must be a height map: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, R16 or R32"),
-                );
-                None
-            }
-        }
+        let found = self.registry.files().raster(&path, self.limits);
+        self.found(found, &span)
     }
 
     /// The full path of a file that the recipe names.
     fn file(&mut self, file: &str, span: &Span) -> Option<String> {
-        match import::resolve(file, self.folder) {
-            Ok(path) => Some(path),
-            Err((message, help)) => {
-                self.out.push(Diagnostic::at(span.clone(), message, "this file").help(help));
-                None
-            }
-        }
+        let found = self.registry.files().locate(file, self.folder);
+        self.found(found, span)
     }
 
     /// The text of a file that the recipe names.
@@ -232,16 +211,17 @@ impl Validator<'_> {
         if let Some(known) = self.texts.get(file) {
             return Some(known.clone());
         }
-        match texts::read(file, self.folder) {
-            Ok(text) => {
-                self.texts.insert(file.to_owned(), text.clone());
-                Some(text)
-            }
-            Err((message, help)) => {
-                self.out.push(Diagnostic::at(span.clone(), message, "this file").help(help));
-                None
-            }
-        }
+        let found = self.registry.files().text(file, self.folder);
+        let text = self.found(found, span)?;
+        self.texts.insert(file.to_owned(), text.clone());
+        Some(text)
+    }
+
+    fn found<T>(&mut self, found: Result<T, Refusal>, span: &Span) -> Option<T> {
+        let refused = |Refusal { message, help }| {
+            self.out.push(Diagnostic::at(span.clone(), message, "this file").help(help));
+        };
+        found.map_err(refused).ok()
     }
 
     fn exports(&mut self, node: Option<&Node>) -> Vec<Export> {
@@ -314,8 +294,7 @@ impl Validator<'_> {
     fn presets(&mut self, presets: &[Preset], present: &[Export]) -> Vec<Export> {
         let mut more = Vec::new();
         for &preset in presets.iter().filter(|p| !present.iter().any(|e| e.enabled && e.preset == Some(**p))) {
-            let export =
-                Export { preset: Some(preset), prefix: exports::free_prefix(preset, present), ..Export::default() };
+            let export = Export { preset: Some(preset), prefix: preset.free_prefix(present), ..Export::default() };
             if self.grid.is_some_and(|g| g.width < 2 || g.height < 2) && export.needs_two_cells() {
                 let message = format!("the preset `{}` needs at least 2 x 2 cells", preset.name());
                 self.out.push(Diagnostic::whole(message).help("choose a larger [grid]"));
@@ -346,7 +325,7 @@ impl Validator<'_> {
         }
         if let (Some(at), Some(size)) = (span("size"), export.size) {
             let problem = match export.preset {
-                Some(preset) => exports::size_problem(preset, size),
+                Some(preset) => preset.size_problem(size),
                 None => {
                     let help = "set the size of the [grid], or choose preset = \"unreal\" or \"unity\"".to_owned();
                     Some(("`size` belongs to presets".to_owned(), help))
@@ -386,10 +365,11 @@ impl Validator<'_> {
             n => format!("{n} layers"),
         };
         let what = format!("this recipe with {layers} of {} x {} cells", grid.width, grid.height);
-        match stream::obstacle(steps, exports, &grid) {
+        let outputs = self.registry.outputs();
+        match memory::obstacle(steps, exports, &grid) {
             // A step that is wrong has no memory that could be known.
             Some(obstacle) if self.out.is_empty() => {
-                let peak = match need::working(steps, &grid) {
+                let peak = match memory::working(steps, &grid) {
                     Ok(peak) => peak,
                     Err(e) => return self.out.push(Diagnostic::at(size, e.to_string(), "this grid")),
                 };
@@ -401,14 +381,20 @@ impl Validator<'_> {
                 self.output_memory(doc, &grid, peak.world_bytes, exports, view);
             }
             None if self.out.is_empty() => {
-                let load = stream::Load { steps, exports, view, grid: &grid, limits: self.limits };
-                if load.whole().is_ok_and(|bytes| bytes <= u128::from(self.limits.max_bytes)) {
-                    return;
-                }
-                let what = format!("{what}, even streamed,");
-                let fits =
-                    |(coarse, held)| self.limits.check_bytes(&what, held + load.writers()).map(|()| (coarse, held));
-                match load.streamed().and_then(fits) {
+                let whole = match memory::whole(steps, exports, view, &grid, outputs, self.limits) {
+                    Ok(bytes) if bytes <= u128::from(self.limits.max_bytes) => return,
+                    Ok(bytes) => bytes,
+                    Err(e) => return self.out.push(Diagnostic::at(size, e.to_string(), "this grid")),
+                };
+                // A program that cannot stream needs all of it.
+                let needed = outputs.streamed(steps, &grid).and_then(|streamed| match streamed {
+                    Some(s) => {
+                        let what = format!("{what}, even streamed,");
+                        self.limits.check_bytes(&what, s.held + s.writers).map(|()| (s.overview, s.held))
+                    }
+                    None => self.limits.check_bytes(&what, whole).map(|()| (grid, whole)),
+                });
+                match needed {
                     Ok((coarse, held)) => self.output_memory(doc, &coarse, held, exports, view),
                     Err(e) => {
                         let help = "choose fewer cells, or raise the limit with --max-memory";
@@ -438,21 +424,21 @@ impl Validator<'_> {
             return;
         }
         let place = |n: Option<&Node>| n.or(doc.get("grid")).unwrap_or(doc).span.clone();
-        let pictures = [Subject::View, Subject::Relief].map(|s| need::picture(grid, view, s));
+        let outputs = self.registry.outputs();
         if view.enabled
-            && let Err(e) = need::check_bytes(
+            && let Err(e) = memory::check_bytes(
                 "drawing the pictures of this world",
-                held + pictures[0].max(pictures[1]),
+                held + outputs.pictures(grid, view),
                 self.limits,
-                need::PICTURE_REMEDY,
+                memory::PICTURE_REMEDY,
             )
         {
             self.out.push(Diagnostic::at(place(doc.get("view")), e.to_string(), "these pictures"));
         }
         for (i, export) in exports.iter().enumerate().filter(|(_, e)| e.enabled) {
             let what = format!("making `{}`", export.files()[0]);
-            let bytes = held + need::export(grid, export, self.limits);
-            if let Err(e) = need::check_bytes(&what, bytes, self.limits, need::EXPORT_REMEDY) {
+            let bytes = held + outputs.export(grid, export, self.limits);
+            if let Err(e) = memory::check_bytes(&what, bytes, self.limits, memory::EXPORT_REMEDY) {
                 let item = doc.get("export").and_then(|x| x.elements().get(i));
                 self.out.push(Diagnostic::at(place(item), e.to_string(), "this export"));
             }

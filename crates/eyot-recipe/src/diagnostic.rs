@@ -68,7 +68,7 @@ pub struct Problems {
 
 impl Problems {
     /// Problems in the order of the text.
-    pub(crate) fn new(sources: Vec<Source>, mut diagnostics: Vec<Diagnostic>) -> Self {
+    pub fn new(sources: Vec<Source>, mut diagnostics: Vec<Diagnostic>) -> Self {
         diagnostics.sort_by_key(|d| d.span.as_ref().map_or((usize::MAX, 0), |s| (s.source, s.start)));
         diagnostics.dedup();
         let more = diagnostics.len().saturating_sub(MOST);
@@ -142,7 +142,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 }
 
 /// `a, b or c`.
-pub(crate) fn alternatives<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
+pub fn alternatives<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     let mut all = words.into_iter();
     let mut words: Vec<String> = all.by_ref().take(MOST_WORDS).map(|w| format!("`{w}`")).collect();
     let more = all.count();

@@ -52,12 +52,12 @@ impl Merge {
     }
 
     /// True if the largest value of the whole layer matters.
-    pub(crate) fn needs_top(self) -> bool {
+    pub fn needs_top(self) -> bool {
         self == Self::Power
     }
 
     /// As [`Merge::apply`] to some rows of a layer whose largest value is `top`.
-    pub(crate) fn apply_below(self, top: f32, base: &mut Field, new: &Field, amount: f32, mask: Option<&Field>) {
+    pub fn apply_below(self, top: f32, base: &mut Field, new: &Field, amount: f32, mask: Option<&Field>) {
         let mut rows: Vec<&mut [f32]> = base.rows_mut().collect();
         rows.par_iter_mut().enumerate().for_each(|(y, row)| {
             let mask = mask.map(|m| m.row(y));

@@ -7,7 +7,7 @@ use biblatex::{Bibliography, ChunksExt, Entry, RawBibliography};
 use serde_json::{Value, json};
 
 /// The project's literature, BibTeX.
-const REFERENCES: &str = include_str!("../../../references.bib");
+pub const REFERENCES: &str = include_str!("../references.bib");
 
 /// What stands behind parts of the engine that no recipe names: the part, and keys.
 const ENGINE: [(&str, &[&str]); 4] = [
@@ -227,43 +227,4 @@ fn csl(entry: &Entry) -> Value {
         }
     }
     item
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A key without an entry fails here with its name; an entry that nothing uses is dead weight.
-    #[test]
-    fn keys_and_entries_of_the_references_belong_together() {
-        let used = all_citations(&Registry::standard()).unwrap();
-        for entry in Bibliography::parse(REFERENCES).unwrap().iter() {
-            let key = &entry.key;
-            assert!(
-                used.iter().any(|c| c.key == *key),
-                "nothing cites `{key}`: name it in the `cites` of a registry entry, of DATA or of ENGINE, or remove it"
-            );
-            assert!(entry.author().is_ok_and(|a| !a.is_empty()), "{key} has no author");
-            assert!(field(entry, &["title"]).is_some() && field(entry, &["year"]).is_some(), "{key}");
-        }
-    }
-
-    #[test]
-    fn names_titles_and_notes_are_readable() {
-        let all = all_citations(&Registry::standard()).unwrap();
-        let text = |key: &str| all.iter().find(|c| c.key == key).unwrap().text.clone();
-        assert_eq!(
-            text("mei2007"),
-            "Xing Mei, Philippe Decaudin and Bao-Gang Hu (2007): Fast Hydraulic Erosion Simulation and Visualization on GPU. \
-             Pacific Graphics, 47-56. doi:10.1109/PG.2007.15"
-        );
-        assert!(text("jasiewicz2013").starts_with("Jarosław Jasiewicz and"), "{}", text("jasiewicz2013"));
-        assert!(text("farr2007").starts_with("Tom G. Farr et al. (2007)"), "{}", text("farr2007"));
-        assert!(text("jacksboro").contains("NASA and USGS") && text("jacksboro").contains("jacksboro_fault_dem.npz"));
-        assert!(text("eyot").contains(crate::VERSION), "the version in references.bib is not {}", crate::VERSION);
-        for c in &all {
-            assert!(!c.text.contains(['{', '}', '\\']), "{}", c.text);
-            assert!(c.bibtex.starts_with('@') && c.bibtex.trim_end().ends_with('}'), "{}", c.bibtex);
-        }
-    }
 }

@@ -1,7 +1,6 @@
 //! The `[[step]]` tables: what each does, with whose parameters, and what it leaves for the next.
 
 use super::{Validator, terms, without};
-use crate::backend::io;
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, alternatives, nearest};
 use crate::keys::{self, Names, Schedule};
@@ -141,7 +140,7 @@ impl Validator<'_> {
             self.out.push(refused(&e, entry.name, node));
             return None;
         }
-        if !LayerSpec::is_name(&keys.layer) || io::is_coordinate(&keys.layer) {
+        if !LayerSpec::is_name(&keys.layer) || LayerSpec::is_axis(&keys.layer) {
             let span = node.get("layer").map_or_else(|| node.span.clone(), |n| n.span.clone());
             let message = format!("a layer cannot be named \"{}\"", keys.layer);
             self.out.push(

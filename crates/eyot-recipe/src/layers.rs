@@ -19,13 +19,13 @@ const KNOWN: [LayerSpec; 10] = [
 ];
 
 /// The layer of that name, if it is one that comes with Eyot.
-pub(crate) fn known(name: &str) -> Option<LayerSpec> {
+pub fn known(name: &str) -> Option<LayerSpec> {
     KNOWN.into_iter().find(|s| s.name == name)
 }
 
 /// The specification of a layer that a generator makes: what a process of the recipe takes it for, a known one, or a plain
 /// number without bounds.
-pub(crate) fn spec(name: &str, step: &str, all: &[Step]) -> LayerSpec {
+pub fn spec(name: &str, step: &str, all: &[Step]) -> LayerSpec {
     let uses = all.iter().flat_map(|s| if let Work::Simulate(w) = &s.work { w.processes.as_slice() } else { &[] });
     let theirs = uses.filter_map(|u| u.make().ok()).flat_map(|p| p.layers()).map(|(s, _)| s);
     theirs.chain(KNOWN).find(|s| s.name == name).unwrap_or_else(|| LayerSpec {

@@ -15,9 +15,13 @@ use eyot_rules::Mistake;
 use serde_json::Value;
 
 /// Applies a change to the processes of a step, or says why not; then nothing has changed. `has` says which layers are there.
-pub(crate) fn apply(
+///
+/// # Errors
+/// If no such process acts in the step, or it does not take the value.
+pub fn apply(
     uses: &mut [ProcessUse],
     flag: &str,
+    registry: &Registry,
     grid: &Grid,
     has: &dyn Fn(&str) -> bool,
 ) -> Result<(), Problems> {
@@ -81,7 +85,7 @@ pub(crate) fn apply(
         let kept: Vec<_> = u.terms.list().iter().filter(|t| !is_new(t.parameter())).cloned().collect();
         let say = |node: &Node, mistake: &Mistake| {
             let sources = [Source { name: "set".to_owned(), text: text.clone() }];
-            rules::mistaken(&Registry::standard(), rules::inside(&sources, node, mistake), mistake)
+            rules::mistaken(registry, rules::inside(&sources, node, mistake), mistake)
         };
         let on = Some(grid).filter(|_| u.enabled);
         u.terms = terms::check(entry, &parameters, &texts, kept, &u.scope, on, &say).map_err(fail)?;

@@ -1,7 +1,6 @@
 //! The `[[layer]]` and `[[rule]]` tables: the recipe's own layers and rules, and mistakes in their texts to the character.
 
 use super::Validator;
-use crate::backend::io;
 use crate::check;
 use crate::diagnostic::{Diagnostic, Source, alternatives, nearest};
 use crate::keys::{self, Amount};
@@ -155,7 +154,7 @@ impl Validator<'_> {
         if let Some(meaning) = functions::taken(name) {
             return fail(format!("`{name}` {meaning}"), other());
         }
-        if key || io::is_coordinate(name) {
+        if key || LayerSpec::is_axis(name) {
             return fail(format!("`{name}` means something else in recipes"), other());
         }
         if self.registry.process(name).is_some() || self.registry.generator(name).is_some() {

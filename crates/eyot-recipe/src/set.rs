@@ -3,6 +3,7 @@
 use crate::diagnostic::{Diagnostic, Source, alternatives, nearest};
 use crate::node::{Key, Kind, Node, Span};
 use crate::registry::{DOCUMENT_KEYS, Registry};
+use serde_json::Value;
 
 /// Applies one `key=value` text to the document. The text becomes a source of its own, so that what is wrong with it is
 /// shown in it.
@@ -193,4 +194,12 @@ fn targets(doc: &mut Node) -> Vec<String> {
     names.sort();
     names.dedup();
     names
+}
+
+/// The value at a path of keys of a document after `key=value` changes, both unchecked; `None` if it has none.
+pub fn value_of(text: &str, changes: &[&str], path: &[&str], registry: &Registry) -> Option<Value> {
+    let mut doc = Node::parse(text, 0).ok()?;
+    let (mut sources, mut problems) = (Vec::new(), Vec::new());
+    changes.iter().for_each(|change| apply(&mut doc, change, registry, &mut sources, &mut problems));
+    path.iter().try_fold(&doc, |node, key| node.get(key)).map(Node::to_json)
 }

@@ -1,0 +1,139 @@
+//! Recipes and text files from folders of this machine.
+
+use crate::builtin;
+use crate::diagnostic::{Diagnostic, Problems, Source, nearest};
+use crate::host::Refusal;
+use crate::recipe::{Overrides, Recipe, RecipeSource};
+use crate::registry::Registry;
+use eyot_core::Limits;
+use std::path::Path;
+
+/// Longest text that a recipe may name, bytes: some centuries of days.
+const MAX_TEXT_BYTES: u64 = 4 << 20;
+
+impl Recipe {
+    /// Reads and checks a recipe from a file.
+    ///
+    /// # Errors
+    /// As [`Recipe::parse`], and if the file cannot be read.
+    pub fn read(path: &Path, overrides: Overrides, registry: &Registry, limits: &Limits) -> Result<Self, Problems> {
+        Self::parse(RecipeSource::read(path)?, overrides, registry, limits)
+    }
+}
+
+impl RecipeSource {
+    /// Reads a recipe's text from a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is not text, or is far too long for a recipe.
+    pub fn read(path: &Path) -> Result<Self, Problems> {
+        const MAX_BYTES: u64 = 4 << 20;
+        let name = path.display().to_string();
+        let fail = |message: String, help: &str| {
+            let source = Source { name: name.clone(), text: String::new() };
+            Problems::new(vec![source], vec![Diagnostic::whole(message).help(help)])
+        };
+        let known = builtin::RECIPES.iter().map(|r| r.name);
+        let meta = std::fs::metadata(path).map_err(|e| {
+            let guess = path.file_stem().and_then(|s| s.to_str()).and_then(|s| nearest(s, known.clone()));
+            let help = match guess {
+                Some(n) => format!("did you mean the built-in recipe `{n}`? `eyot list` shows all of them"),
+                None => "give the name of a recipe file, or of a built-in recipe from `eyot list`".to_owned(),
+            };
+            fail(format!("cannot read the recipe `{name}`: {e}"), &help)
+        })?;
+        if !meta.is_file() {
+            return Err(fail(
+                format!("`{name}` is not a file"),
+                "give the name of a recipe file; `eyot resume` takes a folder",
+            ));
+        }
+        if meta.len() > MAX_BYTES {
+            let message = format!("`{name}` has {} bytes, which no recipe needs", meta.len());
+            return Err(fail(message, "recipes are short TOML documents; is this the right file?"));
+        }
+        let bytes = std::fs::read(path)
+            .map_err(|e| fail(format!("cannot read the recipe `{name}`: {e}"), "check its permissions"))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let message = format!("`{name}` is not text: byte {} is not UTF-8", e.utf8_error().valid_up_to());
+            fail(message, "recipes are TOML documents in UTF-8; is this the right file?")
+        })?;
+        let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = std::path::absolute(parent).unwrap_or_else(|_| parent.to_owned());
+        let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
+        Ok(Self { name, text, folder })
+    }
+
+    /// A built-in recipe if there is one of that name, else the file.
+    ///
+    /// # Errors
+    /// As [`RecipeSource::read`].
+    pub fn find(name: &str) -> Result<Self, Problems> {
+        match Self::builtin(name) {
+            Some(s) => Ok(s),
+            None => Self::read(Path::new(name)),
+        }
+    }
+}
+
+/// The text of a file that a recipe in `folder` means, or a sentence about why there is none, and a remedy.
+///
+/// # Errors
+/// If there is no such file, or it is no text, or longer than 4 MiB.
+pub fn text(file: &str, folder: &Path) -> Result<String, Refusal> {
+    let path = folder.join(file);
+    let fail =
+        |reason: &str, help: &str| Err(Refusal::new(format!("cannot read `{}`: {reason}", path.display()), help));
+    let meta = match std::fs::metadata(&path) {
+        Ok(meta) => meta,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+            return fail("there is no such file", "file names are relative to the recipe's folder");
+        }
+        Err(e) => return fail(&e.to_string(), "check its name and its permissions"),
+    };
+    if !meta.is_file() {
+        return fail("it is not a file", "give the name of a text file");
+    }
+    if meta.len() > MAX_TEXT_BYTES {
+        let reason = format!("it has {} bytes, {MAX_TEXT_BYTES} are allowed", meta.len());
+        return fail(&reason, "give the days that the run needs, or months instead of days");
+    }
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(e) => return fail(&e.to_string(), "check its permissions"),
+    };
+    match String::from_utf8(bytes) {
+        Ok(text) if text.trim().is_empty() => fail("it is empty", "give a line for each date"),
+        Ok(text) => Ok(text),
+        Err(e) => {
+            let reason = format!("byte {} is not UTF-8", e.utf8_error().valid_up_to());
+            fail(&reason, "save it as text in UTF-8")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_short_text_is_refused_with_a_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+        put("sea.csv", b"2001-01,27\n");
+        put("none.csv", b" \n");
+        put("picture.png", &[0x89, 0x50, 0xff]);
+        put("long.csv", &vec![b'0'; MAX_TEXT_BYTES as usize + 1]);
+        assert_eq!(text("sea.csv", folder.path()).unwrap(), "2001-01,27\n");
+        for (name, words) in [
+            ("sea.cvs", "no such file"),
+            (".", "not a file"),
+            ("none.csv", "empty"),
+            ("picture.png", "UTF-8"),
+            ("long.csv", "4194304 are allowed"),
+        ] {
+            let Refusal { message, help } = text(name, folder.path()).unwrap_err();
+            assert!(message.contains(words) && message.contains(name) && !help.is_empty(), "{message}");
+        }
+    }
+}
