@@ -12,7 +12,11 @@ use eyot_core::World;
 use eyot_core::layer::known;
 use eyot_gpu::{Gpu, GpuEngine, Result};
 use eyot_render::{LayerColours, MapOptions, Picture, Stage, ViewOptions, colour_bytes};
+use std::collections::VecDeque;
 use wgpu::BufferUsages;
+
+/// Heights of patches that may be on their way back at a time: more than pictures that a host has under way.
+const MOST_SPANS: usize = 4;
 
 /// A world's surface, colours and light on the device.
 pub struct Scene {
@@ -23,8 +27,8 @@ pub struct Scene {
     pub(crate) flows: bool,
     pub(crate) maps: Maps,
     pub(crate) bounds: Bounds,
-    /// Of the heights that came last from the card.
-    spans: Option<Spans>,
+    /// On their way back from the card, the oldest first.
+    spans: VecDeque<Spans>,
     pub(crate) frame: wgpu::Buffer,
     pub(crate) bind: wgpu::BindGroup,
 }
@@ -84,7 +88,8 @@ impl Scene {
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = gpu.buffer("frame", size_of::<Frame>() as u64, uniform)?;
         let bind = renderer.bind(gpu, &frame, &maps);
-        let mut scene = Self { stage, paint, coarser, flows: flow.is_some(), maps, bounds, spans: None, frame, bind };
+        let mut scene =
+            Self { stage, paint, coarser, flows: flow.is_some(), maps, bounds, spans: VecDeque::new(), frame, bind };
         scene.send(gpu, renderer, &world, [true, true]);
         if let Some(flow) = flow {
             scene.maps.write_flow(gpu, &flow);
@@ -119,7 +124,7 @@ impl Scene {
         let mut heights = changed(&["height", "water"]);
         if heights {
             self.stage.follow(&world)?;
-            self.spans = None;
+            self.spans.clear();
             self.bounds = bounds(&self.maps, &self.stage);
         }
         let mut colours = match &mut self.paint {
@@ -169,7 +174,11 @@ impl Scene {
         }
         // Light looks for what stands between a place and the sun, however high that is.
         self.maps.remake(gpu, renderer.maker(), &self.stage, f32::MAX, true, worn.is_some());
-        self.spans = Some(spans);
+        if self.spans.len() == MOST_SPANS {
+            // The oldest ones are about to arrive.
+            self.spans.pop_back();
+        }
+        self.spans.push_back(spans);
         gpu.check()
     }
 
@@ -179,11 +188,14 @@ impl Scene {
     /// # Errors
     /// If the device is lost.
     pub fn settle(&mut self, gpu: &Gpu) -> Result<bool> {
-        match &self.spans {
-            Some(spans) if !spans.is_ready()? => Ok(false),
-            Some(_) => self.settled(gpu).map(|()| true),
-            None => Ok(true),
+        while let Some(spans) = self.spans.front() {
+            if !spans.is_ready()? {
+                return Ok(false);
+            }
+            let ready = self.spans.pop_front();
+            self.adopt(gpu, ready)?;
         }
+        Ok(true)
     }
 
     /// As [`Scene::settle`], but waits.
@@ -191,7 +203,13 @@ impl Scene {
     /// # Errors
     /// If the device is lost, and in a browser, which does not wait, if there is something to wait for.
     pub fn settled(&mut self, gpu: &Gpu) -> Result<()> {
-        if let Some(spans) = self.spans.take() {
+        let last = self.spans.pop_back();
+        self.spans.clear();
+        self.adopt(gpu, last)
+    }
+
+    fn adopt(&mut self, gpu: &Gpu, spans: Option<Spans>) -> Result<()> {
+        if let Some(spans) = spans {
             self.bounds = Bounds::over(&self.maps.levels, gpu.complete(spans)?);
         }
         Ok(())
