@@ -45,18 +45,18 @@ fn make_cells(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let to = vec2u(id.x, job.world.w + id.y);
-    let of = square(to);
+    let area = square(to);
     var z = 0.0;
     var depth = 0.0;
-    for (var y = of.y; y < of.w; y++) {
-        for (var x = of.x; x < of.z; x++) {
+    for (var y = area.y; y < area.w; y++) {
+        for (var x = area.x; x < area.z; x++) {
             z += heights[place(0u, x, y)];
             if job.cells.w == 1u {
                 depth += waters[place(1u, x, y)];
             }
         }
     }
-    let count = f32((of.z - of.x) * (of.w - of.y));
+    let count = f32((area.z - area.x) * (area.w - area.y));
     z = z / count - job.scale.x;
     if job.cells.w == 1u {
         depth = max(depth / count, 0.0);
@@ -96,14 +96,14 @@ fn make_colours(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let to = vec2u(id.x, job.world.w + id.y);
-    let of = square(to);
+    let area = square(to);
     var v = 0.0;
-    for (var y = of.y; y < of.w; y++) {
-        for (var x = of.x; x < of.z; x++) {
+    for (var y = area.y; y < area.w; y++) {
+        for (var x = area.x; x < area.z; x++) {
             v += worn[place(2u, x, y)];
         }
     }
-    v /= f32((of.z - of.x) * (of.w - of.y));
+    v /= f32((area.z - area.x) * (area.w - area.y));
     let last = arrayLength(&table) - 1u;
     colours[to.y * job.strides.w + to.x] = table[min(u32(along(v) * f32(last) + 0.5), last)];
 }
