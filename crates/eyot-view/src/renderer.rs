@@ -12,6 +12,7 @@ use crate::texture::Kind;
 use eyot_gpu::{Gpu, GpuError, Result};
 use eyot_render::{Camera, Picture};
 use std::collections::HashMap;
+use std::sync::OnceLock;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 /// Samples a pixel: what every device offers.
@@ -23,7 +24,8 @@ const PICTURE: TextureFormat = TextureFormat::Rgba8Unorm;
 /// Draws scenes on one device.
 pub struct Renderer {
     maker: MapMaker,
-    card: CardMaker,
+    /// Made when a scene first follows a simulation.
+    card: OnceLock<CardMaker>,
     module: wgpu::ShaderModule,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
@@ -115,17 +117,26 @@ impl Renderer {
         let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
         let buffer = gpu.buffer("quads of a patch", size_of_val(&quads[..]) as u64, usage)?;
         gpu.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(&quads));
-        let (maker, card) = (MapMaker::new(gpu), CardMaker::new(gpu));
+        let maker = MapMaker::new(gpu);
         gpu.check()?;
-        Ok(Self { maker, card, module, layout, sampler, quads: buffer, pipelines: HashMap::new(), canvas: None })
+        Ok(Self {
+            maker,
+            card: OnceLock::new(),
+            module,
+            layout,
+            sampler,
+            quads: buffer,
+            pipelines: HashMap::new(),
+            canvas: None,
+        })
     }
 
     pub(crate) fn maker(&self) -> &MapMaker {
         &self.maker
     }
 
-    pub(crate) fn card(&self) -> &CardMaker {
-        &self.card
+    pub(crate) fn card(&self, gpu: &Gpu) -> &CardMaker {
+        self.card.get_or_init(|| CardMaker::new(gpu))
     }
 
     pub(crate) fn bind(&self, gpu: &Gpu, frame: &wgpu::Buffer, maps: &Maps) -> wgpu::BindGroup {

@@ -167,7 +167,8 @@ impl Scene {
         let water = self.stage.fresh().map(|_| of(&known::WATER.name)).transpose()?;
         let height = of(&known::HEIGHT.name)?;
         let worn = self.paint.as_ref().map(|p| of(&p.layer).map(|view| (view, &p.on_card))).transpose()?;
-        let card = Card { gpu, maker: renderer.card(), maps: &self.maps, stage: &self.stage, coarser, height, water };
+        let card =
+            Card { gpu, maker: renderer.card(gpu), maps: &self.maps, stage: &self.stage, coarser, height, water };
         let spans = card.heights()?;
         if let Some((worn, colours)) = &worn {
             card.colours(worn, colours)?;
