@@ -83,7 +83,7 @@ def main():
     parser.add_argument("--peer-fields", help="the built example; by default cargo builds and runs it")
     args = parser.parse_args()
     example = [args.peer_fields] if args.peer_fields else [
-        "cargo", "run", "--quiet", "--release", "--package", "eyot", "--example", "peer_fields", "--"]
+        "cargo", "run", "--quiet", "--release", "--package", "eyot-bench", "--example", "peer_fields", "--"]
     failures = 0
     with tempfile.TemporaryDirectory() as folder:
         for case, layers in common.LAYERS.items():

@@ -1,6 +1,6 @@
 """Fill, route and accumulate in other programs, on the land of `eyot bench drainage`.
 
-cargo run --release -p eyot --example peer_fields -- drainage 1024 0 land.f32
+cargo run --release -p eyot-bench --example peer_fields -- drainage 1024 0 land.f32
 venv/bin/python benches/peers/drainage_peers.py land.f32 --json
 eyot bench drainage --size 1024 --threads 2 --json
 

@@ -5,6 +5,7 @@
 //! and libFuzzer (`fuzz/libfuzzer`), which finds its way by coverage but needs a nightly compiler. Inputs that once broke
 //! something, or that lead somewhere new, are kept in `fuzz/corpus/TARGET` and replayed by `cargo test`.
 
+mod components;
 pub mod corpus;
 mod expressions;
 pub mod mutate;
@@ -45,6 +46,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "npy", run: rasters::read_npy, seeds: rasters::npy, words: rasters::NPY_WORDS },
     Target { name: "zarr", run: stores::read, seeds: stores::seeds, words: stores::WORDS },
     Target { name: "checkpoint", run: worlds::read, seeds: worlds::seeds, words: worlds::WORDS },
+    Target { name: "component", run: components::read, seeds: components::seeds, words: &[] },
     Target { name: "timeline", run: timelines::read, seeds: timelines::seeds, words: timelines::WORDS },
     Target { name: "recipe", run: recipes::read, seeds: recipes::seeds, words: recipes::WORDS },
     Target { name: "set", run: recipes::read_flags, seeds: recipes::flags, words: recipes::WORDS },

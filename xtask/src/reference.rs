@@ -152,7 +152,7 @@ impl Maker {
         let mut layers: Vec<(LayerSpec, Vec<String>)> = Vec::new();
         for entry in self.registry.processes() {
             let user = format!("[`{0}`](processes/{0}.md)", entry.name);
-            for (spec, _) in (entry.make)((entry.defaults)())?.layers() {
+            for spec in (entry.make)((entry.defaults)())?.layers().into_iter().map(|l| l.spec) {
                 match layers.iter_mut().find(|(s, _)| s.name == spec.name) {
                     Some((_, users)) => users.push(user.clone()),
                     None => layers.push((spec, vec![user.clone()])),

@@ -4,10 +4,10 @@ use crate::{Failure, report};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use eyot::Preset;
 use eyot::Stream;
-use eyot::bench::BenchSubject;
 use eyot::core::isa::Isa;
 use eyot::io::{ByteOrder, RowOrder, Sample};
 use eyot::{EngineChoice, EngineOptions, View};
+use eyot_bench::cpu::BenchSubject;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -2,7 +2,7 @@
 
 use crate::args::Doctor;
 use crate::{Failure, print, report};
-use eyot::doctor::{Examination, examine};
+use eyot_bench::doctor::{Examination, examine};
 
 /// Looks at the machine and tests it.
 pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {

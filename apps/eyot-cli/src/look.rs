@@ -3,7 +3,8 @@
 use crate::args::{Bench, Measured, Render, Stats};
 use crate::{Failure, print, report};
 use eyot::store::Subject;
-use eyot::{EngineChoice, EngineOptions, Limits, View, ViewRequest, bench, bench_gpu, store};
+use eyot::{EngineChoice, EngineOptions, Limits, View, ViewRequest, store};
+use eyot_bench::{cpu, gpu};
 use serde_json::Value;
 use std::path::Path;
 
@@ -49,7 +50,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
         let drawn = eyot::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
-        if opened.world.components.contains(eyot::reef::corals::FEATURE) {
+        if opened.world.components.contains(eyot::reef::corals::POPULATION) {
             print::note(
                 "note: a view shows the sea and its floor; single corals are in the pictures of the export `dive`",
             );
@@ -194,7 +195,7 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
     let engine = args.engine.options()?.unwrap_or_default();
     let auto = engine.choice == EngineChoice::Auto;
     if engine.choice != EngineChoice::Cpu {
-        match bench_gpu::run(&gpu_options(args, engine)) {
+        match gpu::run(&gpu_options(args, engine)) {
             Ok(r) => return print_gpu(args, &r),
             Err(e) if auto && args.what.0.is_some() && e.is_refusal() => {
                 print::note(&format!("note: {e}; the processor is measured"));
@@ -207,7 +208,7 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
         return Err(report::usage("the island as a whole is measured on graphics cards only", help));
     };
     let threads = args.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let options = bench::BenchOptions {
+    let options = cpu::BenchOptions {
         what,
         size: args.size.map_or(what.usual_size(), |n| n as usize),
         threads,
@@ -215,7 +216,7 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
         classic: args.classic,
         seconds: args.seconds,
     };
-    let r = bench::run(&options).map_err(|e| report::usage(&e.to_string(), "see `eyot bench --help`"))?;
+    let r = cpu::run(&options).map_err(|e| report::usage(&e.to_string(), "see `eyot bench --help`"))?;
     if args.json {
         let json = serde_json::to_value(&r).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
         return print::line(&format!("{json:#}"));
@@ -275,8 +276,8 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
     ))
 }
 
-fn gpu_options(args: &Bench, engine: EngineOptions) -> bench_gpu::GpuBenchOptions {
-    bench_gpu::GpuBenchOptions {
+fn gpu_options(args: &Bench, engine: EngineOptions) -> gpu::GpuBenchOptions {
+    gpu::GpuBenchOptions {
         what: args.what.0,
         size: args.size.map_or(512, |n| n as usize),
         classic: args.classic,
@@ -286,7 +287,7 @@ fn gpu_options(args: &Bench, engine: EngineOptions) -> bench_gpu::GpuBenchOption
     }
 }
 
-fn print_gpu(args: &Bench, r: &bench_gpu::GpuBenchReport) -> Result<(), Failure> {
+fn print_gpu(args: &Bench, r: &gpu::GpuBenchReport) -> Result<(), Failure> {
     if args.json {
         let json = serde_json::to_value(r).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
         return print::line(&format!("{json:#}"));
@@ -302,7 +303,7 @@ fn print_gpu(args: &Bench, r: &bench_gpu::GpuBenchReport) -> Result<(), Failure>
             ))?,
             None => print::line(&format!(
                 "  too few seconds for all {} steps; give more with --seconds",
-                bench_gpu::ISLAND_STEPS
+                gpu::ISLAND_STEPS
             ))?,
         }
     }

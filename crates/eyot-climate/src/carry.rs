@@ -2,6 +2,7 @@
 
 use crate::units::hours_per_step;
 use eyot_core::Grid;
+use eyot_core::given::Given;
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Slot};
 
@@ -13,9 +14,9 @@ pub(crate) fn shares(grid: &Grid) -> (f32, f32) {
 
 /// Share of a difference that mixes between two neighbours in a step, 1, from a diffusivity in m2/s: never more than
 /// leaves room for wind.
-pub(crate) fn mixing(grid: &Grid, diffusivity: f32) -> f32 {
+pub(crate) fn mixing(grid: &Grid, diffusivity: Given) -> Given {
     let cell = grid.cell_x_m.min(grid.cell_y_m);
-    (f64::from(diffusivity) * 3600.0 * hours_per_step(grid) / (cell * cell)).min(0.05) as f32
+    (diffusivity.wide() * 3600.0 * hours_per_step(grid) / (cell * cell)).min(0.05).narrow()
 }
 
 /// The slots of a quantity and of the wind, with [`shares`].

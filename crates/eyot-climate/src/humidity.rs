@@ -47,12 +47,13 @@ use crate::sky::{edge_latitude, latitude, rows, storminess};
 use crate::temperature::TEMPERATURE;
 use crate::units::{AIR_WATER, CELSIUS_AT_ZERO, HOURS_PER_YEAR, RAIN_HOURS, hours_per_step};
 use crate::wind::{WIND_X, WIND_Y};
+use eyot_core::given::Given;
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
-use eyot_core::{Grid, LayerSpec, Result, math, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, given, math, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -111,10 +112,10 @@ impl Default for Humidity {
 }
 
 impl Process for Humidity {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let own = [(HUMIDITY, 0.0), (PRECIPITATION, 0.0), (SOIL, 0.0)];
-        let others = [(HEIGHT, 0.0), (WATER, 0.0), (ICE, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)];
-        others.into_iter().chain([(WIND_X, 0.0), (WIND_Y, 0.0)]).chain(own).collect()
+    fn layers(&self) -> Vec<LayerUse> {
+        let own = [HUMIDITY.changed(0.0), PRECIPITATION.written(0.0), SOIL.changed(0.0)];
+        let others = [HEIGHT.read(0.0), WATER.read(0.0), ICE.read(0.0), TEMPERATURE.read(CELSIUS_AT_ZERO)];
+        others.into_iter().chain([WIND_X.read(0.0), WIND_Y.read(0.0)]).chain(own).collect()
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -128,23 +129,23 @@ impl Process for Humidity {
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let (share_x, share_y) = shares(&moment.grid);
         let hours = hours_per_step(&moment.grid) as f32;
-        let share = |strength: f32, time: f32| 1.0 - math::exp(-strength * hours / time);
-        let rain = share(1.0, RAIN_HOURS);
-        plan.push::<Moisten>(MoistenParams {
-            uptake: share(self.water_add, 24.0),
-            rain,
-            excess: share(1.0, 6.0),
-            land_uptake: share(self.land_add, 24.0),
-            soil: 1e-3 * self.soil / AIR_WATER,
-            per_soil: 1e3 * AIR_WATER / self.soil,
-            dry: share(self.land_dry, 720.0),
-            ice_dry: share(self.ice_dry, 720.0),
-            per_year: 1e3 * AIR_WATER * HOURS_PER_YEAR / hours,
-            depth: AIR_WATER,
-            sea: moment.sea_level_m as f32,
-            share_x,
-            share_y,
-            mixing: mixing(&moment.grid, self.mixing),
+        let share = |strength: Given, time: f32| 1.0 - math::exp(-strength * hours / time);
+        let soil = given!(plan, self.soil);
+        plan.push_given::<Moisten>(MoistenParams {
+            uptake: share(given!(plan, self.water_add), 24.0),
+            rain: share(Given::of(1.0), RAIN_HOURS),
+            excess: share(Given::of(1.0), 6.0),
+            land_uptake: share(given!(plan, self.land_add), 24.0),
+            soil: 1e-3 * soil / AIR_WATER,
+            per_soil: 1e3 * AIR_WATER / soil,
+            dry: share(given!(plan, self.land_dry), 720.0),
+            ice_dry: share(given!(plan, self.ice_dry), 720.0),
+            per_year: (1e3 * AIR_WATER * HOURS_PER_YEAR / hours).into(),
+            depth: AIR_WATER.into(),
+            sea: (moment.sea_level_m as f32).into(),
+            share_x: share_x.into(),
+            share_y: share_y.into(),
+            mixing: mixing(&moment.grid, self.mixing.into()),
         });
         let (rows, half_row) = rows(&moment.grid);
         let (passes, share) = storms(&moment.grid, self.storms);

@@ -27,15 +27,15 @@
 //! # Conserves
 //! Ice and water together, with the sea's part and what breaks off in the ledger (`tests/it/conservation.rs`).
 
-use crate::level::{flow, out};
+use crate::level::{Head, out};
 use crate::temperature::TEMPERATURE;
 use crate::units::{CELSIUS_AT_ZERO, ground_years_per_step};
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
-use eyot_core::{Grid, LayerSpec, Result, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -71,8 +71,8 @@ impl Default for Ice {
 }
 
 impl Process for Ice {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (WATER, 0.0), (ICE, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.read(0.0), WATER.changed(0.0), ICE.changed(0.0), TEMPERATURE.read(CELSIUS_AT_ZERO)]
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -81,13 +81,13 @@ impl Process for Ice {
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let each_degree = PER_DEGREE * ground_years_per_step(&moment.grid) as f32;
-        plan.push::<Glacier>(GlacierParams {
-            freezing_point: self.ice_temperature,
-            freeze: each_degree * self.freeze,
-            melt: each_degree * self.melt,
-            part: self.flow,
-            sea_ice: self.sea_ice,
-            sea: moment.sea_level_m as f32,
+        plan.push_given::<Glacier>(GlacierParams {
+            freezing_point: given!(plan, self.ice_temperature),
+            freeze: each_degree * given!(plan, self.freeze),
+            melt: each_degree * given!(plan, self.melt),
+            part: self.flow.into(),
+            sea_ice: given!(plan, self.sea_ice),
+            sea: (moment.sea_level_m as f32).into(),
         });
     }
 }
@@ -143,9 +143,9 @@ impl Rule for Glacier {
 
     #[inline(always)]
     fn cell<R: Real>(p: &GlacierParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 6]) {
-        let zero = R::of(0.0);
+        let (zero, flow) = (R::of(0.0), head(p));
         let at_sea = c.here(GROUND).lt(p.sea);
-        let flowed = c.here(ICE_SLOT) + ((east(p, c, -1) - east(p, c, 0)) + (south(p, c, -1) - south(p, c, 0)));
+        let flowed = c.here(ICE_SLOT) + ((flow.east(c, -1) - flow.east(c, 0)) + (flow.south(c, -1) - flow.south(c, 0)));
         let ice = flowed.named("(1) flowed").positive();
         let warmer = c.here(2) - (p.freezing_point - at_sea.pick(R::of(SEA_WARMTH), zero));
         let water = c.here(3);
@@ -163,22 +163,13 @@ impl Rule for Glacier {
 
     #[inline(always)]
     fn leaving<R: Real>(p: &GlacierParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 6]> {
-        let zero = R::of(0.0);
-        Some([zero, zero, out(side, |at| east(p, c, at), |at| south(p, c, at)), zero, zero, zero])
+        let (zero, flow) = (R::of(0.0), head(p));
+        Some([zero, zero, out(side, |at| flow.east(c, at), |at| flow.south(c, at)), zero, zero, zero])
     }
 }
 
+/// What flows, by equation (1).
 #[inline(always)]
-fn east<R: Real>(p: &GlacierParams<R>, c: &impl Cell<R>, at: isize) -> R {
-    between(p, c.at(GROUND, at, 0), c.at(GROUND, at + 1, 0), c.at(ICE_SLOT, at, 0), c.at(ICE_SLOT, at + 1, 0))
-}
-
-#[inline(always)]
-fn south<R: Real>(p: &GlacierParams<R>, c: &impl Cell<R>, at: isize) -> R {
-    between(p, c.at(GROUND, 0, at), c.at(GROUND, 0, at + 1), c.at(ICE_SLOT, 0, at), c.at(ICE_SLOT, 0, at + 1))
-}
-
-#[inline(always)]
-fn between<R: Real>(p: &GlacierParams<R>, g: R, next_g: R, i: R, next_i: R) -> R {
-    flow(R::of(0.05), p.part, g.max(p.sea) + i, next_g.max(p.sea) + next_i, i, next_i)
+fn head<R: Real>(p: &GlacierParams<R>) -> Head<R> {
+    Head { ground: GROUND, thickness: ICE_SLOT, sea: p.sea, share: R::of(0.05), part: p.part }
 }

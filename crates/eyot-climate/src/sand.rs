@@ -29,7 +29,7 @@ use crate::units::discharge_per_metre;
 use crate::water::{FLOW_X, FLOW_Y};
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
 use eyot_core::{Grid, LayerSpec, Result, rule_params};
@@ -59,8 +59,8 @@ impl Default for Sand {
 }
 
 impl Process for Sand {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (SAND, 0.0), (WATER, 0.0), (FLOW_X, 0.0), (FLOW_Y, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.changed(0.0), SAND.changed(0.0), WATER.read(0.0), FLOW_X.read(0.0), FLOW_Y.read(0.0)]
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {

@@ -26,10 +26,10 @@ use crate::sky;
 use crate::temperature::TEMPERATURE;
 use crate::units::{CELSIUS_AT_ZERO, hours_per_step};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{Grid, LayerSpec, Result, math, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, given, math, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -71,16 +71,16 @@ impl Default for Climate {
 }
 
 impl Process for Climate {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<LayerUse> {
         vec![
-            (TEMPERATURE, CELSIUS_AT_ZERO),
-            (PRECIPITATION, 0.0),
-            (TEMPERATURE_MEAN, CELSIUS_AT_ZERO),
-            (TEMPERATURE_COS, 0.0),
-            (TEMPERATURE_SIN, 0.0),
-            (RAIN_MEAN, 0.0),
-            (RAIN_COS, 0.0),
-            (RAIN_SIN, 0.0),
+            TEMPERATURE.read(CELSIUS_AT_ZERO),
+            PRECIPITATION.read(0.0),
+            TEMPERATURE_MEAN.changed(CELSIUS_AT_ZERO),
+            TEMPERATURE_COS.changed(0.0),
+            TEMPERATURE_SIN.changed(0.0),
+            RAIN_MEAN.changed(0.0),
+            RAIN_COS.changed(0.0),
+            RAIN_SIN.changed(0.0),
         ]
     }
 
@@ -97,10 +97,10 @@ impl Process for Climate {
         let hours = hours_per_step(&moment.grid) as f32;
         let phase = self.seasons.phase(moment);
         let doubled = if turning { 2.0 } else { 0.0 };
-        plan.push::<Remember>(RememberParams {
-            share: (1.0 - math::exp(-hours / self.memory)).max(1.0 / turns),
-            spring: doubled * math::cos(phase),
-            summer: doubled * math::sin(phase),
+        plan.push_given::<Remember>(RememberParams {
+            share: (1.0 - math::exp(-hours / given!(plan, self.memory))).max((1.0 / turns).into()),
+            spring: (doubled * math::cos(phase)).into(),
+            summer: (doubled * math::sin(phase)).into(),
         });
     }
 }

@@ -41,12 +41,13 @@ use crate::humidity::SOIL;
 use crate::sky::{Seasons, cosine, hours, latitude, polewards, rows, sine, storminess, turned};
 use crate::units::{CELSIUS_AT_ZERO, CELSIUS_PER_UNIT, hours_per_step};
 use crate::wind::{WIND_X, WIND_Y};
+use eyot_core::given::Given;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{Grid, LayerSpec, Result, math, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, given, math, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -127,8 +128,8 @@ impl Default for Temperature {
 }
 
 impl Process for Temperature {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (WIND_X, 0.0), (WIND_Y, 0.0), (SOIL, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.read(0.0), WIND_X.read(0.0), WIND_Y.read(0.0), SOIL.read(0.0), TEMPERATURE.changed(CELSIUS_AT_ZERO)]
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -143,38 +144,39 @@ impl Process for Temperature {
         let (rows, half_row) = rows(&moment.grid);
         let (share_x, share_y) = shares(&moment.grid);
         let hours_a_step = hours_per_step(&moment.grid) as f32;
-        let declination = self.seasons.declination(moment);
-        let rate = |response: f32| 1.0 - math::exp(-hours_a_step / response);
-        plan.push::<Warm>(WarmParams {
-            rows,
-            half_row,
-            column: (std::f64::consts::TAU / moment.grid.width as f64) as f32,
-            clock: turned(hours(moment), f64::from(self.rotation_speed)),
-            sun: declination + self.sun_angle.to_radians(),
+        let declination = self.seasons.declination(moment, plan);
+        let rate = |response: Given| 1.0 - math::exp(-hours_a_step / response);
+        let (response, lapse) = (given!(plan, self.response), 1e-3 * given!(plan, self.lapse));
+        plan.push_given::<Warm>(WarmParams {
+            rows: rows.into(),
+            half_row: half_row.into(),
+            column: ((std::f64::consts::TAU / moment.grid.width as f64) as f32).into(),
+            clock: turned(hours(moment), f64::from(self.rotation_speed)).into(),
+            sun: declination + given!(plan, self.sun_angle).to_radians(),
             sin_sun: math::sin(declination),
             cos_sun: math::cos(declination),
-            warmth: CELSIUS_AT_ZERO + CELSIUS_PER_UNIT * (1.0 + self.sun_strength),
-            contrast: CELSIUS_PER_UNIT * self.contrast,
-            night: CELSIUS_PER_UNIT * self.day_night,
-            lapse: 1e-3 * self.lapse,
-            cooling_from: self.cooling_from,
-            currents: self.currents,
-            cool: self.wet_cooling,
-            sea: moment.sea_level_m as f32,
-            land_rate: rate(self.response),
-            sea_rate: rate(self.response * self.sea_slowness),
-            share_x,
-            share_y,
-            mixing: mixing(&moment.grid, self.mixing),
+            warmth: CELSIUS_AT_ZERO + CELSIUS_PER_UNIT * (1.0 + given!(plan, self.sun_strength)),
+            contrast: CELSIUS_PER_UNIT * given!(plan, self.contrast),
+            night: CELSIUS_PER_UNIT * given!(plan, self.day_night),
+            lapse,
+            cooling_from: given!(plan, self.cooling_from),
+            currents: given!(plan, self.currents),
+            cool: given!(plan, self.wet_cooling),
+            sea: (moment.sea_level_m as f32).into(),
+            land_rate: rate(response),
+            sea_rate: rate(response * given!(plan, self.sea_slowness)),
+            share_x: share_x.into(),
+            share_y: share_y.into(),
+            mixing: mixing(&moment.grid, given!(plan, self.mixing)),
         });
         let (passes, share) = storms(&moment.grid, self.storms);
         for _ in 0..passes {
-            plan.push::<Storm>(StormParams {
-                rows,
-                half_row,
-                share,
-                lapse: 1e-3 * self.lapse,
-                sea: moment.sea_level_m as f32,
+            plan.push_given::<Storm>(StormParams {
+                rows: rows.into(),
+                half_row: half_row.into(),
+                share: share.into(),
+                lapse,
+                sea: (moment.sea_level_m as f32).into(),
             });
         }
     }

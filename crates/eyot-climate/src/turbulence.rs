@@ -1,8 +1,9 @@
 //! The stream function of the wind's eddies: periodic value noise of several octaves, zero at the equator and the poles.
 
 use crate::wind::TURBULENCE;
-use eyot_core::rng::{self, Key};
+use eyot_core::rng::Key;
 use eyot_core::{Field, Result, World, math};
+use eyot_noise::ring;
 
 /// Lattice cells of the first octave along the equator and from pole to pole, as the source's domain of its noise.
 const LATTICE: (u32, u32) = (8, 6);
@@ -32,25 +33,12 @@ fn noise(seed: u64, octaves: u32, roughness: f32, u: f32, v: f32) -> f32 {
     for octave in 0..octaves {
         // Lattices finer than any grid add nothing.
         let scale = 1u32 << octave.min(12);
-        let n = value(Key::new(seed, STREAM.wrapping_add(octave), 0), LATTICE.0 * scale, LATTICE.1 * scale, u, v);
+        let (across, down) = (LATTICE.0 * scale, LATTICE.1 * scale);
+        let key = Key::new(seed, STREAM.wrapping_add(octave), 0);
+        let n = ring::value(key, u * across as f32, v * down as f32, [across, down]);
         total += weight * n / scale as f32;
         weights += weight;
         weight *= roughness;
     }
     total / weights
-}
-
-/// Value noise within -1..=1 on a lattice that repeats.
-fn value(key: Key, across: u32, down: u32, u: f32, v: f32) -> f32 {
-    let (x, y) = (u * across as f32, v * down as f32);
-    let (i, j) = (x.floor(), y.floor());
-    let fade = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-    let (s, t) = (fade(x - i), fade(y - j));
-    let at = |di: u32, dj: u32| {
-        let cell = ((j as u32 + dj) % down) * across + (i as u32 + di) % across;
-        2.0 * rng::unit::<f32>(rng::hash(key, cell)) - 1.0
-    };
-    let north = at(0, 0) + s * (at(1, 0) - at(0, 0));
-    let south = at(0, 1) + s * (at(1, 1) - at(0, 1));
-    north + t * (south - north)
 }

@@ -29,16 +29,16 @@
 //! Water with rain, evaporation and drainage in the ledger; with `ice`, what freezes and melts (`tests/it/conservation.rs`).
 
 use crate::humidity::PRECIPITATION;
-use crate::level::{flow, out};
+use crate::level::{Head, out};
 use crate::temperature::TEMPERATURE;
 use crate::units::{CELSIUS_AT_ZERO, discharge_per_metre, ground_years_per_step};
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::ledger::known::{DRAINED, EVAPORATED, RAIN, WATER_CLAMPED};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, read};
-use eyot_core::{Grid, LayerSpec, Result, Stagger, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, Stagger, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -79,9 +79,9 @@ impl Default for Water {
 }
 
 impl Process for Water {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let own = [(HEIGHT, 0.0), (WATER, 0.0), (FLOW_X, 0.0), (FLOW_Y, 0.0)];
-        own.into_iter().chain([(PRECIPITATION, 0.0), (TEMPERATURE, CELSIUS_AT_ZERO)]).collect()
+    fn layers(&self) -> Vec<LayerUse> {
+        let own = [HEIGHT.read(0.0), WATER.changed(0.0), FLOW_X.changed(0.0), FLOW_Y.changed(0.0)];
+        own.into_iter().chain([PRECIPITATION.read(0.0), TEMPERATURE.read(CELSIUS_AT_ZERO)]).collect()
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -90,13 +90,13 @@ impl Process for Water {
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let years = ground_years_per_step(&moment.grid) as f32;
-        plan.push::<Run>(RunParams {
-            rain: 1e-3 * self.rain * years,
-            dry: DRY_PER_DEGREE * self.evaporate * years,
-            from: self.evaporate_from,
-            levelling: self.levelling,
-            discharge: discharge_per_metre(&moment.grid) as f32,
-            sea: moment.sea_level_m as f32,
+        plan.push_given::<Run>(RunParams {
+            rain: 1e-3 * given!(plan, self.rain) * years,
+            dry: DRY_PER_DEGREE * given!(plan, self.evaporate) * years,
+            from: given!(plan, self.evaporate_from),
+            levelling: self.levelling.into(),
+            discharge: (discharge_per_metre(&moment.grid) as f32).into(),
+            sea: (moment.sea_level_m as f32).into(),
         });
     }
 }
@@ -143,9 +143,9 @@ impl Rule for Run {
 
     #[inline(always)]
     fn cell<R: Real>(p: &RunParams<R>, c: &impl Cell<R>) -> ([R; 3], [R; 4]) {
-        let zero = R::of(0.0);
-        let (e, s) = (east(p, c, 0).named("(1) east"), south(p, c, 0).named("(1) south"));
-        let moved = c.here(DEPTH) + ((east(p, c, -1) - e) + (south(p, c, -1) - s));
+        let (zero, flow) = (R::of(0.0), head(p));
+        let (e, s) = (flow.east(c, 0).named("(1) east"), flow.south(c, 0).named("(1) south"));
+        let moved = c.here(DEPTH) + ((flow.east(c, -1) - e) + (flow.south(c, -1) - s));
         let moved = moved.named("(2) moved");
         let wet = moved.positive();
         let at_sea = c.here(GROUND).lt(p.sea);
@@ -164,24 +164,13 @@ impl Rule for Run {
 
     #[inline(always)]
     fn leaving<R: Real>(p: &RunParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 4]> {
-        let zero = R::of(0.0);
-        Some([zero, zero, out(side, |at| east(p, c, at), |at| south(p, c, at)), zero])
+        let (zero, flow) = (R::of(0.0), head(p));
+        Some([zero, zero, out(side, |at| flow.east(c, at), |at| flow.south(c, at)), zero])
     }
 }
 
-/// Equation (1) through the eastern face of the cell `at` columns east.
+/// What flows, by equation (1).
 #[inline(always)]
-fn east<R: Real>(p: &RunParams<R>, c: &impl Cell<R>, at: isize) -> R {
-    between(p, c.at(GROUND, at, 0), c.at(GROUND, at + 1, 0), c.at(DEPTH, at, 0), c.at(DEPTH, at + 1, 0))
-}
-
-/// Equation (1) through the southern face of the cell `at` rows south.
-#[inline(always)]
-fn south<R: Real>(p: &RunParams<R>, c: &impl Cell<R>, at: isize) -> R {
-    between(p, c.at(GROUND, 0, at), c.at(GROUND, 0, at + 1), c.at(DEPTH, 0, at), c.at(DEPTH, 0, at + 1))
-}
-
-#[inline(always)]
-fn between<R: Real>(p: &RunParams<R>, g: R, next_g: R, d: R, next_d: R) -> R {
-    flow(p.levelling, R::of(0.25), g.max(p.sea) + d, next_g.max(p.sea) + next_d, d, next_d)
+fn head<R: Real>(p: &RunParams<R>) -> Head<R> {
+    Head { ground: GROUND, thickness: DEPTH, sea: p.sea, share: p.levelling, part: R::of(0.25) }
 }

@@ -23,10 +23,10 @@
 
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{Grid, LayerSpec, Result, rule_params};
+use eyot_core::{Grid, Result, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -52,8 +52,8 @@ impl Default for Weathering {
 }
 
 impl Process for Weathering {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (WATER, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.changed(0.0), WATER.read(0.0)]
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {

@@ -45,10 +45,10 @@ use crate::units::{CELSIUS_AT_ZERO, FULL_WIND, FULL_WIND_CELLS, hours_per_step};
 use eyot_core::layer::Beyond;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{Grid, LayerSpec, Result, Stagger, World, math, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, Stagger, World, given, math, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -178,14 +178,14 @@ impl Wind {
 }
 
 impl Process for Wind {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<LayerUse> {
         vec![
-            (HEIGHT, 0.0),
-            (TEMPERATURE, CELSIUS_AT_ZERO),
-            (WIND_X, 0.0),
-            (WIND_Y, 0.0),
-            (TURBULENCE, 0.0),
-            (HEAT_LOW, 0.0),
+            HEIGHT.read(0.0),
+            TEMPERATURE.read(CELSIUS_AT_ZERO),
+            WIND_X.changed(0.0),
+            WIND_Y.changed(0.0),
+            TURBULENCE.changed(0.0),
+            HEAT_LOW.changed(0.0),
         ]
     }
 
@@ -212,21 +212,22 @@ impl Process for Wind {
                 plan.push::<Drift>(DriftParams { rows, east });
             }
         }
-        let turn = self.follow * self.seasons.declination(moment);
-        let full = FULL_WIND * self.global_wind;
+        let turn = given!(plan, self.follow) * self.seasons.declination(moment, plan);
+        let full = FULL_WIND * given!(plan, self.global_wind);
         let (x, x_turn, x_start, y, y_turn) = match self.cells {
             Cells::Earth => (BELTS.0 * full, 3.3, 0.0, BELTS.1 * full, 6.0),
             Cells::Source => (full, -11.0 / std::f32::consts::PI, 6.6, full, 3.0),
         };
-        let slope = WIND_PER_GRADIENT * self.local_pressure;
+        let slope = (WIND_PER_GRADIENT * given!(plan, self.local_pressure)).wide();
+        let monsoon = (MONSOON_PER_GRADIENT * given!(plan, self.monsoon)).wide();
         let hours = hours_per_step(&moment.grid);
         let cell = moment.grid.cell_x_m.min(moment.grid.cell_y_m);
-        plan.push::<Rise>(RiseParams {
-            rows,
-            half_row,
+        plan.push_given::<Rise>(RiseParams {
+            rows: rows.into(),
+            half_row: half_row.into(),
             turn,
-            sea: moment.sea_level_m as f32,
-            rate: 1.0 - math::exp(-(hours / RISE_HOURS) as f32),
+            sea: (moment.sea_level_m as f32).into(),
+            rate: (1.0 - math::exp(-(hours / RISE_HOURS) as f32)).into(),
         });
         let spread = SPREAD * 3600.0 * hours / (cell * cell * f64::from(NEAR + 4.0 * FAR));
         let passes = spread.ceil().clamp(1.0, MOST_PASSES);
@@ -234,25 +235,25 @@ impl Process for Wind {
         for _ in 0..passes as usize {
             plan.push::<Spread>(SpreadParams { near: NEAR * share, far: FAR * share });
         }
-        plan.push::<Blow>(BlowParams {
-            rows,
-            half_row,
+        plan.push_given::<Blow>(BlowParams {
+            rows: rows.into(),
+            half_row: half_row.into(),
             turn,
             x,
-            x_turn,
-            x_start,
+            x_turn: x_turn.into(),
+            x_start: x_start.into(),
             y,
-            y_turn,
-            eddies: FULL_WIND * self.distortion,
-            drift,
-            east,
-            slope_x: (f64::from(slope) / moment.grid.cell_x_m) as f32,
-            slope_y: (f64::from(slope) / moment.grid.cell_y_m) as f32,
-            monsoon_x: (f64::from(MONSOON_PER_GRADIENT * self.monsoon) / moment.grid.cell_x_m) as f32,
-            monsoon_y: (f64::from(MONSOON_PER_GRADIENT * self.monsoon) / moment.grid.cell_y_m) as f32,
-            bend: self.bend,
-            sea: moment.sea_level_m as f32,
-            most: FULL_WIND,
+            y_turn: y_turn.into(),
+            eddies: FULL_WIND * given!(plan, self.distortion),
+            drift: drift.into(),
+            east: east.into(),
+            slope_x: (slope / moment.grid.cell_x_m).narrow(),
+            slope_y: (slope / moment.grid.cell_y_m).narrow(),
+            monsoon_x: (monsoon / moment.grid.cell_x_m).narrow(),
+            monsoon_y: (monsoon / moment.grid.cell_y_m).narrow(),
+            bend: given!(plan, self.bend),
+            sea: (moment.sea_level_m as f32).into(),
+            most: FULL_WIND.into(),
         });
     }
 }

@@ -38,8 +38,8 @@ pub fn random_world(
     grid.cell_y_m = 2.5;
     let mut world = World::new(grid, seed);
     for s in processes {
-        for (spec, value) in s.process.layers() {
-            world.ensure(&spec, value);
+        for l in s.process.layers() {
+            world.ensure(&l.spec, l.start);
         }
     }
     let names: Vec<String> = world.layers().iter().map(|l| l.spec.name.to_string()).collect();
@@ -131,4 +131,56 @@ pub fn check_graphs(processes: &[Scheduled], grid: Grid) {
             assert!(same(&out, &want) && same(&sums, &want_sums), "graph of `{}`: {out:?} {want:?}", pass.name());
         }
     }
+}
+
+/// Fails where a step of the processes reads or writes what they do not declare: once as their rules say it, and once as it is seen in
+/// a world whose other layers are filled with something else.
+///
+/// # Errors
+/// If a simulation fails.
+///
+/// # Panics
+/// With the process and the layer.
+pub fn check_access(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -> Result<()> {
+    let world = random_world((17, 9), Rim { x: Edge::Wrap, y: Edge::Closed }, 3, processes, start)?;
+    for s in processes {
+        let (reads, writes) = (s.process.reads(), s.process.writes());
+        let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: 0.0 };
+        let mut plan = crate::plan::Plan::default();
+        s.process.plan(&moment, &mut plan);
+        let scratch = |name: &str| plan.scratch_layers().iter().any(|l| l.name == name);
+        let mut made: Vec<&str> = Vec::new();
+        for pass in plan.passes() {
+            for name in pass.reads().iter().map(|r| r.layer).filter(|n| !scratch(n) && !made.contains(n)) {
+                assert!(reads.iter().any(|n| n == name), "{}: `{}` reads `{name}`", s.name, pass.name());
+            }
+            for name in pass.writes().iter().filter(|n| !scratch(n)) {
+                assert!(writes.iter().any(|n| n == name), "{}: `{}` writes `{name}`", s.name, pass.name());
+                made.push(name);
+            }
+        }
+        let one = || Span { from: 0, steps: 1 };
+        let alone = std::slice::from_ref(s);
+        let mut before = world.clone();
+        // Whatever a preparation makes.
+        crate::stepper::prepare(&mut CpuEngine::default().runner(), &mut before, alone).map_err(|e| match e {
+            crate::engine::EngineError::Core(e) => e,
+            crate::engine::EngineError::Device(e) => unreachable!("{e}"),
+        })?;
+        let mut other = before.clone();
+        let unread: Vec<String> = before.layers().iter().map(|l| l.spec.name.to_string()).collect();
+        for name in unread.iter().filter(|n| !reads.iter().any(|r| r == *n)) {
+            other.layer_mut(name)?.field.map_in_place(|v| 0.5 * v + 0.125);
+        }
+        let (mut after, changed) = (before.clone(), other.clone());
+        CpuEngine::default().simulate(&mut after, alone, one(), &Control::none())?;
+        CpuEngine::default().simulate(&mut other, alone, one(), &Control::none())?;
+        for (i, l) in after.layers().iter().enumerate() {
+            let written = writes.contains(&l.spec.name);
+            assert!(written || l.field == before.layers()[i].field, "{} writes `{}`", s.name, l.spec.name);
+            let same = if written { &l.field } else { &changed.layers()[i].field };
+            assert!(other.layers()[i].field == *same, "{}: `{}` depends on what it does not read", s.name, l.spec.name);
+        }
+    }
+    Ok(())
 }

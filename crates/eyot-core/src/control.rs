@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::limits::Limits;
+use crate::stopwatch::Stopwatch;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 /// A flag that many may hold and anyone may raise.
 #[derive(Clone, Debug, Default)]
@@ -27,13 +27,13 @@ pub struct Control<'a> {
     cancel: Cancel,
     limits: Limits,
     progress: &'a (dyn Fn(u64, u64) + Sync),
-    start: Instant,
+    start: Stopwatch,
 }
 
 impl<'a> Control<'a> {
     /// `progress(done, total)` is called now and then, from one thread at a time.
     pub fn new(cancel: Cancel, progress: &'a (dyn Fn(u64, u64) + Sync)) -> Self {
-        Self { cancel, limits: Limits::default(), progress, start: Instant::now() }
+        Self { cancel, limits: Limits::default(), progress, start: Stopwatch::start() }
     }
 
     /// The same within other limits.

@@ -3,8 +3,11 @@
 // Reason for the exception: the engine hands out rows of one field to several threads at once.
 #![allow(unsafe_code)]
 
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::lanes::WIDTH;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Floats left of column 0. One lane block, so that rules may be evaluated at column -1 and read one further.
 pub(crate) const PAD_LEFT: usize = 2 * WIDTH;
@@ -12,6 +15,8 @@ pub(crate) const PAD_LEFT: usize = 2 * WIDTH;
 pub(crate) const PAD_TOP: usize = 1;
 /// Staggers that differ: two cache lines each make 4096 bytes.
 pub(crate) const STAGGERS: usize = 32;
+/// Rows that are handed out between two looks at the stop button.
+const BAND: usize = 128;
 
 /// A `width` x `height` array of `f32`, row 0 north, stored in rows with padding on both sides.
 ///
@@ -39,6 +44,26 @@ impl Field {
     /// A field of `value`s.
     pub fn new(width: usize, height: usize, value: f32) -> Self {
         Self::staggered(width, height, value, 0)
+    }
+
+    /// Computes some `rows` of a larger field in parallel; `row` gets the row's number there and its cells, which are 0.
+    ///
+    /// # Errors
+    /// On a request to stop.
+    pub fn from_rows(
+        width: usize,
+        rows: Range<usize>,
+        control: &Control<'_>,
+        row: impl Fn(usize, &mut [f32]) + Sync,
+    ) -> Result<Self> {
+        let mut field = Self::new(width, rows.len(), 0.0);
+        let mut made: Vec<&mut [f32]> = field.rows_mut().collect();
+        for (band, cells) in made.chunks_mut(BAND).enumerate() {
+            let first = rows.start + band * BAND;
+            control.tick((first - rows.start) as u64, rows.len() as u64)?;
+            cells.par_iter_mut().enumerate().for_each(|(y, cells)| row(first + y, cells));
+        }
+        Ok(field)
     }
 
     /// As [`Field::new`], with the rows moved by `stagger` cache lines.
@@ -125,6 +150,30 @@ impl Field {
     /// Bytes held, padding included.
     pub fn bytes(&self) -> usize {
         self.data.len() * 4
+    }
+
+    /// Rows and columns, as arrays of other libraries say their shape.
+    pub fn shape(&self) -> [usize; 2] {
+        [self.height, self.width]
+    }
+
+    /// The interior without a copy, and the stride from one row to the next, in floats: the value at (x, y) is
+    /// `values[y * stride + x]`. Values from `width` to `stride` of a row are padding: scratch space of the engine,
+    /// never a value of the field. The stride is larger than the width, and its address and size may differ from field to field.
+    pub fn as_strided(&self) -> (&[f32], usize) {
+        (&self.data[self.interior()], self.stride)
+    }
+
+    /// As [`Field::as_strided`], to write to. Whatever is written to the padding is lost.
+    pub fn as_strided_mut(&mut self) -> (&mut [f32], usize) {
+        let interior = self.interior();
+        (&mut self.data[interior], self.stride)
+    }
+
+    /// From the first to the last value.
+    fn interior(&self) -> std::ops::Range<usize> {
+        let last = if self.width == 0 { 0 } else { self.height.saturating_sub(1) * self.stride + self.width };
+        self.origin..self.origin + if self.height == 0 { 0 } else { last }
     }
 
     /// Value at (column, row).

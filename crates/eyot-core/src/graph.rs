@@ -91,14 +91,57 @@ pub struct Graph {
 }
 
 #[derive(Default)]
-struct Builder {
-    nodes: Vec<Op>,
+pub(crate) struct Builder {
+    pub(crate) nodes: Vec<Op>,
     known: HashMap<Op, Id>,
     names: Vec<(Id, &'static str)>,
+    /// Numbers of a step; see [`traces`].
+    pub(crate) numbers: Vec<f32>,
+    /// Nodes whose values decided something.
+    pub(crate) decided: Vec<Id>,
 }
 
 thread_local! {
     static BUILDER: RefCell<Builder> = RefCell::default();
+}
+
+/// Runs something and gives back the nodes that it made; those that were there before are there again afterwards.
+pub(crate) fn recorded<T>(run: impl FnOnce() -> T) -> (T, Builder) {
+    let outer = BUILDER.replace(Builder::default());
+    let result = run();
+    (result, BUILDER.replace(outer))
+}
+
+/// Inputs of traces of parameters: they are parameters of the graph, traced ones by their number, numbers of a step behind them.
+pub(crate) mod traces {
+    use super::{BUILDER, Id, Op, push};
+
+    const FIRST_NUMBER: u32 = 1 << 16;
+
+    pub(crate) fn parameter(number: usize) -> Id {
+        push(Op::Param(number as u32))
+    }
+
+    /// A number that may differ from step to step.
+    pub(crate) fn number(value: f32) -> Id {
+        let place = BUILDER.with_borrow_mut(|b| {
+            b.numbers.push(value);
+            b.numbers.len() as u32 - 1
+        });
+        push(Op::Param(FIRST_NUMBER + place))
+    }
+
+    pub(crate) fn decided(node: Id) {
+        BUILDER.with_borrow_mut(|b| b.decided.push(node));
+    }
+
+    pub(crate) fn as_parameter(input: u32) -> Option<usize> {
+        (input < FIRST_NUMBER).then_some(input as usize)
+    }
+
+    pub(crate) fn as_number(input: u32) -> Option<usize> {
+        input.checked_sub(FIRST_NUMBER).map(|i| i as usize)
+    }
 }
 
 fn push(op: Op) -> Id {
@@ -115,7 +158,7 @@ fn push(op: Op) -> Id {
 
 /// A real number yet to be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Node(Id);
+pub struct Node(pub(crate) Id);
 
 /// An integer yet to be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -228,17 +271,18 @@ impl Cell<Node> for Recorder {
 impl Graph {
     /// Runs the rule once and keeps what it did.
     pub fn of<U: Rule>() -> Self {
-        BUILDER.with_borrow_mut(|b| *b = Builder::default());
-        let mut next = 0;
-        let params = U::Params::build(|_| {
-            next += 1;
-            Node(push(Op::Param(next - 1)))
-        });
-        let (out, sums) = U::cell(&params, &Recorder(()));
         let ids = |nodes: &[Node]| nodes.iter().map(|n| n.0).collect();
-        let leaving =
-            Side::ALL.map(|side| U::leaving(&params, &Recorder(()), side).map_or(vec![], |s| ids(s.as_ref())));
-        let builder = BUILDER.with_borrow_mut(std::mem::take);
+        let ((out, sums, leaving), builder) = recorded(|| {
+            let mut next = 0;
+            let params = U::Params::build(|_| {
+                next += 1;
+                Node(push(Op::Param(next - 1)))
+            });
+            let (out, sums) = U::cell(&params, &Recorder(()));
+            let leaving =
+                Side::ALL.map(|side| U::leaving(&params, &Recorder(()), side).map_or(vec![], |s| ids(s.as_ref())));
+            (out, sums, leaving)
+        });
         let mut graph = Self {
             name: U::NAME,
             nodes: builder.nodes,
@@ -262,10 +306,10 @@ impl Graph {
         writes: Vec<&'static str>,
         rule: impl FnOnce(&Recorder, &[Node]) -> (Vec<Node>, Vec<Node>),
     ) -> Self {
-        BUILDER.with_borrow_mut(|b| *b = Builder::default());
-        let values: Vec<Node> = (0..params.len()).map(|i| Node(push(Op::Param(i as u32)))).collect();
-        let (outputs, sums) = rule(&Recorder(()), &values);
-        let builder = BUILDER.with_borrow_mut(std::mem::take);
+        let ((outputs, sums), builder) = recorded(|| {
+            let values: Vec<Node> = (0..params.len()).map(|i| Node(push(Op::Param(i as u32)))).collect();
+            rule(&Recorder(()), &values)
+        });
         let ids = |nodes: Vec<Node>| nodes.into_iter().map(|n| n.0).collect();
         let (outputs, sums) = (ids(outputs), ids(sums));
         let leaving = Default::default();
@@ -284,17 +328,27 @@ impl Graph {
         params: Vec<&'static str>,
         values: impl FnOnce(&Recorder, &[Node]) -> Vec<Node>,
     ) -> Self {
-        BUILDER.with_borrow_mut(|b| *b = Builder::default());
-        let all: Vec<Node> = (0..params.len()).map(|i| Node(push(Op::Param(i as u32)))).collect();
-        let cell = Recorder(());
-        let own = values(&cell, &all);
         let ids = |nodes: Vec<Node>| nodes.into_iter().map(|n| n.0).collect::<Vec<Id>>();
-        let (outputs, sums) = self.evaluate(&own, &cell);
-        let leaving = Side::ALL.map(|side| self.evaluate_leaving(&own, &cell, side).map_or(vec![], ids));
-        let nodes = BUILDER.with_borrow_mut(std::mem::take).nodes;
-        let (outputs, sums, names) = (ids(outputs), ids(sums), Vec::new());
+        let ((outputs, sums, leaving), builder) = recorded(|| {
+            let all: Vec<Node> = (0..params.len()).map(|i| Node(push(Op::Param(i as u32)))).collect();
+            let cell = Recorder(());
+            let own = values(&cell, &all);
+            let (outputs, sums) = self.evaluate(&own, &cell);
+            let leaving = Side::ALL.map(|side| self.evaluate_leaving(&own, &cell, side).map_or(vec![], ids));
+            (ids(outputs), ids(sums), leaving)
+        });
+        let (nodes, names) = (builder.nodes, Vec::new());
         let mut graph =
             Self { name: self.name, nodes, params, reads, writes: self.writes.clone(), outputs, sums, leaving, names };
+        graph.drop_unused();
+        graph
+    }
+
+    /// Values of nodes that read parameters alone.
+    pub(crate) fn of_nodes(name: &'static str, nodes: Vec<Op>, outputs: Vec<Id>) -> Self {
+        let (leaving, names) = (Default::default(), Vec::new());
+        let (params, reads, writes, sums) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut graph = Self { name, nodes, params, reads, writes, outputs, sums, leaving, names };
         graph.drop_unused();
         graph
     }
@@ -356,14 +410,7 @@ impl Graph {
 
     /// For each node whether one of `roots` needs it.
     pub fn needed(&self, roots: &[Id]) -> Vec<bool> {
-        let mut used = vec![false; self.nodes.len()];
-        roots.iter().for_each(|&id| used[id as usize] = true);
-        for i in (0..self.nodes.len()).rev() {
-            if used[i] {
-                operands(self.nodes[i]).into_iter().flatten().for_each(|o| used[o as usize] = true);
-            }
-        }
-        used
+        needed(&self.nodes, roots)
     }
 
     /// How often each node is an operand or a sum; outputs count twice, since they may go to several places.
@@ -451,6 +498,18 @@ impl Graph {
     }
 }
 
+/// For each node whether one of `roots` needs it.
+pub(crate) fn needed(nodes: &[Op], roots: &[Id]) -> Vec<bool> {
+    let mut used = vec![false; nodes.len()];
+    roots.iter().for_each(|&id| used[id as usize] = true);
+    for i in (0..nodes.len()).rev() {
+        if used[i] {
+            operands(nodes[i]).into_iter().flatten().for_each(|o| used[o as usize] = true);
+        }
+    }
+    used
+}
+
 fn pick<R: Copy>(values: &[R], ids: &[Id]) -> Vec<R> {
     ids.iter().map(|&i| values[i as usize]).collect()
 }
@@ -506,10 +565,9 @@ pub(crate) fn check<U: Rule>() {
         return;
     }
     let record = |run: &dyn Fn() -> [usize; 2]| {
-        BUILDER.with_borrow_mut(|b| *b = Builder::default());
-        let [values, sums] = run();
+        let ([values, sums], builder) = recorded(run);
         assert!(values == U::WRITES.len() && sums == U::TALLIES.len(), "rule `{}` gives {values} values", U::NAME);
-        for op in BUILDER.with_borrow_mut(std::mem::take).nodes {
+        for op in builder.nodes {
             if let Op::Read(slot, dx, dy) = op {
                 let reach = dx.unsigned_abs().max(dy.unsigned_abs()) as usize;
                 let declared = U::READS.get(slot as usize);

@@ -92,15 +92,30 @@ pub fn pow<R: Real>(x: R, e: R) -> R {
     x.gt(R::of(0.0)).pick(exp(e * ln(x)), R::of(0.0))
 }
 
-/// Cubic step from 0 at `low` to 1 at `high`.
+/// Cubic step from 0 at `low` to 1 at `high`; falls instead if `low > high`.
 #[inline(always)]
 pub fn smoothstep<R: Real>(low: R, high: R, x: R) -> R {
     let t = ((x - low) / (high - low)).clamp(R::of(0.0), R::of(1.0));
     t * t * (R::of(3.0) - R::of(2.0) * t)
 }
 
+/// The value with `place` values below or beside it, as if `values` were sorted; all values have a place, NaN the last ones.
+///
+/// # Panics
+/// If there are no more than `place` values.
+pub fn ordered(values: &[f32], place: usize) -> f32 {
+    let mut copy = values.to_vec();
+    *copy.select_nth_unstable_by(place, f32::total_cmp).1
+}
+
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn values_in_their_order() {
+        let values = [3.0, -1.0, 2.0, 2.0];
+        assert_eq!([0, 1, 2, 3].map(|place| super::ordered(&values, place)), [-1.0, 2.0, 2.0, 3.0]);
+    }
+
     /// Largest error of `got` against `want` over `n` points of `low..high`, relative to the larger of |want| and `floor`.
     fn worst(low: f64, high: f64, floor: f64, got: impl Fn(f32) -> f32, want: impl Fn(f64) -> f64) -> f64 {
         let n = 200_000;

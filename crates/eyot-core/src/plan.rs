@@ -1,5 +1,6 @@
 //! Plans: lists of passes, with the layers that each reads (and how far) and writes.
 
+use crate::given::Given;
 use crate::graph::{self, Graph};
 use crate::isa::Isa;
 use crate::kernel::{self, RowJob};
@@ -18,6 +19,10 @@ pub struct Plan {
     pub(crate) passes: Vec<Pass>,
     pub(crate) scratch: Vec<LayerSpec>,
     pub(crate) step: u64,
+    /// Names of the parameters that are traced.
+    pub(crate) traced: Vec<String>,
+    /// What the trace is for: pass, parameter of its rule, and node.
+    pub(crate) given: Vec<(usize, usize, graph::Id)>,
 }
 
 /// One rule with its parameters, at one step.
@@ -48,6 +53,29 @@ impl Plan {
         }
         graph::check::<U>();
         self.passes.push(Pass { rule: Box::new(Typed::<U> { params, rule: PhantomData }), step: self.step });
+    }
+
+    /// The parameter `name` of the process that plans, which is `value`; see [`given!`](crate::given!).
+    pub fn given(&self, name: &str, value: f32) -> Given {
+        let place = self.traced.iter().position(|traced| traced == name);
+        place.map_or_else(|| Given::from(value), |place| Given::traced(value, place))
+    }
+
+    /// As [`Plan::push`], with parameters that follow from those of the process, so that these may be expressions.
+    ///
+    /// # Panics
+    /// As [`Plan::push`].
+    pub fn push_given<U: Rule>(&mut self, params: <U::Params as ParamSet>::Of<Given>)
+    where
+        <U::Params as ParamSet>::Of<f32>: Send + Sync,
+    {
+        let mut place = 0;
+        let params = U::Params::map(&params, |_, given: Given| {
+            self.given.extend(given.trace().map(|node| (self.passes.len(), place, node)));
+            place += 1;
+            given.value()
+        });
+        self.push::<U>(params);
     }
 
     /// Adds a pass of a rule that came as a text, with values for the parameters of its graph.

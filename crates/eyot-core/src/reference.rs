@@ -3,15 +3,20 @@
 //! Written to be obviously right rather than fast, and independent of the engine: no padding, no pointers, no waves. Tests
 //! compare engines with it bit by bit (`f32`) and use it where single precision would hide an error (`f64`).
 
+use crate::control::Control;
+use crate::engine::{Ahead, Borrowed, Engine, EngineError, Saved};
 use crate::grid::{Edge, Grid};
 use crate::kernel::cell_number;
-use crate::layer::{Beyond, LayerSpec, Stagger};
+use crate::layer::{Beyond, Layer, LayerSpec, Stagger};
+use crate::limits::Limits;
 use crate::plan::{Pass, Plan, View};
-use crate::process::{Moment, Scheduled, plan_step};
+use crate::process::{Scheduled, Span};
 use crate::real::Real;
 use crate::rng::{self, Key};
 use crate::rule::{Side, TallyUnit};
+use crate::stepper::{Simulation, prepare};
 use crate::world::World;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// A number that the reference can run in: `f32` or `f64`.
@@ -66,6 +71,7 @@ pub struct Reference<T> {
     /// Level of the sea, m.
     pub sea_level_m: f64,
     layers: Vec<Array<T>>,
+    completed: u64,
     /// Sums for the ledger by account, in its units.
     pub ledger: BTreeMap<&'static str, f64>,
 }
@@ -79,29 +85,36 @@ impl<T: Number> Reference<T> {
             step: world.step,
             sea_level_m: world.sea_level_m,
             layers: Vec::new(),
+            completed: 0,
             ledger: BTreeMap::new(),
         };
-        for l in world.layers() {
-            r.make(&l.spec, 0.0);
-            for y in 0..r.grid.height {
-                for x in 0..r.grid.width {
-                    let v = if r.is_shut(&l.spec, x as isize, y as isize) { 0.0 } else { l.field.get(x, y) };
-                    r.set(&l.spec.name, x, y, T::of(v));
-                }
-            }
-            // What an earlier run left on the faces beyond an open rim.
-            let (faces, at) = (l.field.outer_faces(), r.find(&l.spec.name));
-            let (west, north) = faces.split_at(r.grid.height);
-            for (y, v) in west.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceX) {
-                let i = r.index(-1, y as isize);
-                r.layers[at].values[i] = T::of(*v);
-            }
-            for (x, v) in north.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceY) {
-                let i = r.index(x as isize, -1);
-                r.layers[at].values[i] = T::of(*v);
+        world.layers().iter().for_each(|l| r.take(l));
+        r
+    }
+
+    /// Copies a layer that is not there yet.
+    fn take(&mut self, l: &Layer) {
+        if self.layers.iter().any(|own| own.spec.name == l.spec.name) {
+            return;
+        }
+        self.make(&l.spec, 0.0);
+        for y in 0..self.grid.height {
+            for x in 0..self.grid.width {
+                let v = if self.is_shut(&l.spec, x as isize, y as isize) { 0.0 } else { l.field.get(x, y) };
+                self.set(&l.spec.name, x, y, T::of(v));
             }
         }
-        r
+        // What an earlier run left on the faces beyond an open rim.
+        let (faces, at) = (l.field.outer_faces(), self.find(&l.spec.name));
+        let (west, north) = faces.split_at(self.grid.height);
+        for (y, v) in west.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceX) {
+            let i = self.index(-1, y as isize);
+            self.layers[at].values[i] = T::of(*v);
+        }
+        for (x, v) in north.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceY) {
+            let i = self.index(x as isize, -1);
+            self.layers[at].values[i] = T::of(*v);
+        }
     }
 
     fn make(&mut self, spec: &LayerSpec, value: f32) {
@@ -148,23 +161,45 @@ impl<T: Number> Reference<T> {
     /// Runs `steps` steps of the processes, whose layers are made if they are missing.
     ///
     /// # Panics
-    /// If a process has an action: there is only one way to run those, so a reference would compare nothing.
+    /// If a process has an action: there is only one way to run those, so a reference would compare nothing. If a parameter does not
+    /// fit this world.
     pub fn simulate(&mut self, processes: &[Scheduled], steps: u64) {
         assert!(processes.iter().all(|s| s.process.action().is_none()), "the reference runs rules only");
-        for s in processes {
-            for (spec, value) in s.process.layers() {
-                self.make(&spec, value);
-            }
+        let mut world = World::new(self.grid, self.seed);
+        (world.step, world.sea_level_m) = (self.step, self.sea_level_m);
+        for l in &self.layers {
+            world.ensure(&l.spec, 0.0);
         }
-        for i in 0..steps {
-            let mut moment = Moment { grid: self.grid, step: self.step, turn: 0, sea_level_m: self.sea_level_m };
-            let mut plan = Plan::default();
-            plan_step(processes, i, &mut moment, &mut plan);
-            for spec in plan.scratch_layers().to_vec() {
-                self.make(&spec, 0.0);
+        self.write(&mut world);
+        let span = Span { from: 0, steps };
+        // Layers that are made later would be brought in by way of single precision.
+        let outcome = prepare(self, &mut world, processes)
+            .and_then(|()| Simulation::new(processes).advance(self, &mut world, span, &Control::none()));
+        outcome.unwrap_or_else(|e| panic!("the reference: {e}"));
+    }
+
+    /// Writes the values of the layers that a world has, rounded to what it holds.
+    fn write(&self, world: &mut World) {
+        let g = self.grid;
+        for l in world.layers_mut() {
+            let Some(own) = self.layers.iter().find(|own| own.spec.name == l.spec.name) else { continue };
+            let value = |x: isize, y: isize| {
+                let v: f64 = own.values[self.index(x, y)].into();
+                v as f32
+            };
+            for y in 0..g.height {
+                l.field.row_mut(y).iter_mut().enumerate().for_each(|(x, v)| *v = value(x as isize, y as isize));
             }
-            plan.passes().iter().for_each(|p| self.pass(p));
-            (self.step, self.sea_level_m) = (moment.step, moment.sea_level_m);
+            let mut faces = l.field.outer_faces();
+            let (west, north) = faces.split_at_mut(g.height);
+            if l.spec.stagger == Stagger::FaceX {
+                west.iter_mut().enumerate().for_each(|(y, v)| *v = value(-1, y as isize));
+            }
+            if l.spec.stagger == Stagger::FaceY {
+                north.iter_mut().enumerate().for_each(|(x, v)| *v = value(x as isize, -1));
+            }
+            // There are as many faces as before.
+            let _ = l.field.set_outer_faces(&faces);
         }
     }
 
@@ -236,6 +271,91 @@ impl<T: Number> Reference<T> {
             (Some(x), Some(y)) => l.values[self.index(x, y)],
             _ => T::of(0.0),
         }
+    }
+}
+
+impl<T: Number> Engine for Reference<T> {
+    fn name(&self) -> String {
+        "reference".to_owned()
+    }
+
+    fn limits(&self) -> Limits {
+        Limits::default()
+    }
+
+    fn begin(&mut self, world: &mut World, _ahead: &Ahead<'_>) -> Result<(), EngineError> {
+        world.layers().iter().for_each(|l| self.take(l));
+        self.completed = 0;
+        Ok(())
+    }
+
+    fn plan_end(&self, _ahead: &Ahead<'_>, at: u64) -> u64 {
+        at + 1
+    }
+
+    fn run(&mut self, _world: &mut World, plan: &Plan, ahead: &Ahead<'_>) -> Result<(), EngineError> {
+        plan.scratch_layers().iter().for_each(|spec| self.make(spec, 0.0));
+        plan.passes().iter().for_each(|p| self.pass(p));
+        self.completed += ahead.completes;
+        Ok(())
+    }
+
+    fn lend(
+        &mut self,
+        world: &mut World,
+        borrowed: &Borrowed,
+        work: &mut dyn FnMut(&mut World) -> crate::Result<()>,
+    ) -> Result<(), EngineError> {
+        self.write(world);
+        let outcome = work(world);
+        self.layers.retain(|own| !borrowed.is_written(&own.spec.name));
+        world.layers().iter().for_each(|l| self.take(l));
+        Ok(outcome?)
+    }
+
+    fn save(&mut self, world: &mut World, writes: &[Cow<'static, str>]) -> Result<Saved, EngineError> {
+        self.write(world);
+        let mut saved = Saved::new(world);
+        writes.iter().try_for_each(|name| saved.keep(world, name))?;
+        Ok(saved)
+    }
+
+    fn restore(&mut self, world: &mut World, saved: Saved) {
+        self.write(world);
+        saved.put_back(world);
+        self.release();
+    }
+
+    fn completed(&self) -> u64 {
+        self.completed
+    }
+
+    fn wait(&mut self) -> Result<(), EngineError> {
+        Ok(())
+    }
+
+    fn end(&mut self, world: &mut World) -> Result<(), EngineError> {
+        (self.step, self.sea_level_m) = (world.step, world.sea_level_m);
+        Ok(())
+    }
+
+    fn download(&mut self, world: &mut World) -> Result<(), EngineError> {
+        self.write(world);
+        Ok(())
+    }
+
+    fn release(&mut self) {
+        self.layers.clear();
+    }
+
+    fn fall_back(&mut self, _world: &mut World) {}
+
+    fn apply(&mut self, world: &mut World, plan: &Plan) -> Result<(), EngineError> {
+        let mut other = Self::new(world);
+        plan.scratch_layers().iter().for_each(|spec| other.make(spec, 0.0));
+        plan.passes().iter().for_each(|p| other.pass(p));
+        other.write(world);
+        Ok(())
     }
 }
 

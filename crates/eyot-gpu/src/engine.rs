@@ -6,7 +6,7 @@
 //! is met. How long they are depends on the card's speed, how groups are cut does not: rounding is the same in every run. What has
 //! no rule (an [`Action`](eyot_core::process::Action)) runs on the processor, with only the layers moved that changed.
 //!
-//! The world's own layers are out of date until [`GpuEngine::bring_back`].
+//! The world's own layers are out of date until [`GpuEngine::download`].
 
 use crate::arena::{Arena, Pending};
 use crate::clock::Instant;
@@ -17,11 +17,13 @@ use crate::layer_view::LayerView;
 use crate::reduce::Reducer;
 use crate::shader::{self, Setting};
 use eyot_core::control::Control;
+use eyot_core::engine::{Borrowed, Saved};
 use eyot_core::graph::Graph;
 use eyot_core::plan::{Pass, Plan, RuleKind};
-use eyot_core::process::{self, Moment, Scheduled, Span, acts, may_fail, plan_step};
+use eyot_core::process::{Moment, Scheduled, Span, acts, plan_step};
 use eyot_core::rule::{Tally, TallyUnit};
-use eyot_core::{Components, Edge, Error, Field, Grid, LayerSpec, Ledger, Limits, Stagger, World};
+use eyot_core::stepper::Simulation;
+use eyot_core::{Edge, Field, Grid, LayerSpec, Ledger, Limits, Stagger, World};
 use std::borrow::Cow;
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
@@ -169,28 +171,8 @@ struct Resident {
     graphs: HashMap<RuleKind, Arc<Graph>>,
     /// Step and sea level of the world's own copies.
     synced: (u64, f64),
-    held: Option<Held>,
-}
-
-/// What actions have changed since the world was brought back as a whole, as it was then: so that a lost device leaves no mixture.
-struct Held {
-    layers: Vec<(Cow<'static, str>, Field)>,
-    ledger: Ledger,
-    components: Components,
-}
-
-impl Held {
-    /// Makes a world what it was, at that step and with that level of the sea.
-    fn put_back(self, world: &mut World, synced: (u64, f64)) {
-        for (name, field) in self.layers {
-            // Whoever removed a layer does not want it back.
-            if let Ok(layer) = world.layer_mut(&name) {
-                layer.field = field;
-            }
-        }
-        (world.ledger, world.components) = (self.ledger, self.components);
-        (world.step, world.sea_level_m) = synced;
-    }
+    /// What actions have changed since the world was downloaded as a whole, as it was then: so that a lost device leaves no mixture.
+    held: Option<Saved>,
 }
 
 /// A group that is ready to run.
@@ -235,7 +217,7 @@ struct Timer {
 }
 
 /// Why a resident world cannot go on as it is.
-enum Misfit {
+pub(crate) enum Misfit {
     /// A layer, copy or account is needed that it was not made for.
     Rebuild,
     Failed(GpuError),
@@ -324,15 +306,16 @@ impl GpuEngine {
         self.cache.as_ref().and_then(wgpu::PipelineCache::get_data)
     }
 
-    /// Runs a span of steps of the given processes on the world, as the CPU engine does. Afterwards the step and the sea level
-    /// of `world` are right, its layers and its ledger not until [`GpuEngine::bring_back`].
+    /// Runs a span of steps of the given processes on the world, as the CPU engine does; what acts is made anew, which a
+    /// [`Simulation`] keeps. Afterwards the step and the sea level
+    /// of `world` are right, its layers and its ledger not until [`GpuEngine::download`].
     ///
-    /// Between two calls the world must not be changed unless it was brought back and [`GpuEngine::release`]d.
+    /// Between two calls the world must not be changed unless it was downloaded and [`GpuEngine::release`]d.
     ///
     /// # Errors
     /// If a parameter does not fit the world or memory would exceed the limits (before the first step), on a request to stop
     /// (the world is then in the state after some whole step; `world.step` tells which), if a value that is not finite turns up,
-    /// and if the device fails: the world is then what it was when it was last brought back.
+    /// and if the device fails: the world is then what it was when it was last downloaded.
     pub fn simulate(
         &mut self,
         world: &mut World,
@@ -340,21 +323,16 @@ impl GpuEngine {
         span: Span,
         control: &Control<'_>,
     ) -> Result<()> {
-        let outcome = self.span(world, processes, span, control);
-        match &outcome {
-            Err(GpuError::Core(Error::Cancelled(_))) | Ok(()) => {}
-            Err(_) => self.fall_back(world),
-        }
-        outcome
+        Simulation::new(processes).advance(self, world, span, control).map_err(GpuError::from)
     }
 
     /// Makes the layers and the ledger of `world` what they are on the card.
     ///
     /// # Errors
-    /// If the device was lost; `world` is then what it was when it was last brought back.
-    pub fn bring_back(&mut self, world: &mut World) -> Result<()> {
+    /// If the device was lost; `world` is then what it was when it was last downloaded.
+    pub fn download(&mut self, world: &mut World) -> Result<()> {
         let Some(r) = &mut self.resident else { return Ok(()) };
-        let outcome = r.bring_all_back(&self.gpu, world);
+        let outcome = r.download_all(&self.gpu, world);
         if outcome.is_err() {
             self.fall_back(world);
         }
@@ -363,7 +341,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Begins to bring one layer back while the simulation goes on. `None` if no layer of that name is on the card.
+    /// Begins to download one layer while the simulation goes on. `None` if no layer of that name is on the card.
     ///
     /// # Errors
     /// If the device fails.
@@ -390,7 +368,7 @@ impl GpuEngine {
         Some(r.arena.view(r.slots[&(layer, r.current[layer])]))
     }
 
-    /// Gives the card's memory back. What was not brought back is lost.
+    /// Gives the card's memory back. What was not downloaded is lost.
     pub fn release(&mut self) {
         self.resident = None;
         self.batch = Batch::default();
@@ -403,78 +381,65 @@ impl GpuEngine {
         self.bounds(grid).passes as u64
     }
 
-    /// Makes the world what it was when it was last brought back.
-    fn fall_back(&mut self, world: &mut World) {
+    /// Makes the world what it was when it was last downloaded.
+    pub(crate) fn fall_back(&mut self, world: &mut World) {
         if let Some(r) = self.resident.take() {
-            match r.held {
-                Some(held) => held.put_back(world, r.synced),
-                None => (world.step, world.sea_level_m) = r.synced,
+            if let Some(held) = r.held {
+                held.put_back(world);
             }
+            (world.step, world.sea_level_m) = r.synced;
         }
         self.batch = Batch::default();
         self.pace.under_way.clear();
     }
 
-    fn span(&mut self, world: &mut World, processes: &[Scheduled], span: Span, control: &Control<'_>) -> Result<()> {
-        self.gpu.check()?;
-        let missing = |r: &Resident| {
-            let mut needed = processes.iter().flat_map(|s| s.process.layers());
-            needed.any(|(spec, _)| !r.specs[..r.world_layers].iter().any(|s| s.name == spec.name))
-        };
-        if self.resident.as_ref().is_some_and(missing) {
-            self.bring_back(world)?;
-            self.release();
-        }
-        process::prepare(world, processes, &self.options.limits)?;
-        if self.resident.is_none() {
-            self.settle(world, processes, span, &[])?;
-        }
-        let outcome = self.steps(world, processes, span, control);
-        if matches!(outcome, Ok(()) | Err(GpuError::Core(Error::Cancelled(_)))) {
-            self.finish()?;
-            self.read_timer()?;
-        }
-        outcome?;
+    /// True if a world is on the card.
+    pub(crate) fn is_resident(&self) -> bool {
+        self.resident.is_some()
+    }
+
+    /// The grid of the world on the card.
+    pub(crate) fn resident_grid(&self) -> Option<&Grid> {
+        self.resident.as_ref().map(|r| &r.arena.grid)
+    }
+
+    /// Steps of the span that the card has done.
+    pub(crate) fn steps_completed(&self) -> u64 {
+        self.pace.done
+    }
+
+    pub(crate) fn start_span(&mut self) {
+        self.pace.done = 0;
+    }
+
+    pub(crate) fn count_steps(&mut self, steps: u64) {
+        self.work.steps += steps;
+    }
+
+    pub(crate) fn end_span(&mut self, world: &mut World) -> Result<()> {
+        self.finish()?;
+        self.read_timer()?;
         self.check_finite(world)
     }
 
-    /// Plans the steps of a span block by block and sends them to the card.
-    fn steps(&mut self, world: &mut World, processes: &[Scheduled], span: Span, control: &Control<'_>) -> Result<()> {
-        let block = self.block(&world.grid);
-        let mut done = 0;
-        self.pace.done = 0;
-        control.check()?;
-        while done < span.steps {
-            let at = span.from + done;
-            if acts(processes, at) {
-                self.finish()?;
-                self.acting_step(world, processes, at, control)?;
-                done += 1;
-                self.pace.done = done;
-                control.tick(done, span.steps)?;
-                continue;
-            }
-            let steps = block_end(processes, at, block).min(span.from + span.steps) - at;
-            let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-            let mut plan = Plan::default();
-            for i in 0..steps {
-                plan_step(processes, at + i, &mut moment, &mut plan);
-            }
-            match self.submit(&plan, steps) {
-                Ok(()) => {}
-                Err(Misfit::Failed(e)) => return Err(e),
-                Err(Misfit::Rebuild) => {
-                    self.rebuild(world, processes, Span { from: at, steps: span.steps - done }, false)?;
-                    continue;
-                }
-            }
-            (world.step, world.sea_level_m) = (moment.step, moment.sea_level_m);
-            done += steps;
-            self.work.steps += steps;
-            control.tick(self.pace.done, span.steps)?;
-        }
+    /// Lends the world those layers that somebody reads, and takes those that he writes.
+    pub(crate) fn lend_layers(
+        &mut self,
+        world: &mut World,
+        borrowed: &Borrowed,
+        work: &mut dyn FnMut(&mut World) -> eyot_core::Result<()>,
+    ) -> Result<()> {
         self.finish()?;
-        control.tick(self.pace.done, span.steps)?;
+        let r = self.resident.as_mut().ok_or_else(|| GpuError::Fault("no world is on the card".into()))?;
+        r.hold(world, |spec| borrowed.is_borrowed(&spec.name))?;
+        r.download(&self.gpu, world, |spec| borrowed.is_read(&spec.name))?;
+        work(world)?;
+        for l in (0..r.world_layers).filter(|&l| borrowed.is_written(&r.specs[l].name)) {
+            let field = &world.layer(&r.specs[l].name)?.field;
+            r.arena.upload(&self.gpu, r.slots[&(l, r.current[l])], field)?;
+            r.stale[l] = false;
+        }
+        r.share(&self.gpu);
         Ok(())
     }
 
@@ -487,14 +452,14 @@ impl GpuEngine {
             let slot = r.slots[&(l, r.current[l])];
             if self.gpu.complete(self.reducer.range(&self.gpu, &r.arena, slot))?.not_finite > 0 {
                 // Names the place.
-                return self.bring_back(world);
+                return self.download(world);
             }
         }
         Ok(())
     }
 
     /// Brings the world to the card, with room for copies of layers that were needed before.
-    fn settle(
+    pub(crate) fn make_resident(
         &mut self,
         world: &mut World,
         processes: &[Scheduled],
@@ -508,110 +473,49 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Brings the world back and to the card anew, with room for what lies ahead. In the middle of a step the world as it was when it
-    /// was last brought back is kept to fall back to.
-    fn rebuild(&mut self, world: &mut World, processes: &[Scheduled], span: Span, within_step: bool) -> Result<()> {
+    /// Downloads the world and brings it to the card anew, with room for what lies ahead. In the middle of a step the world as it was when it
+    /// was last downloaded is kept to fall back to.
+    pub(crate) fn rebuild(
+        &mut self,
+        world: &mut World,
+        processes: &[Scheduled],
+        span: Span,
+        within_step: bool,
+    ) -> Result<()> {
         self.finish()?;
         let mut kept = None;
         if let Some(r) = self.resident.as_mut().filter(|_| within_step) {
             r.hold(world, |_| true)?;
-            r.bring_back(&self.gpu, world, |_| true)?;
+            r.download(&self.gpu, world, |_| true)?;
             kept = r.held.take().map(|held| (r.synced, held));
         } else {
-            self.bring_back(world)?;
+            self.download(world)?;
         }
         let copies = self.resident.as_ref().map(Resident::copies).unwrap_or_default();
         self.release();
-        let outcome = self.settle(world, processes, span, &copies);
+        let outcome = self.make_resident(world, processes, span, &copies);
         match (kept, self.resident.as_mut()) {
             (Some((synced, held)), Some(r)) => (r.synced, r.held) = (synced, Some(held)),
             // Nothing is on the card that could fall back.
-            (Some((synced, held)), None) => held.put_back(world, synced),
+            (Some((synced, held)), None) => {
+                held.put_back(world);
+                (world.step, world.sea_level_m) = synced;
+            }
             (None, _) => {}
         }
         outcome
     }
 
-    /// One step in which some process acts on the whole world. On an error the world is as it was before the step, or, if nothing in
-    /// it should fail, when it was last brought back.
-    fn acting_step(
-        &mut self,
-        world: &mut World,
-        processes: &[Scheduled],
-        at: u64,
-        control: &Control<'_>,
-    ) -> Result<()> {
-        let control = &control.within(self.options.limits);
-        if !may_fail(processes, at) {
-            return self.act(world, processes, at, control);
-        }
-        self.bring_back(world)?;
-        let held: u128 = world.layers().iter().map(|l| l.field.bytes() as u128).sum();
-        self.options.limits.check_bytes("a copy of the world to go back to", 2 * held)?;
-        let before = world.clone();
-        // The world's own copies must all be of the same moment again.
-        let outcome = self.act(world, processes, at, control).and_then(|()| self.bring_back(world));
-        if outcome.is_err() {
-            *world = before;
-            // What is on the card is in the middle of a step.
-            self.release();
-        }
-        outcome
-    }
-
-    fn act(&mut self, world: &mut World, processes: &[Scheduled], at: u64, control: &Control<'_>) -> Result<()> {
-        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
-        let mut plan = Plan::default();
-        for s in processes.iter().filter(|s| s.is_due(at)) {
-            s.plan(at, &mut moment, &mut plan);
-            if let Some(action) = s.process.action() {
-                self.run_now(world, processes, at, &std::mem::take(&mut plan))?;
-                let gone = || GpuError::Fault("no world is on the card".into());
-                let names: Vec<LayerSpec> = s.process.layers().into_iter().map(|(spec, _)| spec).collect();
-                let named = |spec: &LayerSpec| names.iter().any(|n| n.name == spec.name);
-                let r = self.resident.as_mut().ok_or_else(gone)?;
-                r.hold(world, named)?;
-                r.bring_back(&self.gpu, world, named)?;
-                action.act(&moment, world, control)?;
-                for l in (0..r.world_layers).filter(|&l| named(&r.specs[l])) {
-                    let field = &world.layer(&r.specs[l].name)?.field;
-                    r.arena.upload(&self.gpu, r.slots[&(l, r.current[l])], field)?;
-                }
-                r.share(&self.gpu);
-            }
-            s.process.advance(&mut moment);
-        }
-        self.run_now(world, processes, at, &plan)?;
-        (world.step, world.sea_level_m) = (moment.step + 1, moment.sea_level_m);
-        self.work.steps += 1;
-        Ok(())
-    }
-
-    /// Runs a part of a step and waits for it.
-    fn run_now(&mut self, world: &mut World, processes: &[Scheduled], at: u64, plan: &Plan) -> Result<()> {
-        match self.submit(plan, 0) {
-            Ok(()) => {}
-            Err(Misfit::Failed(e)) => return Err(e),
-            Err(Misfit::Rebuild) => {
-                // Where a step may fail there is a copy to go back to.
-                self.rebuild(world, processes, Span { from: at, steps: 64 }, !may_fail(processes, at))?;
-                if self.submit(plan, 0).is_err() {
-                    return Err(GpuError::Fault("a plan does not fit the world that was made for it".into()));
-                }
-            }
-        }
-        self.finish()
-    }
-
     /// Adds a plan of whole steps, or a part of one step, to the batch, which goes to the card as often as the pace asks for.
-    fn submit(&mut self, plan: &Plan, steps: u64) -> Result<(), Misfit> {
+    pub(crate) fn submit(&mut self, plan: &Plan, steps: u64) -> Result<(), Misfit> {
         let Some(mut r) = self.resident.take() else {
             return Err(GpuError::Fault("no world is on the card".into()).into());
         };
         let outcome = self.submit_to(&mut r, plan);
         self.resident = Some(r);
+        outcome?;
         self.batch.steps += steps;
-        outcome
+        Ok(())
     }
 
     fn submit_to(&mut self, r: &mut Resident, plan: &Plan) -> Result<(), Misfit> {
@@ -643,7 +547,7 @@ impl GpuEngine {
     }
 
     /// Sends what is left of the batch and waits until the card has nothing to do.
-    fn finish(&mut self) -> Result<()> {
+    pub(crate) fn finish(&mut self) -> Result<()> {
         if let Some(r) = self.resident.take() {
             let outcome = self.flush(&r);
             self.resident = Some(r);
@@ -879,31 +783,23 @@ impl Resident {
         }
     }
 
-    /// Brings everything back that is out of date.
-    fn bring_all_back(&mut self, gpu: &Gpu, world: &mut World) -> Result<()> {
-        self.bring_back(gpu, world, |_| true)?;
+    /// Downloads everything that is out of date.
+    fn download_all(&mut self, gpu: &Gpu, world: &mut World) -> Result<()> {
+        self.download(gpu, world, |_| true)?;
         self.synced = (world.step, world.sea_level_m);
         self.held = None;
         Ok(())
     }
 
-    /// Keeps what an action may change, ledger included, as it was when the world was last brought back.
+    /// Keeps what an action may change, ledger included, as it was when the world was last downloaded.
     fn hold(&mut self, world: &World, wanted: impl Fn(&LayerSpec) -> bool) -> Result<()> {
-        let held = self.held.get_or_insert_with(|| Held {
-            layers: Vec::new(),
-            ledger: world.ledger.clone(),
-            components: world.components.clone(),
-        });
-        for spec in self.specs[..self.world_layers].iter().filter(|s| wanted(s)) {
-            if held.layers.iter().all(|(kept, _)| *kept != spec.name) {
-                held.layers.push((spec.name.clone(), world.layer(&spec.name)?.field.clone()));
-            }
-        }
-        Ok(())
+        let held = self.held.get_or_insert_with(|| Saved::new(world));
+        let mut wanted = self.specs[..self.world_layers].iter().filter(|s| wanted(s));
+        Ok(wanted.try_for_each(|s| held.keep(world, &s.name))?)
     }
 
-    /// Brings the layers back that are out of date and `wanted`, and the ledger.
-    fn bring_back(&mut self, gpu: &Gpu, world: &mut World, wanted: impl Fn(&LayerSpec) -> bool) -> Result<()> {
+    /// Downloads the layers that are out of date and `wanted`, and the ledger.
+    fn download(&mut self, gpu: &Gpu, world: &mut World, wanted: impl Fn(&LayerSpec) -> bool) -> Result<()> {
         gpu.check()?;
         let mut fields: Vec<(usize, Field)> = Vec::new();
         for l in (0..self.world_layers).filter(|&l| self.stale[l] && wanted(&self.specs[l])) {
@@ -1010,7 +906,7 @@ impl Account {
 
 /// The step after the last one of the block that begins at `at`: it ends at a multiple of `block` and before each step in which
 /// some process acts.
-fn block_end(processes: &[Scheduled], at: u64, block: u64) -> u64 {
+pub(crate) fn block_end(processes: &[Scheduled], at: u64, block: u64) -> u64 {
     let end = at - at % block + block;
     (at + 1..end).find(|&step| acts(processes, step)).unwrap_or(end)
 }

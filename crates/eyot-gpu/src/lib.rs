@@ -24,6 +24,7 @@ mod reading;
 mod reduce;
 mod shader;
 pub mod shaders;
+mod stepped;
 
 pub use wgpu;
 

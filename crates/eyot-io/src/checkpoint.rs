@@ -24,11 +24,15 @@
 
 use crate::atomic::{put, row_bytes, write_atomically};
 use crate::error::{Error, Result};
-use crate::head::{Head, HeadFile, check_crc, number, read_faces, write_faces};
+use crate::head::{Head, HeadFile, Sealed, check_crc, number, read_faces, write_faces};
+use crate::storage::{Keep, Storage};
 use eyot_core::{ComponentKinds, Layer, Limits, World};
 use serde_json::Value;
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
+
+/// What a checkpoint without a name is called in messages.
+const NAME: &str = "checkpoint";
 
 /// A checkpoint from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,21 +54,42 @@ pub struct Checkpoint {
 /// the file cannot be written.
 pub fn save(path: &Path, world: &World, recipe_toml: &str, state: &Value) -> Result<()> {
     let head = Head::of(path, world, recipe_toml, state)?;
-    write_atomically(path, |file| {
-        head.write(path, file)?;
-        let mut buffer = Vec::new();
-        for layer in world.layers() {
-            let mut crc = crc32fast::Hasher::new();
-            for row in layer.field.rows() {
-                let bytes = row_bytes(row, &mut buffer);
-                crc.update(bytes);
-                put(file, path, bytes)?;
-            }
-            write_faces(path, file, layer, &mut crc, &mut buffer)?;
-            put(file, path, &crc.finalize().to_le_bytes())?;
+    write_atomically(path, |file| write_all(path, file, world, &head))
+}
+
+/// As [`save`], as a blob that is to last.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_in(storage: &dyn Storage, name: &str, world: &World, recipe_toml: &str, state: &Value) -> Result<()> {
+    let place = storage.place(name);
+    let head = Head::of(&place, world, recipe_toml, state)?;
+    storage.write(name, Keep::Lasting, &mut |mut out| write_all(&place, &mut out, world, &head))
+}
+
+/// As [`save`], to any writer.
+///
+/// # Errors
+/// As [`save`].
+pub fn write(out: &mut impl Write, world: &World, recipe_toml: &str, state: &Value) -> Result<()> {
+    let place = Path::new(NAME);
+    write_all(place, out, world, &Head::of(place, world, recipe_toml, state)?)
+}
+
+fn write_all(path: &Path, file: &mut impl Write, world: &World, head: &Sealed<'_>) -> Result<()> {
+    head.write(path, file)?;
+    let mut buffer = Vec::new();
+    for layer in world.layers() {
+        let mut crc = crc32fast::Hasher::new();
+        for row in layer.field.rows() {
+            let bytes = row_bytes(row, &mut buffer);
+            crc.update(bytes);
+            put(file, path, bytes)?;
         }
-        Ok(())
-    })
+        write_faces(path, file, layer, &mut crc, &mut buffer)?;
+        put(file, path, &crc.finalize().to_le_bytes())?;
+    }
+    Ok(())
 }
 
 /// Reads a checkpoint whose components are all of these kinds.
@@ -73,7 +98,29 @@ pub fn save(path: &Path, world: &World, recipe_toml: &str, state: &Value) -> Res
 /// If the file cannot be read, is no checkpoint, was written in another format version, is truncated or damaged, holds a component
 /// of another kind, or exceeds `limits`. Sizes are checked against the file's length and `limits` before anything is allocated.
 pub fn load(path: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Checkpoint> {
-    let mut file = HeadFile::open(path)?;
+    restore(path, HeadFile::open(path)?, limits, kinds)
+}
+
+/// As [`load`], of a blob.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_in(storage: &dyn Storage, name: &str, limits: &Limits, kinds: &ComponentKinds) -> Result<Checkpoint> {
+    restore(&storage.place(name), HeadFile::open_in(storage, name)?, limits, kinds)
+}
+
+/// As [`load`], of any reader, from its start to its end.
+///
+/// # Errors
+/// As [`load`].
+pub fn read(mut input: impl Read + Seek, limits: &Limits, kinds: &ComponentKinds) -> Result<Checkpoint> {
+    let place = Path::new(NAME);
+    let bytes = input.seek(SeekFrom::End(0)).map_err(Error::io(place, "read"))?;
+    input.rewind().map_err(Error::io(place, "read"))?;
+    restore(place, HeadFile::of(place, input, bytes)?, limits, kinds)
+}
+
+fn restore(path: &Path, mut file: HeadFile<impl Read>, limits: &Limits, kinds: &ComponentKinds) -> Result<Checkpoint> {
     file.head.check(path, limits)?;
     file.check_length(path, file.head.value_bytes() + file.head.face_bytes())?;
     let components = file.components(path, limits, kinds)?;
@@ -88,6 +135,14 @@ pub fn load(path: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Chec
 /// If the file cannot be read, is no checkpoint, was written in another format version, or its head is damaged.
 pub fn load_state(path: &Path) -> Result<Value> {
     Ok(HeadFile::open(path)?.head.state)
+}
+
+/// As [`load_state`], of a blob.
+///
+/// # Errors
+/// As [`load_state`].
+pub fn load_state_in(storage: &dyn Storage, name: &str) -> Result<Value> {
+    Ok(HeadFile::open_in(storage, name)?.head.state)
 }
 
 fn read_values(path: &Path, input: &mut impl Read, buffer: &mut [u8], layer: &mut Layer) -> Result<()> {

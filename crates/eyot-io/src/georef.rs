@@ -2,7 +2,7 @@
 
 use crate::format::RasterFormat;
 use crate::geotiff::keys::exceeds_code;
-use eyot_core::{CoordinateSystem, Georeference};
+use eyot_core::{CoordinateSystem, Field, Georeference};
 
 /// True if all of it is finite and neither a column nor a row is a step of no length.
 pub(crate) fn is_sound(g: &Georeference) -> bool {
@@ -15,6 +15,35 @@ pub(crate) fn is_nowhere(g: &Georeference, height: usize) -> bool {
     let t = &g.transform;
     let corner = (t[0], t[3] + height as f64 * t[5]);
     !g.geographic && g.epsg.is_none() && g.system.is_none() && (t[2], t[4]) == (0.0, 0.0) && corner == (0.0, 0.0)
+}
+
+/// Turns a raster over that starts in the south or in the east, so that row 0 is north and column 0 west.
+pub(crate) fn face_north(field: &mut Field, missing: &mut Option<Vec<bool>>, g: &mut Georeference) {
+    let t = &mut g.transform;
+    if (t[2], t[4]) != (0.0, 0.0) {
+        return;
+    }
+    let (width, height) = (field.width(), field.height());
+    if t[5] > 0.0 {
+        for north in 0..height / 2 {
+            let south = height - 1 - north;
+            let row = field.row(north).to_vec();
+            let other = field.row(south).to_vec();
+            field.row_mut(north).copy_from_slice(&other);
+            field.row_mut(south).copy_from_slice(&row);
+        }
+        if let Some(missing) = missing {
+            *missing = missing.chunks_exact(width).rev().flatten().copied().collect();
+        }
+        t[3] += height as f64 * t[5];
+        t[5] = -t[5];
+    }
+    if t[1] < 0.0 {
+        field.rows_mut().for_each(<[f32]>::reverse);
+        missing.iter_mut().for_each(|m| m.chunks_exact_mut(width).for_each(<[bool]>::reverse));
+        t[0] += width as f64 * t[1];
+        t[1] = -t[1];
+    }
 }
 
 /// What other programs will not find of the coordinate system in a file of this format, as a sentence.

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::fill::fill;
-use crate::georef::{cell_size_m, is_nowhere, is_sound};
+use crate::georef::{cell_size_m, face_north, is_nowhere, is_sound};
 use crate::geotiff::metadata::{GDAL_METADATA, Metadata, TEXTS};
 use crate::geotiff::{USUAL_NODATA, keys};
 use crate::raster::{Raster, ReadOptions, check_compression, check_size};
@@ -261,35 +261,6 @@ fn vertical_unit(geo: &GeoTiffFile) -> Option<&'static str> {
         FOOT => Some("ft"),
         SURVEY_FOOT => Some("US survey foot"),
         _ => None,
-    }
-}
-
-/// Turns a raster over that starts in the south or in the east, so that row 0 is north and column 0 west.
-pub(crate) fn face_north(field: &mut Field, missing: &mut Option<Vec<bool>>, g: &mut Georeference) {
-    let t = &mut g.transform;
-    if (t[2], t[4]) != (0.0, 0.0) {
-        return;
-    }
-    let (width, height) = (field.width(), field.height());
-    if t[5] > 0.0 {
-        for north in 0..height / 2 {
-            let south = height - 1 - north;
-            let row = field.row(north).to_vec();
-            let other = field.row(south).to_vec();
-            field.row_mut(north).copy_from_slice(&other);
-            field.row_mut(south).copy_from_slice(&row);
-        }
-        if let Some(missing) = missing {
-            *missing = missing.chunks_exact(width).rev().flatten().copied().collect();
-        }
-        t[3] += height as f64 * t[5];
-        t[5] = -t[5];
-    }
-    if t[1] < 0.0 {
-        field.rows_mut().for_each(<[f32]>::reverse);
-        missing.iter_mut().for_each(|m| m.chunks_exact_mut(width).for_each(<[bool]>::reverse));
-        t[0] += width as f64 * t[1];
-        t[1] = -t[1];
     }
 }
 

@@ -6,6 +6,7 @@ use crate::atomic::{put, row_bytes};
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
 use crate::raster::check_size;
+use crate::storage::{ReadSeek, Storage};
 use eyot_core::component::{Decoder, Encoder};
 use eyot_core::layer::known;
 use eyot_core::{Beyond, Component, ComponentKinds, Components, Georeference, Grid};
@@ -309,12 +310,12 @@ impl<T: Read> Read for Summed<T> {
 }
 
 /// A file that begins with a head.
-pub(crate) struct HeadFile {
+pub(crate) struct HeadFile<R = BufReader<File>> {
     pub(crate) head: Head,
     /// Version of the file's format.
     version: u32,
     /// What comes after the head.
-    pub(crate) input: BufReader<File>,
+    pub(crate) input: R,
     /// Bytes of the head with everything around it.
     pub(crate) head_bytes: u64,
     /// Bytes of the file.
@@ -329,8 +330,22 @@ impl HeadFile {
         if !metadata.is_file() {
             return Err(Error::format(path, "this is no ordinary file", "give the name of a checkpoint"));
         }
-        let file_bytes = metadata.len();
-        let mut input = BufReader::with_capacity(1 << 18, File::open(path).map_err(io())?);
+        Self::of(path, BufReader::with_capacity(1 << 18, File::open(path).map_err(io())?), metadata.len())
+    }
+}
+
+impl HeadFile<Box<dyn ReadSeek>> {
+    /// As [`HeadFile::open`], of a blob.
+    pub(crate) fn open_in(storage: &dyn Storage, name: &str) -> Result<Self> {
+        let place = storage.place(name);
+        let blob = storage.open(name).map_err(Error::io(&place, "read"))?;
+        Self::of(&place, blob.input, blob.bytes)
+    }
+}
+
+impl<R: Read> HeadFile<R> {
+    /// Reads the head at the start of `file_bytes` bytes; `path` is for messages.
+    pub(crate) fn of(path: &Path, mut input: R, file_bytes: u64) -> Result<Self> {
         let (head, version, head_bytes) = read_head(path, &mut input, file_bytes)?;
         Ok(Self { head, version, input, head_bytes, file_bytes })
     }

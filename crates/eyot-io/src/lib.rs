@@ -7,6 +7,9 @@
 //! - rasters go through `f32` unchanged where the format can hold them (GeoTIFF, Zarr, EXR, NPY, R32), and within half a
 //!   step of the scale where it cannot (16-bit PNG, R16).
 //!
+//! Formats that need much code are features, on by default; see `Cargo.toml`. A program that is built without one refuses its
+//! files with an [`Error`] that says so.
+//!
 //! Writers take their values from [`Rows`], band by band, so that a raster need not fit in memory.
 //!
 //! ```
@@ -33,34 +36,51 @@
 //! ```
 
 mod about;
+#[cfg(not(all(feature = "exr", feature = "parquet", feature = "tiff")))]
+mod absent;
 mod atomic;
 pub mod checkpoint;
 mod error;
+#[cfg(feature = "exr")]
 mod exr_read;
+#[cfg(feature = "exr")]
 mod exr_write;
 mod fill;
 mod format;
 mod georef;
 mod geotiff;
+#[cfg(feature = "tiff")]
 mod geotiff_read;
 mod glb;
 mod head;
 mod masks;
 mod npy;
 mod obj;
+mod origin;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod ply;
 mod png_read;
 mod png_write;
 mod raster;
 mod raw;
 mod rows;
+pub mod run_folder;
 mod sample;
 mod scale;
 mod scene;
 mod sidecar;
+pub mod storage;
 mod table;
 pub mod timeline;
 mod zarr;
+
+#[cfg(not(feature = "tiff"))]
+use absent::geotiff_read;
+#[cfg(not(feature = "parquet"))]
+use absent::parquet;
+#[cfg(not(feature = "exr"))]
+use absent::{exr_read, exr_write};
 
 pub use about::About;
 pub use atomic::{check_place, remove_leftovers, write_atomically};
@@ -72,11 +92,13 @@ pub use georef::unsaid;
 pub use glb::{write_scene_glb, write_terrain_glb};
 pub use masks::{Weights, shares, write_mask, write_splat};
 pub use obj::{write_scene_obj, write_terrain_obj};
+pub use origin::Origin;
+pub use parquet::write_parquet;
 pub use ply::write_scene_ply;
 pub use png_write::write_rgb_png;
 pub use raster::{Numbers, Raster, ReadOptions, is_zarr, layer_names, read_raster};
 pub use rows::Rows;
 pub use sample::{ByteOrder, RowOrder, Sample};
 pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};
-pub use table::{Column, Table, write_parquet};
+pub use table::{Column, Table};
 pub use zarr::{SECONDS, store_attributes, write_store};

@@ -20,7 +20,8 @@ type Case = (&'static str, fn() -> Box<dyn Process>);
 fn world(size: usize, process: &dyn Process) -> World {
     let grid = Grid::new(size, size, 10.0, Rim::CLOSED, &Limits::default()).expect("the grid is sound");
     let mut world = World::new(grid, 1);
-    for (spec, value) in process.layers() {
+    for l in process.layers() {
+        let (spec, value) = (l.spec, l.start);
         let field = &mut world.ensure(&spec, value).field;
         for y in 0..size {
             for x in 0..size {

@@ -69,8 +69,8 @@ fn actions(found: &mut Findings) {
         let action = process.action().unwrap();
         let most = LANDS.map(|(land, heights)| {
             let mut world = world(heights);
-            for (spec, value) in process.layers() {
-                world.ensure(&spec, value);
+            for l in process.layers() {
+                world.ensure(&l.spec, l.start);
             }
             if name == "streampower" {
                 // Factors that vary take room of their own.
@@ -80,7 +80,10 @@ fn actions(found: &mut Findings) {
             }
             let (grid, sea_level_m) = (world.grid, 0.0);
             let moment = Moment { grid, step: 0, turn: 0, sea_level_m };
-            let (measured, outcome) = peak(&grid, || action.act(&moment, &mut world, &Control::none()));
+            let (measured, outcome) = peak(&grid, || {
+                let mut instance = action.instantiate(&world)?;
+                instance.act(&moment, &mut world, &Control::none())
+            });
             outcome.unwrap();
             println!("  {land}: {measured:.2}");
             measured

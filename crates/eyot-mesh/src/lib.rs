@@ -22,15 +22,22 @@
 //! # }
 //! ```
 //!
+//! Coarser levels need the feature `simplify`, which is on by default. Without it [`levels_of_detail`] gives the full mesh
+//! alone and [`solid_levels`] nothing: [`SIMPLIFIES`] says which build this is.
+//!
 //! This crate opens no file; `eyot-io` writes meshes.
 
 mod error;
 mod lod;
+mod simplifier;
 mod solid;
 mod terrain;
 
 pub use error::{Error, Result};
 pub use lod::{Lod, levels_of_detail, levels_of_detail_controlled};
+/// True if this build can make coarser levels of detail (feature `simplify`).
+pub const SIMPLIFIES: bool = cfg!(feature = "simplify");
+
 pub use solid::{
     Blend, Blobs, Kernel, Lattice, MeshingOptions, Point, Primitive, Quality, Remesher, ScalarField, Solid, SolidLod,
     Topology, Update, Volume, Within, mesh_field, solid_levels,

@@ -5,9 +5,9 @@
 //! in which a triangle that turns over turns by nearly 180 degrees, and whose distances are vertical ones. Rounding can
 //! still let a sliver through; corners of such triangles are locked and the level is made again.
 
+use crate::simplifier;
 use crate::terrain::{Attribute, Terrain, TerrainMesh};
 use eyot_core::{Control, Result};
-use meshopt::{SimplifyOptions, VertexDataAdapter, utilities::typed_to_bytes};
 use rayon::prelude::*;
 
 /// A level counts as coarser only if it saves at least this share of triangles; with the rim locked, small meshes
@@ -71,11 +71,9 @@ pub fn levels_of_detail_controlled(terrain: &Terrain, ratios: &[f64], control: &
 /// Indices of about `target` length whose triangles all face up, or `None` if that failed.
 fn simplify(mesh: &TerrainMesh, target: usize) -> Option<Vec<u32>> {
     let flat = flattened(mesh);
-    let vertices = VertexDataAdapter::new(typed_to_bytes(&flat), size_of::<[f32; 3]>(), 0).ok()?;
     let mut locked = vec![false; flat.len()];
     for _ in 0..ATTEMPTS {
-        let options = SimplifyOptions::LockBorder;
-        let indices = meshopt::simplify_with_locks(&mesh.indices, &vertices, &locked, target, f32::MAX, options, None);
+        let indices = simplifier::simplify_open(&mesh.indices, &flat, &locked, target)?;
         let folded: Vec<&[u32]> = indices.chunks_exact(3).filter(|t| area_from_above(mesh, t) <= 0.0).collect();
         if folded.is_empty() {
             return Some(indices);
@@ -151,7 +149,7 @@ fn vertical_error(full: &Terrain, level: &TerrainMesh) -> f32 {
 
 /// The given triangles, ordered for the vertex cache, with the vertices that they use in order of first use.
 fn compact(mesh: &TerrainMesh, indices: &[u32]) -> TerrainMesh {
-    let ordered = meshopt::optimize_vertex_cache(indices, mesh.positions.len());
+    let ordered = simplifier::order_for_cache(indices, mesh.positions.len());
     let mut new_index = vec![u32::MAX; mesh.positions.len()];
     let mut used = Vec::with_capacity(mesh.positions.len().min(ordered.len()));
     let indices = ordered

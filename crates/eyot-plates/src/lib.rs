@@ -12,11 +12,10 @@
 //! 5. `erosion`, `isostasy`, `level`: the land is levelled, crust floats, and the sea finds the level that keeps the share of land.
 //! 6. `restart`: at the end of a cycle the world is divided anew, by `growth`.
 //!
-//! The process makes its next step ahead (`beside`) and adds what others did to the land meanwhile where the plate has carried it
+//! The process makes its next step ahead (`lookahead`) and adds what others did to the land meanwhile where the plate has carried it
 //! (`course`).
 
 mod analyse;
-mod beside;
 mod budget;
 mod changes;
 mod collision;
@@ -28,6 +27,7 @@ mod geometry;
 mod growth;
 pub mod isostasy;
 mod level;
+mod lookahead;
 mod meeting;
 mod motion;
 mod noise;
@@ -50,5 +50,9 @@ pub use budget::Budget;
 pub use parameters::Tectonics;
 pub use plate::PlateInfo;
 pub use plates::Plates;
-pub use process::{CRUST, CRUST_AGE, Drift, PLATE, PROCESSES, report};
+pub use process::{CRUST, CRUST_AGE, Drift, PLATE, PROCESSES, STATE, report};
 pub use start::Start;
+pub use store::{PLATE_STATE, PlateState};
+
+/// Every kind of components that the processes of this crate keep in worlds.
+pub static COMPONENTS: [&eyot_core::ComponentKind; 1] = [&PLATE_STATE];

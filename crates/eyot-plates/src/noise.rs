@@ -4,6 +4,7 @@
 
 use crate::geometry::Geometry;
 use eyot_core::rng::mix64;
+use eyot_noise::ring;
 use rayon::prelude::*;
 
 /// Fractal noise on a grid.
@@ -46,7 +47,7 @@ impl Fractal {
             // An offset keeps the zeros of all octaves from falling on each other.
             let shift = 0.37 * octave as f32;
             let (x, y) = (x * f as f32 + shift, y * f as f32 + shift);
-            total += amplitude * gradient_noise(x, y, lattice.map(|n| n * f), mix64(seed ^ (u64::from(octave) << 40)));
+            total += amplitude * ring::gradient(x, y, lattice.map(|n| n * f), mix64(seed ^ (u64::from(octave) << 40)));
             norm += amplitude * amplitude;
             amplitude *= self.gain;
         }
@@ -54,52 +55,8 @@ impl Fractal {
     }
 }
 
-/// Noise of one octave, repeating after `period` cells of the lattice.
-fn gradient_noise(x: f32, y: f32, period: [i32; 2], seed: u64) -> f32 {
-    // Not `floor`, which is a call on processors without an instruction for it.
-    let floor = |v: f32| v as i32 - i32::from(v < v as i32 as f32);
-    let (cx, cy) = (floor(x), floor(y));
-    let (fx, fy) = (x - cx as f32, y - cy as f32);
-    let fade = |t: f32| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-    let (u, v) = (fade(fx), fade(fy));
-    let ring = |i: i32, n: i32| if (0..n).contains(&i) { i } else { i.rem_euclid(n) } as u64;
-    let columns = [ring(cx, period[0]), ring(cx + 1, period[0])];
-    let rows = [ring(cy, period[1]), ring(cy + 1, period[1])];
-    let corner = |i: usize, j: usize| {
-        // Sixteen directions: eight would show on maps.
-        let (gx, gy) = DIRECTIONS[(mix64(seed ^ (columns[i] << 32 | rows[j])) >> 60) as usize];
-        gx * (fx - i as f32) + gy * (fy - j as f32)
-    };
-    let north = corner(0, 0) + u * (corner(1, 0) - corner(0, 0));
-    let south = corner(0, 1) + u * (corner(1, 1) - corner(0, 1));
-    north + v * (south - north)
-}
-
-const S: f32 = 0.382_683_43;
-const C: f32 = 0.923_879_5;
-const D: f32 = std::f32::consts::FRAC_1_SQRT_2;
-const DIRECTIONS: [(f32, f32); 16] = [
-    (1.0, 0.0),
-    (C, S),
-    (D, D),
-    (S, C),
-    (0.0, 1.0),
-    (-S, C),
-    (-D, D),
-    (-C, S),
-    (-1.0, 0.0),
-    (-C, -S),
-    (-D, -D),
-    (-S, -C),
-    (0.0, -1.0),
-    (S, -C),
-    (D, -D),
-    (C, -S),
-];
-
 /// The value below which a share of the values lies.
 pub(crate) fn quantile(values: &[f32], share: f64) -> f32 {
-    let mut copy = values.to_vec();
-    let at = ((share.clamp(0.0, 1.0) * copy.len() as f64) as usize).min(copy.len() - 1);
-    *copy.select_nth_unstable_by(at, f32::total_cmp).1
+    let at = (share.clamp(0.0, 1.0) * values.len() as f64) as usize;
+    eyot_core::math::ordered(values, at.min(values.len() - 1))
 }

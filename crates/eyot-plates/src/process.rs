@@ -52,18 +52,19 @@
 //! ledger; `crust_is_accounted_for`).
 
 use crate::analyse::{Report, hypsometry};
-use crate::beside::{Beside, Made};
 use crate::crust::metres;
 use crate::geometry::rows_at_once;
+use crate::lookahead::{Lookahead, Made};
 use crate::parameters::Tectonics;
 use crate::plates::{Plates, check};
 use crate::start::Start;
-use eyot_core::component::Numbers;
+use crate::store::PlateState;
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Action, Entry, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from, schema_of};
+use eyot_core::process::{
+    Action, ActionInstance, Entry, LayerUse, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from, schema_of,
+};
 use eyot_core::{Control, Grid, LayerSpec, Result, World, about};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The plate that owns a cell.
 pub const PLATE: LayerSpec = LayerSpec::new("plate", "1", "Number of the plate that owns this cell", (0.0, 254.0));
@@ -72,8 +73,8 @@ pub const CRUST: LayerSpec = LayerSpec::new("crust", "m", "Thickness of the crus
 /// Age of the crust.
 pub const CRUST_AGE: LayerSpec = LayerSpec::new("crust_age", "Myr", "Age of the crust", (0.0, 1e6));
 
-/// Name of the numbers of all plates in a world.
-pub(crate) const NUMBERS: &str = "plates";
+/// Name of the component of all plates in a world, a [`PlateState`].
+pub const STATE: &str = "plates";
 
 /// All processes of this crate.
 pub const PROCESSES: &[Entry<dyn Process>] = &[Entry {
@@ -97,33 +98,27 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[Entry {
 /// Plates as a process of a world.
 pub struct Drift {
     parameters: Tectonics,
-    beside: Beside,
-    /// The world's step of the last turn; `NEVER` before the first.
-    last: AtomicU64,
 }
-
-const NEVER: u64 = u64::MAX;
 
 impl Drift {
     /// Plates with these parameters.
     pub fn new(parameters: Tectonics) -> Self {
-        Self { parameters, beside: Beside::default(), last: AtomicU64::new(NEVER) }
+        Self { parameters }
     }
 }
 
 impl Process for Drift {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (PLATE, 0.0), (CRUST, 0.0), (CRUST_AGE, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.changed(0.0), PLATE.changed(0.0), CRUST.changed(0.0), CRUST_AGE.changed(0.0)]
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {
         check(&self.parameters, grid)
     }
 
-    /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise. Begins the first
-    /// step.
+    /// Makes crust and plates: under the land that is there, or, where it is flat, continents and oceans from noise.
     fn prepare(&self, world: &mut World) -> Result<()> {
-        if !world.components.contains(NUMBERS) {
+        if world.components.get::<PlateState>(STATE)?.is_none() {
             let sea = world.sea_level_m as f32;
             let height: Vec<f32> = world.layer("height")?.field.iter().map(|h| h - sea).collect();
             let flat = height.iter().all(|&h| h == height[0]);
@@ -131,11 +126,6 @@ impl Process for Drift {
             let plates = Plates::new(&world.grid, world.seed, self.parameters.clone(), start)?;
             plates.publish(world, sea, flat)?;
             plates.budget().post(&mut world.ledger, world.grid.cell_area_m2());
-        }
-        if self.beside.is_idle()
-            && let Some((plates, _)) = of_world(world, self.parameters.clone())?
-        {
-            self.beside.begin(&world.grid, numbers(world)?.to_vec(), plates, true);
         }
         Ok(())
     }
@@ -150,28 +140,13 @@ impl Process for Drift {
 }
 
 impl Action for Drift {
-    fn act(&self, moment: &Moment, world: &mut World, _control: &Control<'_>) -> Result<()> {
-        let made = match self.beside.take(world) {
-            Some(made) => made,
-            None => {
-                let Some((plates, _)) = of_world(world, self.parameters.clone())? else { return Ok(()) };
-                Made::new(&world.grid, numbers(world)?.to_vec(), plates)
-            }
-        };
-        // The numbers end with the level of the sea.
-        let sea = numbers(world)?.last().map_or(0.0, |&s| s as f32);
-        let Made { mut plates, before } = made;
-        let own = *plates.budget();
-        plates.add_changes(&before, &world.layer("height")?.field, sea);
-        // Nobody does anything in the meantime, so there is nothing to be done beside.
-        let alone =
-            *plates.budget() == own && self.last.swap(moment.step, Ordering::Relaxed).wrapping_add(1) == moment.step;
-        let mut budget = *plates.budget();
-        budget.start = 0;
-        budget.post(&mut world.ledger, moment.grid.cell_area_m2());
-        plates.publish(world, sea, true)?;
-        self.beside.begin(&world.grid, numbers(world)?.to_vec(), plates, !alone);
-        Ok(())
+    /// Begins the first step.
+    fn instantiate(&self, world: &World) -> Result<Box<dyn ActionInstance>> {
+        let mut drifting = Drifting { parameters: self.parameters.clone(), ahead: Lookahead::default(), last: NEVER };
+        if let Some((plates, state)) = of_world(world, self.parameters.clone())? {
+            drifting.ahead.begin(&world.grid, state.clone(), plates, true);
+        }
+        Ok(Box::new(drifting))
     }
 
     fn cannot_fail(&self) -> bool {
@@ -183,18 +158,48 @@ impl Action for Drift {
     }
 }
 
-/// What a world keeps of its plates beside layers; nothing if it has none.
-pub(crate) fn numbers(world: &World) -> Result<&[f64]> {
-    Ok(world.components.get::<Numbers>(NUMBERS)?.map(|n| &*n.0).unwrap_or_default())
+/// Plates in a simulation.
+struct Drifting {
+    parameters: Tectonics,
+    /// The step to come.
+    ahead: Lookahead,
+    /// The world's step of the last turn; `NEVER` before the first.
+    last: u64,
 }
 
-/// The plates of a world and the level of the sea, m, at which they were made; `None` if it has none.
-fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, f32)>> {
-    // The numbers end with the level of the sea.
-    let Some((&sea, numbers)) = numbers(world)?.split_last() else { return Ok(None) };
+const NEVER: u64 = u64::MAX;
+
+impl ActionInstance for Drifting {
+    fn act(&mut self, moment: &Moment, world: &mut World, _control: &Control<'_>) -> Result<()> {
+        let made = match self.ahead.take(world) {
+            Some(made) => made,
+            None => {
+                let Some((plates, state)) = of_world(world, self.parameters.clone())? else { return Ok(()) };
+                Made::new(&world.grid, state.clone(), plates)
+            }
+        };
+        let sea = made.before.state.sea_level_m as f32;
+        let Made { mut plates, before } = made;
+        let own = *plates.budget();
+        plates.add_changes(&before, &world.layer("height")?.field, sea);
+        // Nobody does anything in the meantime, so there is nothing to be done beside.
+        let last = std::mem::replace(&mut self.last, moment.step);
+        let alone = *plates.budget() == own && last.wrapping_add(1) == moment.step;
+        let mut budget = *plates.budget();
+        budget.start = 0;
+        budget.post(&mut world.ledger, moment.grid.cell_area_m2());
+        plates.publish(world, sea, true)?;
+        self.ahead.begin(&world.grid, plates.state(f64::from(sea)), plates, !alone);
+        Ok(())
+    }
+}
+
+/// The plates of a world, and what it keeps of them beside layers; `None` if it has none.
+fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, &PlateState)>> {
+    let Some(state) = world.components.get::<PlateState>(STATE)? else { return Ok(None) };
     let layer = |spec: &LayerSpec| Ok::<_, eyot_core::Error>(world.layer(&spec.name)?.field.iter());
     let maps = (layer(&PLATE)?, layer(&CRUST)?, layer(&CRUST_AGE)?);
-    Ok(Some((Plates::restore(&world.grid, world.seed, parameters, numbers, maps)?, sea as f32)))
+    Ok(Some((Plates::of_state(&world.grid, world.seed, parameters, state, maps)?, state)))
 }
 
 /// What there is to say about the plates of a world; `None` if it has none.
@@ -202,14 +207,15 @@ fn of_world(world: &World, parameters: Tectonics) -> Result<Option<(Plates, f32)
 /// # Errors
 /// If layers that plates need are missing or do not fit.
 pub fn report(world: &World) -> Result<Option<Report>> {
-    let Some((plates, sea)) = of_world(world, Tectonics::default())? else { return Ok(None) };
+    let Some((plates, state)) = of_world(world, Tectonics::default())? else { return Ok(None) };
+    let sea = state.sea_level_m as f32;
     let (cycle, steps) = plates.cycle_and_steps();
     let hypsometry = hypsometry(world.layer("height")?.field.iter().map(|h| h - sea));
     Ok(Some(Report { cycle, steps, plates: plates.list(), hypsometry }))
 }
 
 impl Plates {
-    /// Writes layers and numbers; the height only if `with_height`.
+    /// Writes layers and state; the height only if `with_height`.
     fn publish(&self, world: &mut World, sea: f32, with_height: bool) -> Result<()> {
         let mut put = |spec: &LayerSpec, row_of: &(dyn Fn(std::ops::Range<usize>, &mut [f32]) + Sync)| -> Result<()> {
             let width = self.g.width;
@@ -224,9 +230,7 @@ impl Plates {
         if with_height {
             put(&HEIGHT, &|cells, row| row.iter_mut().zip(&self.height[cells]).for_each(|(v, &h)| *v = h + sea))?;
         }
-        let mut numbers = self.numbers();
-        numbers.push(f64::from(sea));
-        world.components.insert(NUMBERS, Numbers(numbers));
+        world.components.insert(STATE, self.state(f64::from(sea)));
         Ok(())
     }
 }

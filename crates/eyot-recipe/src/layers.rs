@@ -27,7 +27,7 @@ pub fn known(name: &str) -> Option<LayerSpec> {
 /// number without bounds.
 pub fn spec(name: &str, step: &str, all: &[Step]) -> LayerSpec {
     let uses = all.iter().flat_map(|s| if let Work::Simulate(w) = &s.work { w.processes.as_slice() } else { &[] });
-    let theirs = uses.filter_map(|u| u.make().ok()).flat_map(|p| p.layers()).map(|(s, _)| s);
+    let theirs = uses.filter_map(|u| u.make().ok()).flat_map(|p| p.layers()).map(|l| l.spec);
     theirs.chain(KNOWN).find(|s| s.name == name).unwrap_or_else(|| LayerSpec {
         name: Cow::Owned(name.to_owned()),
         meaning: Cow::Owned(format!("Made by the step `{step}` of the recipe")),

@@ -71,4 +71,4 @@ pub use recipe::{
 };
 pub use registry::{DOCUMENT_KEYS, GENERATE_KEYS, Registry, SCHEDULE_KEYS, SIMULATE_KEYS};
 pub use schema::recipe_schema;
-pub use set::value_of;
+pub use set::{seen_from_above, value_of};

@@ -42,8 +42,8 @@ pub fn working<'a>(steps: &'a [Step], grid: &Grid) -> Result<Peak<'a>> {
             }
             Work::Simulate(work) => {
                 let scheduled = work.schedule()?;
-                scheduled.iter().flat_map(|s| s.process.layers()).for_each(|(spec, _)| add(&mut layers, &spec.name));
-                engine::Need::of(grid, layers.len(), &scheduled).bytes(grid)
+                scheduled.iter().flat_map(|s| s.process.layers()).for_each(|l| add(&mut layers, &l.spec.name));
+                engine::MemoryEstimate::of(grid, layers.len(), &scheduled).bytes(grid)
             }
         };
         if bytes > peak.bytes {

@@ -196,10 +196,20 @@ fn targets(doc: &mut Node) -> Vec<String> {
     names
 }
 
-/// The value at a path of keys of a document after `key=value` changes, both unchecked; `None` if it has none.
-pub fn value_of(text: &str, changes: &[&str], path: &[&str], registry: &Registry) -> Option<Value> {
+/// The value at a path of keys of a document after `key=value` changes, both unchecked; `None` if it has none. The path begins
+/// with a key of the document: what processes and generators are called does not matter here.
+pub fn value_of(text: &str, changes: &[&str], path: &[&str]) -> Option<Value> {
     let mut doc = Node::parse(text, 0).ok()?;
     let (mut sources, mut problems) = (Vec::new(), Vec::new());
-    changes.iter().for_each(|change| apply(&mut doc, change, registry, &mut sources, &mut problems));
+    let nobody = Registry::new(&[], &[]);
+    changes.iter().for_each(|change| apply(&mut doc, change, &nobody, &mut sources, &mut problems));
     path.iter().try_fold(&doc, |node, key| node.get(key)).map(Node::to_json)
+}
+
+/// Whether a run's recipe, a text, with its `--set`, a list of texts, wants its view from above.
+pub fn seen_from_above(recipe: &Value, set: &Value) -> bool {
+    // What a run was begun with has passed its checks.
+    let set: Vec<&str> = set.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    let recipe = recipe.as_str().unwrap_or_default();
+    value_of(recipe, &set, &["view", "from_above"]) == Some(Value::Bool(true))
 }

@@ -21,8 +21,8 @@
 //! # Layers
 //! Reads and writes `height`, `limestone` (m); writes `coral_cover` (1). Reads `substrate` (1) if it is there, and with
 //! `sea = "world"` `temperature_mean`, `temperature_cos`, `temperature_sin` (degrees Celsius).
-//! Colonies, algae and turf are the feature `corals`, the census of each month the feature `corals.census`, the sea's monthly means
-//! the feature `corals.sea`.
+//! Colonies, algae and turf are the component `corals`, the census of each month the table `corals.census`, the sea's monthly means
+//! the numbers `corals.sea`.
 //!
 //! # Limits
 //! Square cells; sides up to 4096 m. A reef of more individuals than memory holds is refused before it is made.
@@ -31,26 +31,30 @@
 //! Limestone is in the ledger (`ground.corals`, `the_ground_gains_what_the_colonies_build`).
 
 use crate::bodies::{Detail, Sculptor};
+use crate::community::Population;
 use crate::community::{
     CHUMBE, Census, CensusColumn, Community, Forcing, Ground, Plot, Site, Temperatures, Variability,
 };
 use crate::community::{MONTH_DAYS, YEAR_DAYS};
-use eyot_core::component::Numbers;
+use eyot_core::component::{Numbers, Table, Type};
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
-use eyot_core::process::{Action, Entry, Moment, Process, check_ranges, defaults_of, parameters_from, schema_of};
+use eyot_core::process::{
+    Access, Action, ActionInstance, Entry, LayerUse, Moment, Process, check_ranges, defaults_of, parameters_from,
+    schema_of,
+};
 use eyot_core::{Control, Error, Field, Grid, LayerSpec, Limits, Result, World, about, math64};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::sync::OnceLock;
+use std::borrow::Cow;
 
 /// Share of a cell that living corals cover.
 pub const CORAL_COVER: LayerSpec =
     LayerSpec::new("coral_cover", "1", "Share of the ground under living corals", (0.0, 1.0));
-/// The feature with the individuals.
-pub const FEATURE: &str = "corals";
-/// The feature with the rows of the census, one after the other.
+/// The component with the individuals, a [`Population`].
+pub const POPULATION: &str = "corals";
+/// The component with the census, a [`Table`].
 pub const CENSUS: &str = "corals.census";
-/// The feature with the monthly means of the world's sea, C.
+/// The component with the monthly means of the world's sea, C: [`Numbers`].
 pub const SEA: &str = "corals.sea";
 /// Layers of the process `climate`.
 const CLIMATE: [&str; 3] = ["temperature_mean", "temperature_cos", "temperature_sin"];
@@ -136,24 +140,28 @@ pub const CORALS: Entry<dyn Process> = Entry {
     name: "corals",
     schema: schema_of::<Corals>,
     defaults: defaults_of::<Corals>,
-    make: |table| Ok(Box::new(Colonies { corals: parameters_from(table)?, forcing: OnceLock::new() })),
+    make: |table| Ok(Box::new(Colonies { corals: parameters_from(table)? })),
     about: about!("corals.rs"),
     cites: &["kubicek2012", "bosscher1992", "liu2003", "lough2000"],
 };
 
-/// The process: its parameters, and the heat of all months once it is known.
+/// The process.
 struct Colonies {
     corals: Corals,
-    forcing: OnceLock<Forcing>,
 }
 
 impl Process for Colonies {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (CORAL_COVER, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.changed(0.0), LIMESTONE.changed(0.0), CORAL_COVER.written(0.0)]
     }
 
     fn needs(&self) -> Vec<&'static str> {
         if self.corals.sea == Sea::World { CLIMATE.to_vec() } else { Vec::new() }
+    }
+
+    fn reads(&self) -> Vec<Cow<'static, str>> {
+        let own = self.layers().into_iter().filter(|l| l.access != Access::Write).map(|l| l.spec.name);
+        own.chain(self.needs().into_iter().chain([SUBSTRATE]).map(Cow::Borrowed)).collect()
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {
@@ -166,9 +174,27 @@ impl Process for Colonies {
 }
 
 impl Action for Colonies {
-    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+    fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
+        Ok(Box::new(Growing { corals: self.corals.clone(), forcing: None }))
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        // Depth, light and substrate, and the sums that first settlers are placed by.
+        3 * 4 + 8
+    }
+}
+
+/// Corals in a simulation.
+struct Growing {
+    corals: Corals,
+    /// The heat of all months, once it is known.
+    forcing: Option<Forcing>,
+}
+
+impl ActionInstance for Growing {
+    fn act(&mut self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
         control.check()?;
-        let forcing = match self.forcing.get() {
+        let forcing = match &self.forcing {
             Some(known) => known.clone(),
             None => {
                 if self.corals.sea == Sea::World {
@@ -176,7 +202,7 @@ impl Action for Colonies {
                     world.components.insert(SEA, Numbers(means.map(f64::from).to_vec()));
                 }
                 let made = self.corals.forcing(world)?;
-                self.forcing.get_or_init(|| made).clone()
+                self.forcing.insert(made).clone()
             }
         };
         let mut plot = self.corals.plot_in(world, moment.sea_level_m, forcing, control)?;
@@ -187,15 +213,10 @@ impl Action for Colonies {
         }
         cover(&plot, &mut world.layer_mut(&CORAL_COVER.name)?.field, control)?;
         let names: Vec<&str> = self.corals.community.species.iter().map(|s| s.name.as_str()).collect();
-        let row = census.columns(&names).into_iter().map(|(_, v)| v);
-        world.components.entry(CENSUS, Numbers::default)?.0.extend(row);
-        world.components.insert(FEATURE, Numbers(plot.numbers()));
+        let row: Vec<f64> = census.columns(&names).into_iter().map(|(_, v)| v).collect();
+        self.corals.census_mut(world)?.push(&row)?;
+        world.components.insert(POPULATION, plot.into_population());
         Ok(())
-    }
-
-    fn bytes_per_cell(&self) -> usize {
-        // Depth, light and substrate, and the sums that first settlers are placed by.
-        3 * 4 + 8
     }
 }
 
@@ -296,8 +317,9 @@ impl Corals {
 
     fn plot_in(&self, world: &World, sea_level_m: f64, forcing: Forcing, control: &Control<'_>) -> Result<Plot> {
         let (community, site) = (self.community.clone(), self.site(world, sea_level_m)?);
-        match world.components.get::<Numbers>(FEATURE)? {
-            Some(Numbers(numbers)) => Plot::restore(community, site, forcing, world.seed, *control.limits(), numbers),
+        match world.components.get::<Population>(POPULATION)? {
+            // A copy, so that a month that is stopped half-way leaves the world's own as it was.
+            Some(known) => Plot::of_population(community, site, forcing, world.seed, *control.limits(), known.clone()),
             None => Plot::under(community, site, forcing, world.seed, control),
         }
     }
@@ -314,11 +336,41 @@ impl Corals {
         Ok(Site::of_ground(ground))
     }
 
-    /// The numbers of a month in the feature [`CENSUS`].
+    /// The columns of the census.
     pub fn census_columns(&self) -> Vec<CensusColumn> {
         let names: Vec<&str> = self.community.species.iter().map(|s| s.name.as_str()).collect();
         let none = Census { species: vec![Default::default(); names.len()], ..Census::default() };
         none.columns(&names).into_iter().map(|(column, _)| column).collect()
+    }
+
+    /// A census without a month.
+    fn empty_census(&self) -> Table {
+        let columns = self.census_columns();
+        let of = |c: &CensusColumn| if c.is_whole { Type::U64 } else { Type::F64 };
+        Table::new(columns.iter().map(|c| (c.name.as_str(), c.unit, of(c))))
+    }
+
+    /// The census of a world, a row for each month; empty before the first. Earlier versions kept its rows as a list of numbers.
+    ///
+    /// # Errors
+    /// If it is something else.
+    pub fn census<'w>(&self, world: &'w World) -> Result<Cow<'w, Table>> {
+        let Some(component) = world.components.of_any_kind(CENSUS) else { return Ok(Cow::Owned(self.empty_census())) };
+        let Some(Numbers(numbers)) = component.as_any().downcast_ref() else {
+            let table = world.components.get::<Table>(CENSUS)?;
+            return Ok(table.map_or_else(|| Cow::Owned(self.empty_census()), Cow::Borrowed));
+        };
+        let mut table = self.empty_census();
+        let columns = table.columns().len();
+        numbers.chunks(columns).try_for_each(|row| table.push(row))?;
+        Ok(Cow::Owned(table))
+    }
+
+    fn census_mut<'w>(&self, world: &'w mut World) -> Result<&'w mut Table> {
+        if let Cow::Owned(table) = self.census(world)? {
+            world.components.insert(CENSUS, table);
+        }
+        world.components.entry(CENSUS, Table::default)
     }
 }
 

@@ -25,7 +25,11 @@ pub mod lsystem;
 mod skeleton;
 
 use corals::CORALS;
+use eyot_core::ComponentKind;
 use eyot_core::process::{Entry, Process};
 
 /// Every process of this crate, by its name in recipes.
 pub const PROCESSES: &[Entry<dyn Process>] = &[CORALS];
+
+/// Every kind of components that they keep in worlds.
+pub static COMPONENTS: [&ComponentKind; 1] = [&community::POPULATION];

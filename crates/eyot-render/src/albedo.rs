@@ -8,9 +8,9 @@ use crate::arid::arid;
 use crate::climate::Climate;
 use crate::ground::{Ground, box_mean, quantile};
 use crate::math::{V3, lerp, mix, scale, smoothstep};
-use crate::noise::fbm;
 use eyot_core::layer::known;
 use eyot_core::{Result, World};
+use eyot_noise::picture::fbm;
 use rayon::prelude::*;
 
 // Linear albedos. Photographs of such grounds, darkened where a photograph holds sunlight already.

@@ -2,7 +2,7 @@
 
 use crate::albedo::Site;
 use crate::math::{V3, mix, scale, smoothstep};
-use crate::noise::{hash, noise};
+use eyot_noise::picture::{hash, noise};
 
 // Linear albedos of sedimentary rock: red and orange sandstone, buff limestone, brown and grey shale.
 const BEDS: [V3; 7] = [

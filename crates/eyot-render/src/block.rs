@@ -1,8 +1,8 @@
 //! The relief model: cut sides of the block, the ground that it stands on and the backdrop.
 
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep};
-use crate::noise::{fbm, noise};
 use crate::scene::Scene;
+use eyot_noise::picture::{fbm, noise};
 
 /// Colours of the relief model, as linear albedos.
 #[derive(Clone, Copy, Debug)]
@@ -108,7 +108,7 @@ impl Block {
         let bent = p[2] + 0.35 * below + 0.05 * thick * fbm(5.0 * along, 0.2, 3, 5);
         let t = 11.0 * bent / thick + 0.4 * noise(9.0 * along, 3.1, 8);
         let (i, f) = (t.floor(), t - t.floor());
-        let pick = |i: f32| LAYERS[crate::noise::hash(i as i32, 7, 19) as usize % LAYERS.len()];
+        let pick = |i: f32| LAYERS[eyot_noise::picture::hash(i as i32, 7, 19) as usize % LAYERS.len()];
         let mut c = mix(pick(i), pick(i + 1.0), smoothstep(0.80, 1.0, f));
         let grain = fbm(160.0 * along, 40.0 * bent / thick, 3, 9);
         c = scale(c, 1.0 + 0.16 * grain + 0.10 * noise(3.0 * along, 60.0 * bent / thick, 12));

@@ -122,9 +122,7 @@ fn sample(values: &[f32]) -> impl Iterator<Item = f32> + '_ {
 
 /// The value below which the share `q` of `values` lies. The values are finite and at least one.
 pub(crate) fn quantile(values: &[f32], q: f32) -> f32 {
-    let mut v = values.to_vec();
-    let i = ((v.len() - 1) as f32 * q).round() as usize;
-    *v.select_nth_unstable_by(i, f32::total_cmp).1
+    eyot_core::math::ordered(values, ((values.len() - 1) as f32 * q).round() as usize)
 }
 
 /// Mean over a square of `2 radius + 1` cells, borders repeated; two passes of running sums.

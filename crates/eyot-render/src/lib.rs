@@ -45,7 +45,6 @@ mod map;
 mod math;
 mod memory;
 mod mesh_view;
-mod noise;
 mod path;
 mod perspective;
 mod picture;

@@ -1,27 +1,14 @@
 //! Vectors of three floats (points, directions and linear colours) and the blends that every picture uses.
 
+pub(crate) use eyot_core::math::smoothstep;
+pub(crate) use eyot_core::vec3::{add, cross, dot, scale};
+
 /// A point, a direction or a linear RGB colour.
 pub(crate) type V3 = [f32; 3];
-
-pub(crate) fn add(a: V3, b: V3) -> V3 {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
 
 /// Component by component: light on a surface colour.
 pub(crate) fn mul(a: V3, b: V3) -> V3 {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
-}
-
-pub(crate) fn scale(a: V3, s: f32) -> V3 {
-    [a[0] * s, a[1] * s, a[2] * s]
-}
-
-pub(crate) fn dot(a: V3, b: V3) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(a: V3, b: V3) -> V3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// `a` with length 1; straight up if it has no length.
@@ -37,12 +24,6 @@ pub(crate) fn mix(a: V3, b: V3, t: f32) -> V3 {
 
 pub(crate) fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
-}
-
-/// 0 below `lo`, 1 above `hi`, smooth in between; falls instead if `lo > hi`.
-pub(crate) fn smoothstep(lo: f32, hi: f32, x: f32) -> f32 {
-    let t = ((x - lo) / (hi - lo)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// Component by component `exp(-k x)`: what is left of light on a way `x` through water or air.

@@ -1,7 +1,7 @@
 //! A finished picture: 8-bit sRGB, row by row from the top.
 
 use crate::math::V3;
-use crate::noise::hash;
+use eyot_noise::picture::hash;
 
 /// An 8-bit sRGB picture.
 #[derive(Clone, Debug, PartialEq, Eq)]

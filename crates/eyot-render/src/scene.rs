@@ -3,12 +3,12 @@
 use crate::light::{Coarse, Sun, sky_share, sunlight};
 use crate::map::LayerColours;
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep, unit};
-use crate::noise::{fbm, noise_with_slope};
 use crate::stage::Stage;
 use crate::surface::{Refinement, Surface, b_spline, mitchell};
 use crate::view::ViewOptions;
 use crate::water::{fresnel, refracted_cos};
 use eyot_core::{Control, Result, World};
+use eyot_noise::picture::{fbm, noise_with_slope};
 use rayon::prelude::*;
 
 /// What a ray finds at a node.

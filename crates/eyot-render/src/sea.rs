@@ -1,9 +1,9 @@
 //! The sea: bottom seen through the water, reflected sky, the sun's glitter and foam.
 
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep, unit};
-use crate::noise::fbm;
 use crate::scene::Scene;
 use crate::water::{fresnel, refracted_cos, waves};
+use eyot_noise::picture::fbm;
 
 /// Colour of the sea's surface at `p` seen along `d`, a pixel being `footprint` m wide across the view.
 pub(crate) fn sea(s: &Scene, p: V3, d: V3, footprint: f32) -> V3 {

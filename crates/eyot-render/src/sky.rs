@@ -1,7 +1,7 @@
 //! The sky: a clear-day gradient with the sun's glow, fair-weather clouds, and the haze that lies over distance.
 
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep};
-use crate::noise::fbm;
+use eyot_noise::picture::fbm;
 use std::f32::consts::PI;
 
 /// Light of sun and sky for one picture. Colours are linear; 1 is what a white sheet sends back at noon, about.

@@ -256,7 +256,7 @@ impl Surface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::fbm;
+    use eyot_noise::picture::fbm;
 
     fn hills(n: usize) -> Surface {
         let z = (0..n * n).map(|i| 20.0 * fbm((i % n) as f32 * 0.11, (i / n) as f32 * 0.13, 4, 3)).collect();

@@ -1,7 +1,7 @@
 //! Water: how its colour follows from depth, and the small waves on it.
 
 use crate::math::{V3, add, attenuate, mul, scale, smoothstep};
-use crate::noise::noise_with_slope;
+use eyot_noise::picture::noise_with_slope;
 
 /// Index of refraction of water against air.
 const INDEX: f32 = 1.333;

@@ -6,11 +6,12 @@ use crate::mistake::{Mistake, Part, Problem};
 use crate::unit::Measure;
 use eyot_core::graph::Graph;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process};
+use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::program::{MAX_PARAMS, Program};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Tally, TallyUnit};
 use eyot_core::{Error, Grid, LayerSpec, Result, intern};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A layer that a recipe declares.
@@ -318,8 +319,16 @@ pub struct Acting {
 }
 
 impl Process for Acting {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        self.rule.declared.iter().map(|l| (l.spec.clone(), 0.0)).collect()
+    fn layers(&self) -> Vec<LayerUse> {
+        // A rule changes few of the layers that it declares; the others are read by it or by their start values.
+        let written = self.writes();
+        let declared = self.rule.declared.iter().map(|l| l.spec.clone());
+        declared.map(|l| if written.contains(&l.name) { l.changed(0.0) } else { l.read(0.0) }).collect()
+    }
+
+    fn writes(&self) -> Vec<Cow<'static, str>> {
+        let written = self.rule.program().map_or(&[][..], |p| &p.graph().writes);
+        written.iter().map(|name| Cow::Borrowed(*name)).collect()
     }
 
     fn start(&self, name: &str, moment: &Moment, plan: &mut Plan) {

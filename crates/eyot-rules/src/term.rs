@@ -6,26 +6,29 @@
 //! a recipe's own rules.
 //!
 //! # From a parameter to what rules know of it
-//! Processes turn their parameters into those of their rules, with the length of a step or the size of a cell. How, is found by asking
-//! the process for its plan at several values: `p = a + b w` or `p = a + b e^(-k w)`, `w` the parameter, its inverse or its square. What is
-//! neither, or decides more than numbers in rules, can only change in time.
+//! Processes turn their parameters into those of their rules, with the length of a step or the size of a cell. They write this down
+//! in numbers that can be traced ([`eyot_core::given`]), and the trace becomes a part of the program: each cell computes what the
+//! process would, in the same operations. A parameter that decides more than numbers in rules can only change in time. Whether one
+//! does is told by the trace, and found by planning with other values of it, so that nothing that a process decides on another way
+//! goes unnoticed.
 
 use crate::evaluate::{Evaluation, between};
 use crate::meaning::{Given, Scope, Uses, Wanted, check};
 use crate::mistake::Mistake;
 use crate::rule::{DeclaredLayer, complete, split, stream};
 use crate::unit::Measure;
-use eyot_core::graph::{Graph, Node, Op};
-use eyot_core::plan::{Plan, RuleKind};
-use eyot_core::process::{Action, Entry, Moment, Process};
+use eyot_core::given::{Trace, Way};
+use eyot_core::graph::{Graph, Id, Op};
+use eyot_core::plan::{Pass, Plan, RuleKind};
+use eyot_core::process::{Access, Action, Entry, LayerUse, Moment, Process};
 use eyot_core::program::Program;
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Slot};
-use eyot_core::{Edge, Error, Grid, LayerSpec, Limits, Result, Rim, World, intern};
+use eyot_core::{Edge, Error, Grid, Limits, Result, Rim, World, intern};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Steps at which a parameter's way into the rules is looked at before it is taken for one.
 const MOMENTS: [u64; 6] = [0, 1, 10, 333, 12_345, 1_000_003];
@@ -163,10 +166,6 @@ pub enum Obstacle {
     Unused,
     /// It decides which rules run or what else happens.
     Structure,
-    /// A rule's parameter depends on it in a way that is not known.
-    Curved(&'static str),
-    /// A rule's parameter depends on this one, too, which is another expression.
-    Shared(String),
     /// A rule with the expression in it is more than an engine handles.
     Limit(String),
 }
@@ -179,138 +178,13 @@ impl fmt::Display for Obstacle {
             }
             Self::Unused => write!(f, "no rule of cells depends on it here"),
             Self::Structure => write!(f, "it decides more than what happens in a cell"),
-            Self::Curved(rule) => write!(f, "what it is to the rule `{rule}` has to be computed once for all cells"),
-            Self::Shared(other) => write!(f, "its effect depends on `{other}`, which is an expression, too"),
             Self::Limit(reason) => write!(f, "{reason}"),
         }
     }
 }
 
-/// What of a process's parameter `v` a rule's parameter follows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Seen {
-    Itself,
-    Inverse,
-    Square,
-}
-
-impl Seen {
-    fn of(self, v: f64) -> f64 {
-        match self {
-            Self::Itself => v,
-            Self::Inverse => 1.0 / v,
-            Self::Square => v * v,
-        }
-    }
-}
-
-/// How a rule's parameter follows a process's: `base + slope * w`, or `base + slope * exp(rate * w)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Way {
-    seen: Seen,
-    exponential: bool,
-    base: f64,
-    slope: f64,
-    rate: f64,
-}
-
-impl Way {
-    /// Finds it from values of the rule's parameter: `even` at evenly spaced values, `inverse` at values whose inverses are
-    /// evenly spaced, `others` anywhere.
-    fn find(even: &[(f64, f64)], inverse: &[(f64, f64)], others: &[(f64, f64)]) -> Option<Self> {
-        let all = || even.iter().chain(inverse).chain(others).filter(|(_, p)| p.is_finite());
-        let (low, high) = all().fold((f64::MAX, f64::MIN), |(l, h), (_, p)| (l.min(*p), h.max(*p)));
-        let (spread, largest) = (high - low, high.abs().max(low.abs()));
-        let off = |way: &Self| {
-            let miss = all().map(|(v, p)| (way.at(*v) - p).abs());
-            miss.fold(0.0, |m: f64, d| if d.is_nan() { f64::INFINITY } else { m.max(d) })
-        };
-        let candidates = [
-            Self::line(even, Seen::Itself),
-            Self::approach(even, Seen::Itself),
-            Self::line(inverse, Seen::Inverse),
-            Self::approach(inverse, Seen::Inverse),
-            Self::line(even, Seen::Square),
-        ];
-        let mut found: Vec<(f64, Self)> = candidates.into_iter().flatten().map(|w| (off(&w), w)).collect();
-        found.retain(|(off, _)| off.is_finite());
-        // Within what single precision leaves of it, the first that fits is meant. What processes compute on the way may have
-        // been rounded more coarsely than the result; then the best is.
-        let exact = 1e-5 * spread + 4e-7 * largest;
-        let first = found.iter().find(|(off, _)| *off <= exact);
-        let best = || found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(off, _)| *off <= 3e-3 * spread);
-        first.or_else(best).map(|(_, way)| *way)
-    }
-
-    fn line(at: &[(f64, f64)], seen: Seen) -> Option<Self> {
-        let (first, last) = (at.first()?, at.last()?);
-        let (w0, w1) = (seen.of(first.0), seen.of(last.0));
-        let slope = (last.1 - first.1) / (w1 - w0);
-        let base = first.1 - slope * w0;
-        // Rounding of single precision makes no offset.
-        let base = if base.abs() <= 1e-6 * last.1.abs().max(first.1.abs()) { 0.0 } else { base };
-        let slope = if base == 0.0 && (slope - 1.0).abs() < 1e-6 { 1.0 } else { slope };
-        Some(Self { seen, exponential: false, base, slope, rate: 0.0 })
-    }
-
-    fn approach(at: &[(f64, f64)], seen: Seen) -> Option<Self> {
-        let (first, last) = (at.first()?, at.last()?);
-        let middle = at.get(at.len() / 2)?;
-        let (w0, w1) = (seen.of(first.0), seen.of(middle.0));
-        let ratio = (last.1 - middle.1) / (middle.1 - first.1);
-        let rate = ratio.ln() / (w1 - w0);
-        let part = (first.1 - middle.1) / (1.0 - ratio);
-        let way = Self { seen, exponential: true, base: first.1 - part, slope: part * (-rate * w0).exp(), rate };
-        (ratio > 0.0 && ratio != 1.0 && way.base.is_finite() && way.slope.is_finite()).then_some(way)
-    }
-
-    fn at(&self, value: f64) -> f64 {
-        let w = self.seen.of(value);
-        self.base + self.slope * if self.exponential { (self.rate * w).exp() } else { w }
-    }
-
-    /// The rule's parameter where the process's is `value`, from the numbers of [`Way::numbers`].
-    fn node(&self, value: Node, numbers: &[Node]) -> Node {
-        let w = match self.seen {
-            Seen::Itself => value,
-            Seen::Inverse => Node::of(1.0) / value,
-            Seen::Square => value * value,
-        };
-        match numbers {
-            [base, slope, rate] => *base + *slope * (*rate * w).exp(),
-            [base, slope] => *base + *slope * w,
-            [slope] => *slope * w,
-            _ => w,
-        }
-    }
-
-    fn numbers(&self) -> Vec<f32> {
-        let all = [self.base, self.slope, self.rate].map(|v| v as f32);
-        let count = match (self.exponential, self.base == 0.0, self.slope == 1.0) {
-            (true, ..) => return all.to_vec(),
-            (false, true, true) => 0..0,
-            (false, true, false) => 1..2,
-            (false, false, _) => 0..2,
-        };
-        all[count].to_vec()
-    }
-
-    /// What ways have in common whose programs are the same.
-    fn shape(&self) -> (Seen, usize) {
-        (self.seen, self.numbers().len())
-    }
-}
-
-/// A parameter of a rule that a term decides.
-struct Link {
-    pass: usize,
-    param: usize,
-    term: usize,
-    way: Way,
-}
-
-/// What a program is made of: the rule, and its parameters' terms and shapes.
-type Key = (RuleKind, Vec<(usize, usize, (Seen, usize))>);
+/// What a program is made of: the rule, which of its parameters follow from which terms, and how.
+type Key = (RuleKind, Vec<usize>, Vec<usize>, Vec<Op>, Vec<Id>);
 
 /// All terms of a process in a step.
 #[derive(Debug, Default)]
@@ -344,39 +218,6 @@ pub struct Replaced {
     terms: Arc<Terms>,
     /// The process with numbers for all parameters.
     plain: Box<dyn Process>,
-    probes: OnceLock<Vec<Probes>>,
-}
-
-/// A process at several values of one of its parameters.
-struct Probes {
-    /// Evenly spaced, then with evenly spaced inverses, then anywhere.
-    values: [Vec<f64>; 3],
-    processes: Vec<Box<dyn Process>>,
-}
-
-impl Probes {
-    fn new(at: &Map<String, Value>, entry: &'static Entry<dyn Process>, name: &str, range: (f32, f32)) -> Self {
-        let usual = at.get(name).cloned().unwrap_or_else(|| (entry.defaults)()[name].clone()).as_f64().unwrap_or(0.0);
-        let (low, high) = (f64::from(range.0), f64::from(range.1));
-        let scale = if usual == 0.0 { (high - low).min(1.0) } else { usual.abs() };
-        let spaced = |from: f64, to: f64| (0..5).map(|i| from + (to - from) * f64::from(i) / 4.0).collect::<Vec<_>>();
-        let even = spaced((usual - scale).max(low), (usual + 2.0 * scale).min(high));
-        let inverse = if usual > 0.0 && 0.5 * usual >= low && 2.0 * usual <= high {
-            spaced(0.5 / usual, 2.0 / usual).into_iter().map(|w| 1.0 / w).collect()
-        } else {
-            Vec::new()
-        };
-        let ends = [low, high].into_iter().filter(|v| v.abs() <= 1e4 * scale).collect();
-        // The process keeps single precision; what it is asked at must be what it hears.
-        let values: [Vec<f64>; 3] =
-            [even, inverse, ends].map(|v: Vec<f64>| v.into_iter().map(|v| f64::from(v as f32)).collect());
-        let processes = values.iter().flatten().filter_map(|v| {
-            let mut parameters = at.clone();
-            parameters.insert(name.to_owned(), Value::from(*v));
-            (entry.make)(Value::Object(parameters)).ok()
-        });
-        Self { processes: processes.collect(), values }
-    }
 }
 
 impl fmt::Debug for Replaced {
@@ -400,11 +241,12 @@ impl Replaced {
     ) -> Result<Self, serde_json::Error> {
         let plain = (entry.make)(parameters.clone())?;
         let parameters = if let Value::Object(map) = parameters { map } else { Map::new() };
-        Ok(Self { entry, parameters, terms, plain, probes: OnceLock::new() })
+        Ok(Self { entry, parameters, terms, plain })
     }
 
-    fn varying(&self) -> impl Iterator<Item = (usize, &Arc<Term>)> {
-        self.terms.list.iter().enumerate().filter(|(_, t)| t.varies())
+    /// Terms that may differ from cell to cell.
+    fn varying(&self) -> impl Iterator<Item = &Arc<Term>> {
+        self.terms.list.iter().filter(|t| t.varies())
     }
 
     fn changes(&self) -> bool {
@@ -434,98 +276,42 @@ impl Replaced {
         what(made.as_deref().unwrap_or(&*self.plain))
     }
 
-    /// Which parameters of the plan's rules the varying terms decide.
-    fn links(&self, moment: &Moment, plan: &Plan) -> Result<Vec<Link>, (usize, Obstacle)> {
-        let made: Vec<Probes>;
-        let probes = if self.changes() {
-            made = self.make_probes(&self.numbers(moment));
-            &made
-        } else {
-            self.probes.get_or_init(|| self.make_probes(&self.parameters))
-        };
-        let mut links: Vec<Link> = Vec::new();
-        for ((number, _), probes) in self.varying().zip(probes) {
-            let before = links.len();
-            let plans: Vec<Plan> = probes.processes.iter().map(|p| planned(&**p, moment)).collect();
-            let fail = |obstacle| Err((number, obstacle));
-            if plans.len() != probes.values.iter().flatten().count() || plans.iter().any(|p| !alike(p, plan)) {
-                return fail(Obstacle::Structure);
-            }
-            let params: Vec<Vec<Vec<f32>>> =
-                plans.iter().map(|p| p.passes().iter().map(eyot_core::plan::Pass::params).collect()).collect();
-            for (i, pass) in plan.passes().iter().enumerate() {
-                for param in 0..pass.params().len() {
-                    let mut at = probes.values.iter().flatten().zip(&params).map(|(v, p)| (*v, f64::from(p[i][param])));
-                    let points: [Vec<(f64, f64)>; 3] =
-                        [0, 1, 2].map(|k| at.by_ref().take(probes.values[k].len()).collect());
-                    let first = points[0][0].1;
-                    if points.iter().flatten().all(|(_, p)| p.to_bits() == first.to_bits()) {
-                        continue;
-                    }
-                    if let Some(other) = links.iter().find(|l| (l.pass, l.param) == (i, param)) {
-                        return fail(Obstacle::Shared(self.terms.list[other.term].parameter.clone()));
-                    }
-                    let Some(way) = Way::find(&points[0], &points[1], &points[2]) else {
-                        return fail(Obstacle::Curved(pass.name()));
-                    };
-                    links.push(Link { pass: i, param, term: number, way });
-                }
-            }
-            if links.len() == before {
-                return fail(Obstacle::Unused);
-            }
-        }
-        Ok(links)
+    /// The plan of a step, and what it has recorded of the varying terms' parameters.
+    fn traced(&self, moment: &Moment) -> (Plan, Trace) {
+        let names: Vec<&str> = self.varying().map(|t| t.parameter.as_str()).collect();
+        self.now(moment, |process| Plan::traced(&names, |plan| process.plan(moment, plan)))
     }
 
-    fn make_probes(&self, at: &Map<String, Value>) -> Vec<Probes> {
-        self.varying().map(|(_, t)| Probes::new(at, self.entry, &t.parameter, t.range)).collect()
-    }
-
-    /// The program of a pass with its links, and its parameters.
-    fn program(
-        &self,
-        moment: &Moment,
-        pass: &eyot_core::plan::Pass,
-        links: &[&Link],
-    ) -> Result<(Arc<Program>, Vec<f32>)> {
-        let key = (pass.kind(), links.iter().map(|l| (l.param, l.term, l.way.shape())).collect());
+    /// The program of a pass some of whose parameters follow from terms, and its parameters.
+    fn program(&self, moment: &Moment, pass: &Pass, way: Way) -> Result<(Arc<Program>, Vec<f32>)> {
+        let varying: Vec<&Arc<Term>> = self.varying().collect();
+        let terms: Vec<&Arc<Term>> = way.sources.iter().map(|source| varying[*source]).collect();
         let mut params = pass.params();
-        for link in links {
-            params.extend(link.way.numbers());
-            params.extend(self.terms.list[link.term].values(moment));
-        }
+        params.extend(&way.numbers);
+        terms.iter().for_each(|term| params.extend(term.values(moment)));
+        let key = (pass.kind(), way.params, way.sources, way.graph.nodes.clone(), way.graph.outputs.clone());
         let mut programs = self.terms.programs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(program) = programs.get(&key) {
             return Ok((Arc::clone(program), params));
         }
         let graph = pass.graph();
         let (mut reads, mut names) = (graph.reads.clone(), graph.params.clone());
-        let own = names.len();
-        let mut slots = Vec::new();
-        for link in links {
-            let term = &self.terms.list[link.term];
-            let slot = |layer: &&'static str| {
-                reads.iter().position(|r| r == layer).unwrap_or_else(|| {
-                    reads.push(layer);
-                    reads.len() - 1
-                })
-            };
-            slots.push(term.graph.reads.iter().map(slot).collect::<Vec<usize>>());
-            for _ in 0..link.way.numbers().len() + term.given.len() {
-                names.push(intern(&format!("given_{}", names.len()))?);
-            }
+        let (own, numbers) = (names.len(), way.numbers.len());
+        while names.len() < params.len() {
+            names.push(intern(&format!("given_{}", names.len()))?);
         }
+        let slots: Vec<Vec<usize>> = terms.iter().map(|term| slots(&mut reads, &term.graph.reads)).collect();
         let graph = graph.with_parameters(reads, names, |cell, all| {
-            let (mut values, mut next) = (all[..own].to_vec(), own);
-            for (link, slots) in links.iter().zip(&slots) {
-                let term = &self.terms.list[link.term];
-                let numbers = &all[next..next + link.way.numbers().len()];
-                let given = &all[next + numbers.len()..][..term.given.len()];
-                next += numbers.len() + given.len();
-                let (value, _) = term.graph.evaluate(given, &Moved { cell, slots });
-                values[link.param] = link.way.node(value[0], numbers);
+            let (mut values, mut next) = (all[..own].to_vec(), own + numbers);
+            let mut inputs = Vec::new();
+            for (term, slots) in terms.iter().zip(&slots) {
+                let given = &all[next..next + term.given.len()];
+                next += given.len();
+                inputs.extend(term.graph.evaluate(given, &Moved { cell, slots }).0);
             }
+            inputs.extend(&all[own..own + numbers]);
+            let (found, _) = way.graph.evaluate(&inputs, cell);
+            key.1.iter().zip(found).for_each(|(param, value)| values[*param] = value);
             values
         });
         let program = Program::new(graph, pass.tallies().to_vec())?;
@@ -535,19 +321,19 @@ impl Replaced {
 
     /// The plan of a step, or which term cannot be a part of it.
     fn planned(&self, moment: &Moment) -> Result<Plan, (usize, Obstacle)> {
-        let plain = self.now(moment, |p| planned(p, moment));
         if self.is_lost(moment) {
-            return self.lost(plain);
+            return self.lost(self.now(moment, |p| planned(p, moment)));
         }
-        if self.varying().next().is_none() {
-            return Ok(plain);
+        let (plain, trace) = self.traced(moment);
+        if let Some(number) = trace.decided().first() {
+            return Err((*number, Obstacle::Structure));
         }
-        let links = self.links(moment, &plain)?;
         let mut instead = Vec::new();
         for (i, pass) in plain.passes().iter().enumerate() {
-            let here: Vec<&Link> = links.iter().filter(|l| l.pass == i).collect();
-            let program = (!here.is_empty()).then(|| self.program(moment, pass, &here)).transpose();
-            instead.push(program.map_err(|e| (here[0].term, Obstacle::Limit(e.to_string())))?);
+            let way = trace.way(i, pass.name());
+            let first = way.as_ref().map_or(0, |way| way.sources[0]);
+            let program = way.map(|way| self.program(moment, pass, way)).transpose();
+            instead.push(program.map_err(|e| (first, Obstacle::Limit(e.to_string())))?);
         }
         let mut plan = Plan::default();
         plan.append(plain, |i, _| instead[i].take());
@@ -574,28 +360,28 @@ impl Replaced {
     pub fn obstacle(&self, grid: &Grid) -> Option<(&str, Obstacle)> {
         let schema = (self.entry.schema)().to_value();
         let between = |t: &Term| schema["properties"][&t.parameter]["between_cells"].as_bool().unwrap_or(false);
-        if let Some((_, term)) = self.varying().find(|(_, t)| between(t)) {
+        if let Some(term) = self.varying().find(|t| between(t)) {
             return Some((&term.parameter, Obstacle::Between));
         }
-        let layers = |p: &dyn Process| p.layers().into_iter().map(|(s, v)| (s.name, v.to_bits())).collect::<Vec<_>>();
-        let moment = Moment { grid: *grid, step: 0, turn: 0, sea_level_m: 0.0 };
-        let sea = |p: &dyn Process| {
-            let mut moved = moment;
-            p.advance(&mut moved);
-            moved.sea_level_m.to_bits()
-        };
-        for ((_, term), probes) in self.varying().zip(self.make_probes(&self.parameters)) {
-            let same = |p: &dyn Process| layers(p) == layers(&*self.plain) && sea(p) == sea(&*self.plain);
-            if !probes.processes.iter().all(|p| same(&**p)) {
-                return Some((&term.parameter, Obstacle::Structure));
+        let varying: Vec<&Arc<Term>> = self.varying().collect();
+        varying.first()?;
+        let mut used = Vec::new();
+        // Angles and years begin anew after a while.
+        for step in MOMENTS {
+            let moment = Moment { grid: *grid, step, turn: step, sea_level_m: 0.0 };
+            let plain = Plain::of(self, &moment);
+            used.extend(plain.trace.used());
+            for (number, term) in varying.iter().enumerate() {
+                if !plain.values(number, term.range).iter().all(|value| plain.agrees(number, *value)) {
+                    return Some((&term.parameter, Obstacle::Structure));
+                }
+            }
+            if let Err((number, obstacle)) = self.planned(&moment) {
+                return Some((&varying[number].parameter, obstacle));
             }
         }
-        // Angles and years begin anew after a while: what is a straight line at first is none then.
-        let (number, obstacle) = MOMENTS.iter().find_map(|&step| {
-            let later = Moment { step, turn: step, ..moment };
-            self.planned(&later).err()
-        })?;
-        Some((&self.terms.list[number].parameter, obstacle))
+        let unused = (0..varying.len()).find(|number| !used.contains(number))?;
+        Some((&varying[unused].parameter, Obstacle::Unused))
     }
 
     /// Names of the parameters of a process that may differ from cell to cell, all others having their defaults.
@@ -639,23 +425,111 @@ pub fn of_schema(property: &Value) -> (String, (f32, f32)) {
     (unit, (bound("minimum", f32::MIN), bound("maximum", f32::MAX)))
 }
 
+/// Places of `wanted` among `reads`; what is missing there is added.
+fn slots(reads: &mut Vec<&'static str>, wanted: &[&'static str]) -> Vec<usize> {
+    let place = |layer: &&'static str| {
+        reads.iter().position(|r| r == layer).unwrap_or_else(|| {
+            reads.push(layer);
+            reads.len() - 1
+        })
+    };
+    wanted.iter().map(place).collect()
+}
+
+/// What a process does beside its plan: layers with the bits of their first values, needs, and the bits of the sea level after it.
+#[derive(PartialEq)]
+struct Beside(Vec<(String, u32)>, Vec<String>, u64);
+
+impl Beside {
+    fn of(process: &dyn Process, moment: &Moment) -> Self {
+        let layers = process.layers().into_iter().map(|l| (l.spec.name.to_string(), l.start.to_bits()));
+        let needs = process.needs().into_iter().map(|name| name.to_string());
+        let mut moved = *moment;
+        process.advance(&mut moved);
+        Self(layers.collect(), needs.collect(), moved.sea_level_m.to_bits())
+    }
+}
+
+/// A process with numbers for all parameters at a moment, and what it says of those that are to be expressions.
+struct Plain<'a> {
+    replaced: &'a Replaced,
+    moment: &'a Moment,
+    parameters: Map<String, Value>,
+    /// What the process does beside its plan.
+    beside: Option<Beside>,
+    plan: Plan,
+    trace: Trace,
+    /// The numbers of the varying terms' parameters.
+    usual: Vec<f32>,
+}
+
+impl<'a> Plain<'a> {
+    fn of(replaced: &'a Replaced, moment: &'a Moment) -> Self {
+        let (parameters, (plan, trace)) = (replaced.numbers(moment), replaced.traced(moment));
+        let defaults = (replaced.entry.defaults)();
+        let number = |t: &Arc<Term>| parameters.get(&t.parameter).unwrap_or(&defaults[&t.parameter]).as_f64();
+        let usual = replaced.varying().map(|t| number(t).unwrap_or(0.0) as f32).collect();
+        let process = (replaced.entry.make)(Value::Object(parameters.clone())).ok();
+        let beside = process.map(|process| Beside::of(&*process, moment));
+        Self { replaced, moment, parameters, beside, plan, trace, usual }
+    }
+
+    /// Values at which a process that decides something by a parameter is likely to decide otherwise.
+    fn values(&self, number: usize, (low, high): (f32, f32)) -> Vec<f32> {
+        let usual = self.usual[number];
+        let scale = if usual == 0.0 { (high - low).min(1.0) } else { usual.abs() };
+        let around = [-2.0, -1.0, 0.5, 0.93, 1.37, 2.0, 3.1, 10.0].map(|part| part * scale);
+        let all = around.into_iter().chain([0.0, low, high]);
+        all.map(|value| value.clamp(low, high)).filter(|value| value.abs() < 1e12).collect()
+    }
+
+    /// Whether the process with another number for a parameter does what the trace says.
+    fn agrees(&self, number: usize, value: f32) -> bool {
+        let name = self.replaced.varying().nth(number).map(|t| t.parameter.clone()).unwrap_or_default();
+        let mut parameters = self.parameters.clone();
+        parameters.insert(name, Value::from(f64::from(value)));
+        let Ok(process) = (self.replaced.entry.make)(Value::Object(parameters)) else { return false };
+        let plan = planned(&*process, self.moment);
+        let passes = self.plan.passes();
+        self.beside.as_ref() == Some(&Beside::of(&*process, self.moment))
+            && plan.passes().len() == passes.len()
+            && plan.passes().iter().enumerate().all(|(i, pass)| {
+                pass.kind() == passes[i].kind() && self.same(i, &passes[i], &pass.params(), number, value)
+            })
+    }
+
+    /// Whether a pass has the parameters that the trace gives it.
+    fn same(&self, i: usize, pass: &Pass, found: &[f32], number: usize, value: f32) -> bool {
+        let mut expected = pass.params();
+        if let Some(way) = self.trace.way(i, pass.name()) {
+            let input = |source: &usize| if *source == number { value } else { self.usual[*source] };
+            let inputs: Vec<f32> = way.sources.iter().map(input).chain(way.numbers).collect();
+            let (values, _) = way.graph.evaluate(&inputs, &Nowhere);
+            way.params.iter().zip(values).for_each(|(param, value)| expected[*param] = value);
+        }
+        // What the process computes in double precision, cells compute in single.
+        let close = |a: f32, b: f32| a == b || (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) || a.is_nan() && b.is_nan();
+        expected.iter().zip(found).all(|(a, b)| close(*a, *b))
+    }
+}
+
 fn planned(process: &dyn Process, moment: &Moment) -> Plan {
     let mut plan = Plan::default();
     process.plan(moment, &mut plan);
     plan
 }
 
-/// Whether two plans differ in parameters alone.
-fn alike(a: &Plan, b: &Plan) -> bool {
-    a.passes().len() == b.passes().len() && a.passes().iter().zip(b.passes()).all(|(a, b)| a.kind() == b.kind())
-}
-
 impl Process for Replaced {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<LayerUse> {
         let mut layers = self.plain.layers();
-        for layer in self.declared() {
-            layers.push((layer.spec.clone(), 0.0));
-        }
+        // What the process writes alone is read now if a term names it.
+        let named = |name: &str| self.terms.list.iter().any(|t| t.needs.iter().any(|n| *n == name));
+        layers.iter_mut().filter(|l| named(&l.spec.name)).for_each(|l| {
+            if l.access == Access::Write {
+                l.access = Access::Change;
+            }
+        });
+        layers.extend(self.declared().iter().map(|layer| layer.spec.clone().read(0.0)));
         layers
     }
 
@@ -667,7 +541,7 @@ impl Process for Replaced {
     }
 
     fn needs(&self) -> Vec<&'static str> {
-        let own: Vec<_> = self.plain.layers().into_iter().map(|(spec, _)| spec.name).collect();
+        let own: Vec<_> = self.plain.layers().into_iter().map(|l| l.spec.name).collect();
         let mut needs = self.plain.needs();
         needs.extend(self.terms.list.iter().flat_map(|t| &t.needs).filter(|n| !own.iter().any(|o| o == *n)));
         needs.sort_unstable();
@@ -691,8 +565,9 @@ impl Process for Replaced {
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
-        // `check` has found the ways, and they are the process's own: no later moment has others.
-        let planned = self.planned(moment).unwrap_or_else(|_| self.now(moment, |p| planned(p, moment)));
+        // `check` has found what cannot be planned. Should a later moment be one, its values are none rather than wrong ones.
+        let plain = || self.now(moment, |p| planned(p, moment));
+        let planned = self.planned(moment).or_else(|_| self.lost(plain())).unwrap_or_else(|_| plain());
         plan.append(planned, |_, _| None);
     }
 

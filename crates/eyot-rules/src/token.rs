@@ -1,6 +1,7 @@
 //! Words of an expression.
 
 use crate::mistake::Mistake;
+use eyot_core::text::number_length;
 use std::ops::Range;
 
 /// A word.
@@ -60,22 +61,4 @@ pub(crate) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, Mistake> 
     }
     out.push((Token::End, text.len()..text.len()));
     Ok(out)
-}
-
-/// Bytes of the number that a text begins with.
-fn number_length(text: &str) -> usize {
-    let bytes = text.as_bytes();
-    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
-    let mut n = digits(0);
-    if bytes.get(n) == Some(&b'.') {
-        n += 1 + digits(n + 1);
-    }
-    if matches!(bytes.get(n), Some(b'e' | b'E')) {
-        let sign = usize::from(matches!(bytes.get(n + 1), Some(b'+' | b'-')));
-        let exponent = digits(n + 1 + sign);
-        if exponent > 0 {
-            n += 1 + sign + exponent;
-        }
-    }
-    n
 }

@@ -77,7 +77,7 @@ impl Renderer {
         let device = gpu.device();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
-            source: wgpu::ShaderSource::Wgsl(shaders::PICTURE.into()),
+            source: wgpu::ShaderSource::Wgsl(shaders::picture().into()),
         });
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: both, ty, count: None };

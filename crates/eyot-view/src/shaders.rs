@@ -1,17 +1,20 @@
 //! The text of the shaders that draw.
 
 /// Drawing: every stage of a picture in one module.
-pub const PICTURE: &str = concat!(
-    include_str!("shaders/frame.wgsl"),
-    include_str!("shaders/noise.wgsl"),
-    include_str!("shaders/light.wgsl"),
-    include_str!("shaders/surface.wgsl"),
-    include_str!("shaders/water.wgsl"),
-    include_str!("shaders/terrain.wgsl"),
-    include_str!("shaders/sea.wgsl"),
-    include_str!("shaders/block.wgsl"),
-    include_str!("shaders/backdrop.wgsl"),
-);
+pub fn picture() -> String {
+    [
+        include_str!("shaders/frame.wgsl"),
+        eyot_noise::picture::WGSL,
+        include_str!("shaders/light.wgsl"),
+        include_str!("shaders/surface.wgsl"),
+        include_str!("shaders/water.wgsl"),
+        include_str!("shaders/terrain.wgsl"),
+        include_str!("shaders/sea.wgsl"),
+        include_str!("shaders/block.wgsl"),
+        include_str!("shaders/backdrop.wgsl"),
+    ]
+    .concat()
+}
 
 /// From cells to the maps that pictures read.
 pub const MAPS: &str = include_str!("shaders/maps.wgsl");

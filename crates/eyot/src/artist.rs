@@ -4,10 +4,11 @@ use crate::backend::{io, render};
 use crate::engines::{EngineChoice, EngineOptions};
 use crate::error::RunError;
 use crate::keys::View;
-use crate::need;
-use crate::outputs::{stopped, view_options};
-use crate::store::{self, Subject};
+use crate::outputs::{run_error, stopped};
+use crate::store::Subject;
 use eyot_core::{Control, Limits, World};
+use eyot_export::estimate;
+use eyot_export::pictures::{check_picture_name, view_options};
 use eyot_gpu::{Gpu, GpuError, blocking};
 use eyot_render::{Camera, LayerColours, MapOptions, Picture, Stage};
 use eyot_view::{Renderer, Scene};
@@ -129,8 +130,8 @@ impl ViewRenderer {
 impl Backend {
     fn cpu(world: &World, s: &ViewRequest, limits: &Limits, control: &Control<'_>) -> Result<Self, RunError> {
         let fail = |e: eyot_core::Error| stopped(e);
-        let bytes = need::picture(&world.grid, &s.view, Subject::View);
-        need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY).map_err(fail)?;
+        let bytes = estimate::picture(&world.grid, &s.view, Subject::View);
+        estimate::check("this picture", world, bytes, limits, estimate::PICTURE_REMEDY).map_err(fail)?;
         let options = view_options(&s.view);
         let worn = match &s.drape {
             Some(layer) => Some(LayerColours::new(world, layer, &MapOptions::default()).map_err(fail)?),
@@ -147,8 +148,8 @@ impl Backend {
         let gpu = blocking::open(&s.engine.adapter())?;
         // Cells and nodes take less than for rays; a pixel has four samples of colour and depth, and is read back.
         let pixels = s.view.size.iter().map(|n| u128::from(*n)).product::<u128>();
-        let bytes = need::picture(&world.grid, &s.view, Subject::View) + 47 * pixels;
-        need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY)?;
+        let bytes = estimate::picture(&world.grid, &s.view, Subject::View) + 47 * pixels;
+        estimate::check("this picture", world, bytes, limits, estimate::PICTURE_REMEDY)?;
         let mut renderer = Renderer::new(&gpu)?;
         renderer.reserve(&gpu, s.view.size)?;
         let options = view_options(&s.view);
@@ -175,7 +176,7 @@ pub struct Drawn {
 /// If `path` has another extension than `.png` or cannot be written, which is found out first, there is no such layer or
 /// adapter, or the picture exceeds the limits.
 pub fn draw_view(world: &World, request: &ViewRequest, path: &Path, limits: &Limits) -> Result<Drawn, RunError> {
-    store::check_picture_name(path)?;
+    check_picture_name(path).map_err(run_error)?;
     let control = Control::none();
     let mut renderer = ViewRenderer::new(world, request, limits, &control)?;
     let camera = renderer.stage().camera(&view_options(&request.view));

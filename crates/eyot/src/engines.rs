@@ -2,9 +2,10 @@
 
 use crate::backend::io;
 use crate::error::RunError;
-use eyot_core::engine::CpuEngine;
+use eyot_core::engine::{CpuEngine, CpuRunner, Engine as _};
 use eyot_core::isa::Isa;
-use eyot_core::process::{Scheduled, Span};
+use eyot_core::process::Span;
+use eyot_core::stepper::Simulation;
 use eyot_core::{Control, Error, Grid, Limits, World};
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use serde::{Deserialize, Serialize};
@@ -39,7 +40,7 @@ pub struct EngineOptions {
 
 impl EngineOptions {
     /// The adapter that these options mean.
-    pub(crate) fn adapter(&self) -> Choice {
+    pub fn adapter(&self) -> Choice {
         match (&self.adapter, self.choice) {
             (Some(name), _) => Choice::Named(name.clone()),
             (None, EngineChoice::Auto) => Choice::Hardware,
@@ -50,7 +51,7 @@ impl EngineOptions {
 
 /// Carries out plans.
 pub(crate) enum Engine {
-    Cpu(CpuEngine),
+    Cpu(CpuRunner),
     Gpu(Box<GpuEngine>),
 }
 
@@ -74,7 +75,7 @@ impl From<GpuError> for Failure {
 impl Engine {
     /// The processor.
     pub(crate) fn cpu(limits: Limits) -> Self {
-        Self::Cpu(CpuEngine { limits, ..CpuEngine::default() })
+        Self::Cpu(CpuEngine { limits, ..CpuEngine::default() }.runner())
     }
 
     /// The engine that the options ask for, and what to say if it is not the one that was wanted first.
@@ -95,16 +96,16 @@ impl Engine {
     /// What is at work, for people.
     pub(crate) fn name(&self) -> String {
         match self {
-            Self::Cpu(e) => format!("cpu ({})", e.isa.name()),
-            Self::Gpu(e) => format!("gpu ({})", e.gpu().name()),
+            Self::Cpu(e) => e.name(),
+            Self::Gpu(e) => e.name(),
         }
     }
 
     /// What the bytes of a result depend on: the processor gives the same with all its instruction sets.
     pub(crate) fn kind(&self) -> String {
         match self {
-            Self::Cpu(_) => "cpu".to_owned(),
-            Self::Gpu(_) => self.name(),
+            Self::Cpu(e) => e.kind(),
+            Self::Gpu(e) => e.kind(),
         }
     }
 
@@ -116,25 +117,26 @@ impl Engine {
         }
     }
 
-    /// See [`CpuEngine::simulate`]. On a graphics card layers and ledger of the world are out of date afterwards.
+    /// See [`Simulation::advance`]. On a graphics card layers and ledger of the world are out of date afterwards.
     pub(crate) fn simulate(
         &mut self,
         world: &mut World,
-        scheduled: &[Scheduled],
+        simulation: &mut Simulation,
         span: Span,
         control: &Control<'_>,
     ) -> Result<(), Failure> {
         match self {
-            Self::Cpu(e) => e.simulate(world, scheduled, span, control).map_err(Failure::Work),
-            Self::Gpu(e) => e.simulate(world, scheduled, span, control).map_err(Failure::from),
+            Self::Cpu(e) => simulation.advance(e, world, span, control),
+            Self::Gpu(e) => simulation.advance(&mut **e, world, span, control),
         }
+        .map_err(|e| Failure::from(GpuError::from(e)))
     }
 
     /// Brings the world's layers and its ledger up to date.
-    pub(crate) fn bring_back(&mut self, world: &mut World) -> Result<(), Failure> {
+    pub(crate) fn download(&mut self, world: &mut World) -> Result<(), Failure> {
         match self {
             Self::Cpu(_) => Ok(()),
-            Self::Gpu(e) => e.bring_back(world).map_err(Failure::from),
+            Self::Gpu(e) => e.download(world).map_err(Failure::from),
         }
     }
 
@@ -169,14 +171,17 @@ impl Engine {
 }
 
 /// A graphics card, with the pipelines that earlier processes compiled.
-pub(crate) fn card(options: &EngineOptions, how: Options) -> Result<GpuEngine, GpuError> {
+///
+/// # Errors
+/// If there is no such adapter, or it cannot run the engine.
+pub fn card(options: &EngineOptions, how: Options) -> Result<GpuEngine, GpuError> {
     let gpu = blocking::open(&options.adapter())?;
     let cache = cache_file(&gpu).and_then(|path| std::fs::read(path).ok());
     GpuEngine::new(gpu, how, cache.as_deref())
 }
 
 /// Keeps compiled pipelines for the next process. Only a convenience: what cannot be kept is compiled again.
-pub(crate) fn keep_pipelines(e: &GpuEngine) {
+pub fn keep_pipelines(e: &GpuEngine) {
     let (Some(path), Some(data)) = (cache_file(e.gpu()), e.cache_data()) else { return };
     if std::fs::metadata(&path).is_ok_and(|m| m.len() == data.len() as u64) {
         return;
@@ -190,7 +195,7 @@ pub(crate) fn keep_pipelines(e: &GpuEngine) {
 }
 
 /// Instruction set of the CPU engine.
-pub(crate) fn isa() -> Isa {
+pub fn isa() -> Isa {
     CpuEngine::default().isa
 }
 

@@ -1,12 +1,13 @@
 //! What goes into a run and what comes out of it.
 
 use eyot_core::{Ledger, World};
+use eyot_recipe::Change;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What a client may ask of a run. Commands take effect between two steps.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Command {
     /// Wait after the present step.
@@ -15,8 +16,8 @@ pub enum Command {
     Resume,
     /// Do so many steps, then wait.
     Step(u64),
-    /// Change a parameter of the simulating step that is under way: `hydraulic.rain=0.004`.
-    Set(String),
+    /// Change a parameter of the simulating step that is under way.
+    Change(Change),
     /// Send the world as it is.
     Snapshot,
     /// Go back to the last recorded frame that has at most so many steps of simulation done. Later frames stay until the run

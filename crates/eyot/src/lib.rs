@@ -40,25 +40,18 @@ pub use eyot_view as view;
 
 mod artist;
 mod backend;
-pub mod bench;
-pub mod bench_gpu;
-mod bench_rule;
 mod clock;
 pub mod convert;
-pub mod doctor;
-mod drive;
-mod engines;
+pub mod engines;
 mod error;
 mod event;
-mod exports;
 pub mod film;
-mod import;
 mod lock;
-mod need;
 mod outputs;
 mod registry;
 mod run;
 pub mod serve;
+pub mod session;
 mod state;
 pub mod store;
 mod stream;
@@ -70,6 +63,7 @@ pub use engines::{EngineChoice, EngineOptions};
 pub use error::{RunError, shell_word};
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
+pub use eyot_export::Import;
 pub use eyot_io::timeline::Record;
 pub use eyot_recipe::{
     Actor, BuiltIn, Bytes, Change, Choice, Citation, Citations, Description, Diagnostic, Export, ExportFormat,
@@ -77,9 +71,9 @@ pub use eyot_recipe::{
     RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, Work, all_citations, cite, describe,
     keys, merge, nearest, recipe_schema,
 };
-pub use import::Import;
 pub use registry::{Registry, component_kinds};
-pub use run::{Handle, Outcome, Remote, Run, RunOptions};
+pub use run::{Handle, Remote, Run, RunOptions};
+pub use session::Outcome;
 pub use stream::{OVERVIEW, Stream};
 pub use timeline::Timeline;
 pub use watch::{Look, Watch, Watcher};

@@ -1,16 +1,14 @@
 //! The files of a finished run.
 
-use crate::backend::io::{self, checkpoint};
-use crate::backend::{self, render};
 use crate::error::RunError;
 use crate::event::Event;
-use crate::exports::{self, Source};
-use crate::keys::{Export, View};
-use crate::need;
-use crate::recipe::Recipe;
 use crate::state::State;
-use crate::store::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, Subject, WORLD_FILE};
+use crate::store::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_core::{Control, Error, Limits, World};
+use eyot_export::pictures::draw;
+use eyot_export::{ExportError, Job, Source, Subject, corals, estimate, write_text};
+use eyot_io::{self as io, Origin, checkpoint};
+use eyot_recipe::{Export, Recipe};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -54,7 +52,7 @@ impl Outputs<'_> {
                 continue;
             }
             let before = written.len();
-            match self.export(export, &mut written) {
+            match self.export(export, state, &mut written) {
                 // The others are wanted all the same.
                 Err(RunError::Export(reason)) => {
                     written.truncate(before);
@@ -69,16 +67,16 @@ impl Outputs<'_> {
             let preview =
                 if view.from_above { Subject::ReliefAt(view.size[0].max(view.size[1])) } else { Subject::View };
             for (name, subject) in [(PREVIEW_FILE, preview), (RELIEF_FILE, Subject::Relief)] {
-                let path = self.begin(self.out.join(name), &mut written)?;
+                let path = self.begin(self.out.join(name), &mut written).map_err(run_error)?;
                 let picture = draw(world, view, subject, self.limits, self.control).map_err(stopped)?;
                 io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
             }
         }
-        let path = self.begin(self.out.join(REPORT_FILE), &mut written)?;
+        let path = self.begin(self.out.join(REPORT_FILE), &mut written).map_err(run_error)?;
         let report = self.report(state, &written);
         let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
         text.push('\n');
-        backend::write_text(&path, &text).map_err(RunError::file)?;
+        write_text(&path, &text).map_err(RunError::file)?;
         if state.streamed {
             self.remove(CHECKPOINT_FILE)?;
         }
@@ -95,7 +93,7 @@ impl Outputs<'_> {
             return self.remove(WORLD_FILE);
         }
         let value = serde_json::to_value(state.without_times()).map_err(|e| RunError::Fault(e.to_string()))?;
-        let path = self.begin(self.out.join(WORLD_FILE), written)?;
+        let path = self.begin(self.out.join(WORLD_FILE), written).map_err(run_error)?;
         let checkpoint = self.out.join(CHECKPOINT_FILE);
         checkpoint::save(&checkpoint, self.world, &self.recipe.source.text, &value).map_err(RunError::file)?;
         self.remove(REPORT_FILE)?;
@@ -129,14 +127,14 @@ impl Outputs<'_> {
         }
     }
 
-    fn begin(&self, path: PathBuf, written: &mut Vec<PathBuf>) -> Result<PathBuf, RunError> {
-        self.control.check().map_err(stopped)?;
+    fn begin(&self, path: PathBuf, written: &mut Vec<PathBuf>) -> Result<PathBuf, ExportError> {
+        self.control.check().map_err(ExportError::stopped)?;
         (self.tell)(Event::Writing { path: path.clone() });
         written.push(path.clone());
         Ok(path)
     }
 
-    fn export(&self, export: &Export, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+    fn export(&self, export: &Export, state: &State, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
         let (world, recipe) = (self.world, self.recipe);
         let known = |l: &str| world.get(l).is_some() || export.knows(l);
         for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
@@ -144,21 +142,27 @@ impl Outputs<'_> {
             (self.tell)(Event::Warning { message });
         }
         let what = format!("`{}`", export.files()[0]);
-        let bytes = need::export(&world.grid, export, self.limits);
-        need::check(&what, world, bytes, self.limits, need::EXPORT_REMEDY).map_err(RunError::file)?;
-        let mut job = exports::Job {
+        let bytes = estimate::export(&world.grid, export, self.limits);
+        estimate::check(&what, world, bytes, self.limits, estimate::EXPORT_REMEDY).map_err(RunError::file)?;
+        let mut job = Job {
             world,
             source: self.source,
-            corals: exports::corals_of(recipe),
+            corals: corals::of(recipe),
             name: &recipe.name,
             out: self.out,
-            attributes: exports::origin(world, &recipe.name, Some(&recipe.source.text), self.clock),
+            attributes: Origin {
+                name: &recipe.name,
+                recipe: Some(&recipe.source.text),
+                seconds_per_step: self.clock,
+                engines: &state.engines,
+            }
+            .attributes(world),
             limits: self.limits,
             control: self.control,
             begin: &mut |path| self.begin(path, written),
             note: &|message| (self.tell)(Event::Warning { message }),
         };
-        exports::write(&mut job, export)
+        eyot_export::write(&mut job, export).map_err(run_error)
     }
 
     fn report(&self, state: &State, written: &[PathBuf]) -> Value {
@@ -205,65 +209,18 @@ fn former_outputs(out: &Path) -> Vec<String> {
     names.into_iter().flatten().filter_map(Value::as_str).filter(plain).map(str::to_owned).collect()
 }
 
-/// Draws a picture as the options say.
-pub(crate) fn draw(
-    world: &World,
-    options: &View,
-    subject: Subject<'_>,
-    limits: &Limits,
-    control: &Control<'_>,
-) -> eyot_core::Result<render::Picture> {
-    let bytes = need::picture(&world.grid, options, subject);
-    need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY)?;
-    match subject {
-        Subject::View => render::perspective_controlled(world, &view_options(options), control),
-        Subject::Relief => render::relief_controlled(world, &relief_options(options, None), control),
-        Subject::ReliefAt(n) => render::relief_controlled(world, &relief_options(options, Some(n)), control),
-        Subject::Layer(name) => render::layer_map(world, name, &map_options(name)),
-    }
-}
-
-/// How a layer is mapped: classes by their names and colours, wind with arrows.
-pub(crate) fn map_options(layer: &str) -> render::MapOptions {
-    let arrows = ["wind_x", "wind_y"];
-    render::MapOptions {
-        classes: eyot_climate::zones::classes(layer),
-        arrows: arrows.contains(&layer).then_some(arrows),
-        ..Default::default()
-    }
-}
-
-/// What the view of a recipe is to the camera.
-pub(crate) fn view_options(v: &View) -> render::ViewOptions {
-    let d = render::ViewOptions::default();
-    render::ViewOptions {
-        width: v.size[0] as usize,
-        height: v.size[1] as usize,
-        azimuth_deg: v.azimuth.unwrap_or(d.azimuth_deg),
-        elevation_deg: v.elevation.or(d.elevation_deg),
-        distance: v.distance.or(d.distance),
-        field_of_view_deg: v.field_of_view.unwrap_or(d.field_of_view_deg),
-        vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
-        sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
-        sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
-        ..d
-    }
-}
-
-/// What the view of a recipe is to a relief: its longer side bounds the relief's, unless that is given.
-pub(crate) fn relief_options(v: &View, size: Option<u32>) -> render::ReliefOptions {
-    let d = render::ReliefOptions::default();
-    render::ReliefOptions {
-        vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
-        max_size: v.size[0].max(v.size[1]) as usize,
-        size: size.map(|n| n as usize),
-        sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
-        sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
-        ..d
-    }
-}
-
 /// Errors of work that can be stopped.
 pub(crate) fn stopped(e: Error) -> RunError {
-    if matches!(e, Error::Cancelled(_)) { RunError::Stopped } else { RunError::file(e) }
+    run_error(ExportError::stopped(e))
+}
+
+/// An export's error as a run's.
+pub(crate) fn run_error(e: ExportError) -> RunError {
+    match e {
+        ExportError::Input { reason, help } => RunError::Input { reason, help },
+        ExportError::Values(reason) => RunError::Export(reason),
+        ExportError::Folder { path, source } => RunError::Folder { path, source },
+        ExportError::Stopped => RunError::Stopped,
+        other => RunError::file(other),
+    }
 }

@@ -1,12 +1,14 @@
 //! Every generator and process that comes with Eyot, in one place.
 
-use crate::import::{Files, IMPORT};
-use crate::need::Outputs;
+use crate::stream::streamed_memory;
 use eyot_climate::PROCESSES as CLIMATE;
 use eyot_core::ComponentKinds;
 use eyot_core::process::{Entry, Generator, Process};
+use eyot_core::{Grid, Limits, Result};
+use eyot_export::{Files, IMPORT, estimate};
 use eyot_land::{generate::GENERATORS, simulate::PROCESSES};
 use eyot_plates::PROCESSES as TECTONICS;
+use eyot_recipe::{Estimator, Export, Step, Streamed, View};
 use std::ops::{Deref, DerefMut};
 
 /// The generators and processes that a recipe may use, with the files of this machine and the costs of Eyot's own exports.
@@ -49,7 +51,24 @@ impl DerefMut for Registry {
     }
 }
 
+/// What outputs of Eyot's recipes cost.
+pub(crate) struct Outputs;
+
+impl Estimator for Outputs {
+    fn pictures(&self, grid: &Grid, view: &View) -> u128 {
+        estimate::pictures(grid, view)
+    }
+
+    fn export(&self, grid: &Grid, export: &Export, limits: &Limits) -> u128 {
+        estimate::export(grid, export, limits)
+    }
+
+    fn streamed(&self, steps: &[Step], grid: &Grid) -> Result<Option<Streamed>> {
+        streamed_memory(steps, grid).map(Some)
+    }
+}
+
 /// Every kind of components that the processes of this program keep in worlds.
 pub fn component_kinds() -> ComponentKinds {
-    ComponentKinds::core()
+    ComponentKinds::core().with(eyot_plates::COMPONENTS).with(eyot_reef::COMPONENTS)
 }

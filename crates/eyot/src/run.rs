@@ -1,24 +1,32 @@
-//! A run: a thread that works, commands that go in and events that come out.
+//! A run: a [`Session`] with a thread, a thread pool and a folder of its own, commands that go in and events that come out.
+
+mod streamed;
 
 use crate::backend::io::{self, timeline::Record};
-use crate::drive::Driver;
 use crate::engines::EngineOptions;
 use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
 use crate::lock::FolderLock;
-use crate::process_set;
-use crate::recipe::{ProcessUse, Recipe, Work};
+use crate::outputs::Outputs;
+use crate::recipe::Recipe;
 use crate::registry::Registry;
+use crate::session::files::{REPORT_FILE, TIMELINE_STORE, unfinished};
+use crate::session::frames::stopped;
+use crate::session::{self, Budget, Clock, Events, Host, NewBranch, Outcome, Results, Session, SessionOptions, Status};
 use crate::state::State;
-use crate::store::{self, REPORT_FILE, TIMELINE_STORE};
 use crate::stream::{self, Stream};
 use crate::timeline;
 use crate::watch::Watcher;
 use eyot_core::{Cancel, Limits, World};
+use eyot_io::storage::{Folder, Storage};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
+
+/// A paused run looks this often whether something is due.
+const LOOK: Duration = Duration::from_secs(1);
 
 /// What a run needs to know that does not change a byte of the result.
 #[derive(Clone, Debug)]
@@ -68,19 +76,20 @@ impl Default for RunOptions {
     }
 }
 
-/// How a run ended.
-#[derive(Debug)]
-pub struct Outcome {
-    /// The world in its last state; of a streamed run, an overview in coarser cells.
-    pub world: World,
-    /// Fingerprint of the whole world.
-    pub fingerprint: u64,
-    /// False if the run was stopped.
-    pub finished: bool,
-    /// The files that were written; the checkpoint if the run was stopped.
-    pub outputs: Vec<PathBuf>,
-    /// Commands that changed the bytes.
-    pub journal: Vec<JournalEntry>,
+impl RunOptions {
+    /// What of it concerns the session.
+    fn session(&self) -> SessionOptions {
+        SessionOptions {
+            checkpoint_every: self.checkpoint_every,
+            chunk: self.chunk,
+            limits: self.limits,
+            engine: self.engine.clone(),
+            paused: self.paused,
+            replay: self.replay.clone(),
+            record: self.record,
+            watch: self.watch.clone(),
+        }
+    }
 }
 
 /// The entry point to runs.
@@ -154,21 +163,7 @@ impl Run {
     /// If the options ask for a streamed run, or one in one piece, or a recording, and it cannot be, or if the commands to be
     /// given again do not fit the recipe.
     pub fn check(recipe: &Recipe, options: &RunOptions) -> Result<bool, RunError> {
-        let mut steps: Vec<(usize, Vec<ProcessUse>)> = Vec::new();
-        for step in recipe.enabled_steps() {
-            if let Work::Simulate(work) = &step.work {
-                steps.push((step.number, work.processes.clone()));
-            }
-        }
-        for entry in &options.replay {
-            let misfit = |reason: String| RunError::Replay { set: entry.set.clone(), step: entry.recipe_step, reason };
-            let Some((_, uses)) = steps.iter_mut().find(|(number, _)| *number == entry.recipe_step) else {
-                return Err(misfit("this recipe simulates nothing there".to_owned()));
-            };
-            process_set::apply(uses, &entry.set, &Registry::standard(), &recipe.grid, &|_| true)
-                .map_err(|p| misfit(p.to_string()))?;
-        }
-        timeline::check(recipe, options)?;
+        session::check(recipe, &options.session(), &Registry::standard(), options.out.is_some())?;
         stream::chosen(recipe, options)
     }
 
@@ -181,11 +176,12 @@ impl Run {
         let streamed = Self::check(&recipe, &options)?;
         let lock = options.out.as_deref().map(prepare_folder).transpose()?;
         if let Some(out) = &options.out {
-            while let Some(left) = store::unfinished(out) {
+            let storage = storage_of(out);
+            while let Some(left) = unfinished(&*storage) {
                 if !options.restart {
                     return Err(RunError::Unfinished { folder: out.clone() });
                 }
-                std::fs::remove_file(&left).map_err(|source| RunError::Folder { path: left, source })?;
+                storage.remove(left).map_err(RunError::file)?;
             }
         }
         let mut warnings = Vec::new();
@@ -196,7 +192,7 @@ impl Run {
         world.sea_level_m = recipe.sea_level_m;
         world.georeference = recipe.georeference.clone();
         let state = State { streamed, ..State::new(&recipe, options.replay.clone()) };
-        launch(recipe, options, world, state, lock, warnings)
+        launch(recipe, options, &Registry::standard(), world, state, lock, warnings)
     }
 
     /// Continues a stopped run at the exact step: that of its checkpoint, or of the last recorded frame if it is later.
@@ -211,22 +207,10 @@ impl Run {
         }
         // Before looking: what a run at work leaves is not for others to continue.
         let lock = prepare_folder(folder)?;
-        let path = store::unfinished(folder).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
-        let damaged = |reason: String| RunError::Checkpoint { folder: folder.to_owned(), reason };
+        let storage = storage_of(folder);
+        let name = unfinished(&*storage).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
         let mut warnings = Vec::new();
-        let (saved, state) =
-            timeline::latest(folder, &path, &options.limits, registry.components(), &mut warnings).map_err(damaged)?;
-        let recipe = state.recipe(saved.recipe_toml, state.overrides.clone(), registry, &options.limits)?;
-        timeline::fits(&recipe, &saved.world, &state)
-            .map_err(|e| damaged(format!("`{}` does not fit its recipe: {e}", path.display())))?;
-        if saved.engine_version != crate::VERSION {
-            let message = format!(
-                "the checkpoint was written by version {}, this is {}; the result may differ from a run in one piece",
-                saved.engine_version,
-                crate::VERSION
-            );
-            warnings.push(message);
-        }
+        let (recipe, world, state) = stopped(&storage, name, &options.limits, registry, &mut warnings)?;
         if state.streamed && options.watch.is_some() {
             return Err(RunError::Input {
                 reason: format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
@@ -235,11 +219,11 @@ impl Run {
         }
         let stream = if state.streamed { Stream::Always } else { options.stream };
         let options = RunOptions { out: Some(folder.to_owned()), stream, ..options };
-        timeline::check(&recipe, &options)?;
+        session::frames::check(&recipe, &options.session(), true)?;
         if state.streamed {
             stream::chosen(&recipe, &options)?;
         }
-        launch(recipe, options, saved.world, state, Some(lock), warnings)
+        launch(recipe, options, registry, world, state, Some(lock), warnings)
     }
 }
 
@@ -263,6 +247,7 @@ fn prepare_folder(folder: &Path) -> Result<FolderLock, RunError> {
 fn launch(
     recipe: Recipe,
     options: RunOptions,
+    registry: &Registry,
     world: World,
     state: State,
     lock: Option<FolderLock>,
@@ -276,32 +261,102 @@ fn launch(
         .map_err(|e| RunError::Threads { threads, reason: e.to_string() })?;
     let (commands, inbox) = channel();
     let (outbox, events) = channel();
-    let cancel = Cancel::default();
-    let remote = Remote { commands, cancel: cancel.clone() };
     for message in warnings {
         // The receiver is alive: it is returned below.
         let _ = outbox.send(Event::Warning { message });
     }
+    let last = Arc::new(Mutex::new(None));
+    let host = Host {
+        events: pass_on(outbox.clone(), last.clone()),
+        storage: options.out.as_deref().map(storage_of),
+        outputs: options.out.clone().map(|out| Arc::new(FolderOutputs(out)) as Arc<dyn session::Outputs>),
+        branches: options.out.clone().map(|out| Arc::new(FolderBranches(out)) as Arc<dyn session::Branches>),
+        ..Host::new(registry, Clock::system())
+    };
+    let cancel = Cancel::default();
+    let remote = Remote { commands, cancel: cancel.clone() };
     let thread = std::thread::Builder::new()
         .name("eyot-run".to_owned())
         .spawn(move || {
-            let driver = Driver::new(recipe, options, world, state, inbox, outbox.clone(), cancel);
-            let result = pool.install(|| driver.drive());
+            let result = pool.install(|| {
+                if state.streamed {
+                    streamed::run(recipe, &options, host, world, state, inbox, cancel)
+                } else {
+                    let session = Session::at(recipe, options.session(), host, world, state).stopped_by(cancel);
+                    drive(session, &inbox)
+                }
+            });
             // Released before the client hears of the end, so that it may start the next run at once.
             drop(lock);
-            let last = match &result {
-                Ok(o) if o.outcome.finished => Event::Done {
-                    outputs: o.outcome.outputs.clone(),
-                    fingerprint: format!("{:016x}", o.outcome.fingerprint),
-                    seconds: o.seconds,
-                },
-                Ok(o) => Event::Stopped { checkpoint: o.outcome.outputs.first().cloned() },
-                Err(e) => Event::Failed { message: e.to_string(), help: e.help() },
-            };
-            // The client may have gone; the result is then nobody's.
-            let _ = outbox.send(last);
-            result.map(|o| o.outcome)
+            if let Some(event) = last.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                // The client may have gone; the result is then nobody's.
+                let _ = outbox.send(event);
+            }
+            result
         })
         .map_err(|e| RunError::Threads { threads: threads.max(1), reason: e.to_string() })?;
     Ok(Handle { remote, events, thread })
+}
+
+/// Passes events on, but for the last one, which is kept until the folder is free.
+fn pass_on(outbox: Sender<Event>, last: Arc<Mutex<Option<Event>>>) -> Events {
+    Events::listener(move |event| {
+        if event.is_last() {
+            *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(event);
+        } else {
+            // A client that has gone does not stop a run; its files are still wanted.
+            let _ = outbox.send(event);
+        }
+    })
+}
+
+/// Advances a session to its end, and waits for commands where it is paused.
+fn drive(mut session: Session, inbox: &Receiver<Command>) -> Result<Outcome, RunError> {
+    loop {
+        inbox.try_iter().for_each(|command| session.command(command));
+        match session.advance(Budget::Piece)? {
+            Status::Working => {}
+            Status::Paused => session.command(match inbox.recv_timeout(LOOK) {
+                Ok(command) => command,
+                Err(RecvTimeoutError::Timeout) => continue,
+                // Nobody is left who could let it go on.
+                Err(RecvTimeoutError::Disconnected) => Command::Stop,
+            }),
+            Status::Finished | Status::Stopped | Status::Failed => break,
+        }
+    }
+    session.into_outcome().ok_or_else(|| RunError::Fault("it ended without a result".to_owned()))
+}
+
+fn storage_of(folder: &Path) -> Arc<dyn Storage> {
+    Arc::new(Folder::new(folder))
+}
+
+/// Writes the results of a session into a folder.
+struct FolderOutputs(PathBuf);
+
+impl session::Outputs for FolderOutputs {
+    fn write(&self, results: &Results<'_>) -> Result<Vec<PathBuf>, RunError> {
+        let outputs = Outputs {
+            recipe: results.recipe,
+            world: results.world,
+            source: results.world,
+            fingerprint: results.fingerprint,
+            clock: results.clock,
+            out: &self.0,
+            limits: results.limits,
+            control: results.control,
+            tell: results.tell,
+        };
+        outputs.write(results.state, &mut |_| {})
+    }
+}
+
+/// Puts branches into folders beside that of the run.
+struct FolderBranches(PathBuf);
+
+impl session::Branches for FolderBranches {
+    fn begin(&self, new: &NewBranch<'_>) -> Result<(), RunError> {
+        timeline::branch_off(new.recording, &self.0, new.frame, new.saved, new.state, new.out)
+    }
 }

@@ -33,9 +33,9 @@ fn assert_tidy(out: &Path, what: &str) {
 /// Goes on where a killed run left off, or runs again if it left nothing, which the command has to say.
 /// True if there was something to go on from.
 fn go_on(folder: &Path, start: &[&str], threads: &str) -> bool {
-    let o = eyot(folder, &["resume", "out", "--quiet", "--threads", threads]).output().expect("the command starts");
+    let o = eyot(folder, &["resume", "out", "--threads", threads]).output().expect("the command starts");
     if o.status.success() {
-        return true;
+        return !common::text(&o).contains("begins anew");
     }
     assert_said(&o, 2, &[]);
     let text = common::text(&o);
@@ -147,6 +147,24 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_bytes() {
         clear(folder);
     }
     assert!(resumed >= 8, "only {resumed} of 20 runs left a checkpoint");
+}
+
+/// The first checkpoint of such a run would come after a minute.
+#[test]
+fn a_run_killed_before_its_first_checkpoint_begins_anew() {
+    let start =
+        ["run", "shore.toml", "--out", "out", "--seed", "9", "--set", "rain.steps=400", "--set", "pipes.steps=20"];
+    let folder = place();
+    let folder = folder.path();
+    let (whole, _) = in_one_piece(folder, &start);
+    for n in 1..=3 {
+        let mut child = common::start_until(folder, &start, "step_begun", n);
+        assert!(kill(&mut child), "the run was over before step {n}");
+        said(folder, &start, 2, &["holds a run that was stopped and can be continued", "eyot resume out"]);
+        said(folder, &["resume", "out"], 0, &["begins anew"]);
+        assert_whole(folder, &whole, &format!("killed in step {n}"));
+        clear(folder);
+    }
 }
 
 #[test]

@@ -43,10 +43,10 @@ use crate::water::{FLOW_X, FLOW_Y};
 use eyot_core::layer::Class;
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, check_ranges};
+use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{Grid, LayerSpec, Result, rule_params};
+use eyot_core::{Grid, LayerSpec, Result, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -94,12 +94,12 @@ impl Default for Zones {
 }
 
 impl Process for Zones {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let zeros =
-            [HEIGHT, ICE, WATER, FLOW_X, FLOW_Y, TEMPERATURE_COS, TEMPERATURE_SIN, RAIN_MEAN, RAIN_COS, RAIN_SIN]
-                .into_iter()
-                .chain([ZONE, HOLDRIDGE, HUMIDITY_PROVINCE, KOEPPEN]);
-        zeros.map(|l| (l, 0.0)).chain([(TEMPERATURE_MEAN, CELSIUS_AT_ZERO)]).collect()
+    fn layers(&self) -> Vec<LayerUse> {
+        let ground = [HEIGHT, ICE, WATER, FLOW_X, FLOW_Y];
+        let seasons = [TEMPERATURE_COS, TEMPERATURE_SIN, RAIN_MEAN, RAIN_COS, RAIN_SIN];
+        let read = ground.into_iter().chain(seasons).map(|l| l.read(0.0));
+        let written = [ZONE, HOLDRIDGE, HUMIDITY_PROVINCE, KOEPPEN].into_iter().map(|l| l.written(0.0));
+        read.chain(written).chain([TEMPERATURE_MEAN.read(CELSIUS_AT_ZERO)]).collect()
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -108,7 +108,12 @@ impl Process for Zones {
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let sea = moment.sea_level_m as f32;
-        plan.push::<ByTable>(ByTableParams { sea, ice: self.ice, lake: self.lake, river: self.river });
+        plan.push_given::<ByTable>(ByTableParams {
+            sea: sea.into(),
+            ice: given!(plan, self.ice),
+            lake: given!(plan, self.lake),
+            river: given!(plan, self.river),
+        });
         plan.push::<ByMonths>(ByMonthsParams { sea });
     }
 }

@@ -16,7 +16,7 @@ pub(crate) fn planet(width: usize, rim: Rim) -> World {
 
 /// Sets a layer of the world that `processes` make.
 pub(crate) fn fill(world: &mut World, processes: &[Scheduled], layer: &str, f: impl FnMut(usize, usize) -> f32) {
-    let spec = processes.iter().flat_map(|p| p.process.layers()).map(|l| l.0).find(|l| l.name == layer).unwrap();
+    let spec = processes.iter().flat_map(|p| p.process.layers()).map(|l| l.spec).find(|l| l.name == layer).unwrap();
     let (w, h) = (world.grid.width, world.grid.height);
     world.put(&spec, Field::from_fn(w, h, f)).unwrap();
 }

@@ -17,6 +17,14 @@ fn engine_equals_reference_for_every_rule() {
 }
 
 #[test]
+fn steps_keep_to_the_layers_that_they_declare() {
+    for (name, processes) in climate_variants() {
+        println!("{name}");
+        conformance::check_access(&processes, &climate_start).unwrap();
+    }
+}
+
+#[test]
 fn graphs_mean_what_the_rules_mean() {
     let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
     for (_, processes) in climate_variants() {
@@ -50,7 +58,7 @@ fn registry_is_sound() {
     for e in PROCESSES {
         let process = (e.make)((e.defaults)()).unwrap_or_else(|err| panic!("{}: {err}", e.name));
         let layers = process.layers();
-        let mut names: Vec<&str> = layers.iter().map(|(l, _)| &*l.name).collect();
+        let mut names: Vec<&str> = layers.iter().map(|l| &*l.spec.name).collect();
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), layers.len(), "{} names a layer twice", e.name);

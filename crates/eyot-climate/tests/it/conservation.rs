@@ -65,7 +65,8 @@ fn a_world_with_everything() {
     let mut before = planet(128, CYLINDER);
     fill(&mut before, &processes, "height", mirrored_land(128));
     let mut after = before.clone();
-    for (spec, value) in processes.iter().flat_map(|p| p.process.layers()) {
+    for l in processes.iter().flat_map(|p| p.process.layers()) {
+        let (spec, value) = (l.spec, l.start);
         before.ensure(&spec, value);
     }
     run(&mut after, &processes, 1500);

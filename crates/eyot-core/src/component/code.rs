@@ -109,7 +109,11 @@ impl<'a> Encoder<'a> {
 pub struct Decoder<'a> {
     name: &'a str,
     input: &'a mut dyn Read,
+    /// Bytes still to be handed out.
     left: u64,
+    /// Bytes that were read, and how many of them were handed out.
+    buffer: Vec<u8>,
+    at: usize,
     grid: &'a Grid,
     limits: &'a Limits,
 }
@@ -117,7 +121,7 @@ pub struct Decoder<'a> {
 impl<'a> Decoder<'a> {
     /// Reads `bytes` bytes of the component `name` of a world on `grid`.
     pub fn new(name: &'a str, input: &'a mut dyn Read, bytes: u64, grid: &'a Grid, limits: &'a Limits) -> Self {
-        Self { name, input, left: bytes, grid, limits }
+        Self { name, input, left: bytes, buffer: Vec::new(), at: 0, grid, limits }
     }
 
     /// Bytes that are still to be read.
@@ -170,8 +174,17 @@ impl<'a> Decoder<'a> {
         if bytes.len() as u64 > self.left {
             return Err(self.wrong("it is cut short"));
         }
-        self.input.read_exact(bytes).map_err(|e| self.wrong(format!("it cannot be read: {e}")))?;
-        self.left -= bytes.len() as u64;
+        let mut done = 0;
+        while done < bytes.len() {
+            if self.at == self.buffer.len() {
+                self.buffer.resize(self.left.min(PART as u64) as usize, 0);
+                self.at = 0;
+                self.input.read_exact(&mut self.buffer).map_err(|e| self.wrong(format!("it cannot be read: {e}")))?;
+            }
+            let n = (self.buffer.len() - self.at).min(bytes.len() - done);
+            bytes[done..done + n].copy_from_slice(&self.buffer[self.at..self.at + n]);
+            (self.at, done, self.left) = (self.at + n, done + n, self.left - n as u64);
+        }
         Ok(())
     }
 

@@ -126,6 +126,8 @@ impl Columns {
         }
         if usize::from(self.counts[cell]) == self.slots {
             self.join_thinnest(cell);
+            // The top may be of another material now.
+            return self.deposit(cell, run);
         }
         self.set(cell, usize::from(self.counts[cell]), run);
         self.counts[cell] += 1;

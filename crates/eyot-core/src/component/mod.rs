@@ -73,7 +73,8 @@ pub enum Shape {
     Lines,
 }
 
-/// A component, or a part of it, as those see it who do not know its type.
+/// A component, or a part of it, as those see it who do not know its type. Points of a component that does not know the ground have
+/// the height 0: they stand on it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum View<'a> {

@@ -1,8 +1,8 @@
 //! Actions: work on the whole world between the passes of rules.
 
-use eyot_core::engine::{CpuEngine, Need};
+use eyot_core::engine::{CpuEngine, MemoryEstimate};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Action, Moment, Process, Scheduled, Span};
+use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Span};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
 use eyot_core::{Cancel, Control, Grid, LayerSpec, Limits, Result, Rim, World, rule_params};
@@ -40,8 +40,8 @@ impl Rule for Double {
 struct Rules;
 
 impl Process for Rules {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(LEVEL, 1.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![LEVEL.changed(1.0)]
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {
         plan.push::<Double>(DoubleParams { more: 1.0 });
@@ -49,13 +49,14 @@ impl Process for Rules {
 }
 
 /// Adds one; is asked to stop in step `stop`, after it has changed half of the world.
+#[derive(Clone)]
 struct AddOne {
     stop: Option<(u64, Cancel)>,
 }
 
 impl Process for AddOne {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(LEVEL, 1.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![LEVEL.changed(1.0)]
     }
     fn action(&self) -> Option<&dyn Action> {
         Some(self)
@@ -63,7 +64,17 @@ impl Process for AddOne {
 }
 
 impl Action for AddOne {
-    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+    fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        100
+    }
+}
+
+impl ActionInstance for AddOne {
+    fn act(&mut self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
         assert_eq!(moment.turn, moment.step / 2);
         world.ledger.add("level.added", 1.0, "m", "", 1);
         let mut done = false;
@@ -75,10 +86,6 @@ impl Action for AddOne {
         let mut first = true;
         world.layer_mut("level")?.field.map_in_place(|v| if std::mem::take(&mut first) { v } else { v + 1.0 });
         Ok(())
-    }
-
-    fn bytes_per_cell(&self) -> usize {
-        100
     }
 }
 
@@ -132,7 +139,7 @@ fn a_stop_within_an_action_leaves_whole_steps() {
 #[test]
 fn what_an_action_takes_is_refused_before_the_first_step() {
     let mut w = world(Rim::CLOSED);
-    let need = Need::of(&w.grid, 1, &scheduled(None));
+    let need = MemoryEstimate::of(&w.grid, 1, &scheduled(None));
     // The layer, its second copy for a rule that looks around, and the copy to go back to.
     assert_eq!((need.fields, need.action_bytes_per_cell), (3, 100));
     let bytes = need.bytes(&w.grid);

@@ -218,3 +218,19 @@ fn unit_numbers_stay_below_one() {
     assert!(rng::unit::<f32>(u32::MAX) < 1.0);
     assert_eq!(f64::from(rng::unit::<f32>(u32::MAX)), 1.0 - 1.0 / 16_777_216.0);
 }
+
+#[test]
+fn a_strided_view_shows_the_values_without_a_copy() {
+    let mut f = Field::from_fn(5, 3, |x, y| (10 * y + x) as f32);
+    assert_eq!(f.shape(), [3, 5]);
+    let (values, stride) = f.as_strided();
+    assert!(stride > 5 && values.len() == 2 * stride + 5);
+    assert!(std::ptr::eq(&raw const values[stride + 2], &raw const f.row(1)[2]));
+    for (y, row) in values.chunks(stride).enumerate() {
+        assert_eq!(&row[..5], f.row(y));
+    }
+    let (values, stride) = f.as_strided_mut();
+    values[2 * stride + 4] = -1.0;
+    assert_eq!(f.get(4, 2), -1.0);
+    assert!(Field::new(0, 3, 0.0).as_strided().0.is_empty() && Field::new(3, 0, 0.0).as_strided().0.is_empty());
+}

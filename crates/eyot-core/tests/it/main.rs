@@ -1,6 +1,7 @@
 //! All tests of this crate that see it from outside, in one binary.
 
 mod actions;
+mod components;
 mod foundations;
 mod programs;
 mod rules;

@@ -52,13 +52,13 @@ impl Rule for Everything {
 struct Typed;
 struct Programmed(Arc<Program>);
 
-fn layers() -> Vec<(LayerSpec, f32)> {
+fn layers() -> Vec<eyot_core::process::LayerUse> {
     let stuff = LayerSpec::new("stuff", "1", "", (-3.0, 3.0));
-    vec![(stuff, 0.0), (LayerSpec::new("flow", "1", "", (-9.0, 9.0)).on(Stagger::FaceX), 0.0)]
+    vec![stuff.changed(0.0), LayerSpec::new("flow", "1", "", (-9.0, 9.0)).on(Stagger::FaceX).changed(0.0)]
 }
 
 impl Process for Typed {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
         layers()
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {
@@ -67,7 +67,7 @@ impl Process for Typed {
 }
 
 impl Process for Programmed {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
         layers()
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {
@@ -155,7 +155,7 @@ impl Rule for Slump {
 struct Slumping(Option<Arc<Program>>);
 
 impl Process for Slumping {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
         layers()
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {

@@ -69,8 +69,8 @@ impl Rule for Move {
 struct Flowing;
 
 impl Process for Flowing {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(STUFF, 1.0), (FLOW_X, 0.0), (FLOW_Y, 0.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![STUFF.changed(1.0), FLOW_X.changed(0.0), FLOW_Y.changed(0.0)]
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {
         plan.push::<Push>(PushParams { keep: 0.5, push: 0.05 });
@@ -188,9 +188,9 @@ impl Rule for Spread {
 struct Late;
 
 impl Process for Late {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
         let smoke = LayerSpec::new("smoke", "1", "Something that spreads", (0.0, 1.0));
-        vec![(STUFF, 1.0), (FLOW_X, 0.0), (FLOW_Y, 0.0), (smoke, 1.0)]
+        vec![STUFF.changed(1.0), FLOW_X.changed(0.0), FLOW_Y.changed(0.0), smoke.changed(1.0)]
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {
         for _ in 0..12 {
@@ -234,8 +234,8 @@ impl Rule for Explode {
 struct Exploding;
 
 impl Process for Exploding {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(STUFF, 1.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![STUFF.changed(1.0)]
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {
         plan.push::<Explode>(PushParams { keep: 0.0, push: 0.0 });

@@ -55,7 +55,7 @@ fn run(engine: &mut GpuEngine, world: &mut World, processes: &[Scheduled], steps
         assert!(matches!(e, GpuError::Limits { .. }), "{e}");
         engine.options.most_bytes += engine.options.most_bytes / 4;
     }
-    engine.bring_back(world).unwrap();
+    engine.download(world).unwrap();
     engine.release();
 }
 

@@ -4,8 +4,8 @@ use eyot_core::component::Numbers;
 use eyot_core::control::{Cancel, Control};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known;
-use eyot_core::process::{Action, Moment, Process, Scheduled, Site, Span};
-use eyot_core::{Error, Field, Grid, LayerSpec, Limits, Rim, World};
+use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Site, Span};
+use eyot_core::{Error, Field, Grid, Limits, Rim, World};
 use eyot_gpu::{Choice, GpuEngine, GpuError, Options, blocking};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::Hydraulic;
@@ -88,14 +88,14 @@ fn long_runs_agree_with_the_processor() {
     let (mut a, mut b) = (start.clone(), start);
     on_cpu(&mut a, &processes, 0, 100);
     engine.simulate(&mut b, &processes, Span { from: 0, steps: 100 }, &Control::none()).unwrap();
-    engine.bring_back(&mut b).unwrap();
+    engine.download(&mut b).unwrap();
     let d = largest_difference(&a, &b) / (high - low);
     println!("after 100 steps: {d:e} of the relief");
     assert!(d <= 1e-4, "{d}");
 
     on_cpu(&mut a, &processes, 100, 9900);
     engine.simulate(&mut b, &processes, Span { from: 100, steps: 9900 }, &Control::none()).unwrap();
-    engine.bring_back(&mut b).unwrap();
+    engine.download(&mut b).unwrap();
     assert_eq!((a.step, b.step), (10_000, 10_000));
     let mass = |w: &World| w.get("height").unwrap().sum() + w.get("sediment").unwrap().sum();
     let mass = (mass(&a) - mass(&b)).abs() / mass(&a).abs();
@@ -121,7 +121,7 @@ fn actions_run_between_dispatches() {
     let (mut a, mut b) = (start.clone(), start.clone());
     on_cpu(&mut a, &processes, 0, 10);
     engine.simulate(&mut b, &processes, Span { from: 0, steps: 10 }, &Control::none()).unwrap();
-    engine.bring_back(&mut b).unwrap();
+    engine.download(&mut b).unwrap();
     assert!(largest_difference(&a, &start) > 0.01, "something happened");
     let d = largest_difference(&a, &b);
     assert!(d < 1e-2, "{d} m");
@@ -144,10 +144,10 @@ fn neither_pace_nor_looks_change_a_bit() {
             engine.simulate(&mut world, &processes, Span { from, steps }, &Control::none()).unwrap();
             from += steps;
             if looks {
-                engine.bring_back(&mut world).unwrap();
+                engine.download(&mut world).unwrap();
             }
         }
-        engine.bring_back(&mut world).unwrap();
+        engine.download(&mut world).unwrap();
         Some((world, engine.work()))
     };
     let Some((slow, many)) = run(Duration::ZERO, 100, false) else { return };
@@ -182,12 +182,12 @@ fn a_request_to_stop_leaves_whole_steps() {
     let outcome =
         engine.simulate(&mut world, &processes, Span { from: 0, steps: 1_000_000 }, &Control::new(cancel, &progress));
     assert!(matches!(outcome, Err(GpuError::Core(Error::Cancelled(_)))));
-    engine.bring_back(&mut world).unwrap();
+    engine.download(&mut world).unwrap();
     assert!(world.step > 20 && world.step < 1_000_000, "{}", world.step);
     let mut again = start;
     engine.release();
     engine.simulate(&mut again, &processes, Span { from: 0, steps: world.step }, &Control::none()).unwrap();
-    engine.bring_back(&mut again).unwrap();
+    engine.download(&mut again).unwrap();
     assert_eq!(again.step, world.step);
     assert!(largest_difference(&again, &world) < 1e-3);
 }
@@ -199,12 +199,12 @@ fn a_device_lost_on_the_way_leaves_the_last_sound_world() {
     let start = mountain(40, Rim::CLOSED);
     let mut whole = start.clone();
     engine.simulate(&mut whole, &processes, Span { from: 0, steps: 50 }, &Control::none()).unwrap();
-    engine.bring_back(&mut whole).unwrap();
+    engine.download(&mut whole).unwrap();
     engine.release();
 
     let mut world = start;
     engine.simulate(&mut world, &processes, Span { from: 0, steps: 20 }, &Control::none()).unwrap();
-    engine.bring_back(&mut world).unwrap();
+    engine.download(&mut world).unwrap();
     let sound = world.clone();
     engine.simulate(&mut world, &processes, Span { from: 20, steps: 10 }, &Control::none()).unwrap();
     assert_eq!(world.step, 30);
@@ -216,16 +216,17 @@ fn a_device_lost_on_the_way_leaves_the_last_sound_world() {
     // On with another device.
     let mut other = GpuEngine::new(blocking::open(&Choice::Best).unwrap(), Options::default(), None).unwrap();
     other.simulate(&mut world, &processes, Span { from: 20, steps: 30 }, &Control::none()).unwrap();
-    other.bring_back(&mut world).unwrap();
+    other.download(&mut world).unwrap();
     assert!(largest_difference(&world, &whole) < 1e-3);
 }
 
 /// Lifts the land by a metre, counts how often, and may take the device away.
+#[derive(Clone)]
 struct Lift(Option<(wgpu::Device, f64)>);
 
 impl Process for Lift {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(known::HEIGHT, 0.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![known::HEIGHT.changed(0.0)]
     }
 
     fn action(&self) -> Option<&dyn Action> {
@@ -234,7 +235,21 @@ impl Process for Lift {
 }
 
 impl Action for Lift {
-    fn act(&self, moment: &Moment, world: &mut World, _: &Control<'_>) -> eyot_core::Result<()> {
+    fn instantiate(&self, _world: &World) -> eyot_core::Result<Box<dyn ActionInstance>> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn cannot_fail(&self) -> bool {
+        true
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        0
+    }
+}
+
+impl ActionInstance for Lift {
+    fn act(&mut self, moment: &Moment, world: &mut World, _: &Control<'_>) -> eyot_core::Result<()> {
         world.layer_mut("height")?.field.map_in_place(|h| h + 1.0);
         world.ledger.add("lift.rock", world.grid.cells() as f64, "m3", "Rock from below", 1);
         world.components.entry("lift", || Numbers(vec![0.0]))?.0[0] += 1.0;
@@ -244,14 +259,6 @@ impl Action for Lift {
             device.destroy();
         }
         Ok(())
-    }
-
-    fn cannot_fail(&self) -> bool {
-        true
-    }
-
-    fn bytes_per_cell(&self) -> usize {
-        0
     }
 }
 
@@ -268,7 +275,7 @@ fn quick_actions_leave_the_world_on_the_card() {
     let (mut cpu, mut whole, mut parts) = (start.clone(), start.clone(), start.clone());
     on_cpu(&mut cpu, &processes, 0, 30);
     engine.simulate(&mut whole, &processes, Span { from: 0, steps: 30 }, &Control::none()).unwrap();
-    engine.bring_back(&mut whole).unwrap();
+    engine.download(&mut whole).unwrap();
     assert!(largest_difference(&whole, &cpu) < 1e-2, "{}", largest_difference(&whole, &cpu));
     let lifts = whole.components.get::<Numbers>("lift").unwrap().unwrap().0[0];
     assert_eq!((lifts, whole.ledger.amount("lift.rock")), (8.0, 8.0 * 1600.0));
@@ -276,7 +283,7 @@ fn quick_actions_leave_the_world_on_the_card() {
     engine.release();
     for from in (0..30).step_by(3) {
         engine.simulate(&mut parts, &processes, Span { from, steps: 3 }, &Control::none()).unwrap();
-        engine.bring_back(&mut parts).unwrap();
+        engine.download(&mut parts).unwrap();
     }
     assert!(largest_difference(&parts, &whole) < 1e-3);
     engine.release();
@@ -289,7 +296,7 @@ fn quick_actions_leave_the_world_on_the_card() {
         let none = Control::none();
         if turn > 0.0 {
             engine.simulate(&mut world, &processes, Span { from: 0, steps: 3 }, &none).unwrap();
-            engine.bring_back(&mut world).unwrap();
+            engine.download(&mut world).unwrap();
         }
         let sound = world.clone();
         let lossy = with(Some((engine.gpu().device().clone(), turn)));
@@ -321,21 +328,21 @@ fn a_card_without_memory_left_says_so_and_the_world_stays_sound() {
 
     engine.gpu().run_short_of_memory(u64::MAX);
     engine.simulate(&mut world, &processes, span(0, 16), &Control::none()).unwrap();
-    engine.bring_back(&mut world).unwrap();
+    engine.download(&mut world).unwrap();
     let sound = world.clone();
     engine.simulate(&mut world, &processes, span(16, 16), &Control::none()).unwrap();
     engine.gpu().run_short_of_memory(10_000);
-    let e = engine.bring_back(&mut world).unwrap_err();
+    let e = engine.download(&mut world).unwrap_err();
     assert!(matches!(e, GpuError::OutOfMemory { .. }), "{e}");
     assert_eq!(world, sound, "what was last brought back");
 
     engine.gpu().run_short_of_memory(u64::MAX);
     engine.simulate(&mut world, &processes, span(16, 16), &Control::none()).unwrap();
-    engine.bring_back(&mut world).unwrap();
+    engine.download(&mut world).unwrap();
     let mut whole = start;
     engine.release();
     engine.simulate(&mut whole, &processes, span(0, 32), &Control::none()).unwrap();
-    engine.bring_back(&mut whole).unwrap();
+    engine.download(&mut whole).unwrap();
     assert_eq!(height(&world), height(&whole), "as if nothing had been");
 }
 
@@ -382,12 +389,12 @@ fn layers_come_back_while_the_simulation_goes_on() {
     assert!(engine.request("no such layer").unwrap().is_none());
     let range = engine.gpu().complete(engine.range("height")).unwrap().unwrap();
     let mut at_ten = world.clone();
-    engine.bring_back(&mut at_ten).unwrap();
+    engine.download(&mut at_ten).unwrap();
     engine.simulate(&mut world, &processes, Span { from: 10, steps: 10 }, &Control::none()).unwrap();
     let field = pending.take(engine.gpu()).unwrap();
     assert_eq!(field, *at_ten.get("height").unwrap());
     assert_eq!((range.low, range.high, range.not_finite), (field.min_max().0, field.min_max().1, 0));
-    engine.bring_back(&mut world).unwrap();
+    engine.download(&mut world).unwrap();
     assert_ne!(field, *world.get("height").unwrap());
 }
 

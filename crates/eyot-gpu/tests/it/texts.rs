@@ -79,7 +79,7 @@ fn check(options: Options, shapes: &[(usize, usize)], steps: u64) {
                 reference.simulate(&processes, steps);
                 let span = Span { from: 0, steps };
                 engine.simulate(&mut world, &processes, span, &Control::none()).unwrap();
-                engine.bring_back(&mut world).unwrap();
+                engine.download(&mut world).unwrap();
                 engine.release();
                 compare(name, &world, &reference, rim);
             }
@@ -135,7 +135,7 @@ fn what_is_no_number_does_not_become_one() {
         let span = Span { from: 0, steps: 1 };
         let ended = engine.simulate(&mut world, &processes, span, &Control::none());
         let ended =
-            ended.map_err(|e| e.to_string()).and_then(|()| engine.bring_back(&mut world).map_err(|e| e.to_string()));
+            ended.map_err(|e| e.to_string()).and_then(|()| engine.download(&mut world).map_err(|e| e.to_string()));
         engine.release();
         let said = ended.expect_err(value);
         assert!(said.contains("loop") && said.contains("column 3, row 2"), "{value}: {said}");

@@ -15,7 +15,7 @@ fn plan(processes: &[Scheduled], rim: Rim, steps: u64) -> (Plan, Vec<LayerSpec>,
     let mut plan = Plan::default();
     (0..steps).for_each(|i| plan_step(processes, i, &mut moment, &mut plan));
     let mut specs: Vec<LayerSpec> = Vec::new();
-    for (spec, _) in processes.iter().flat_map(|s| s.process.layers()) {
+    for spec in processes.iter().flat_map(|s| s.process.layers()).map(|l| l.spec) {
         if !specs.iter().any(|s| s.name == spec.name) {
             specs.push(spec);
         }

@@ -5,6 +5,7 @@
 
 use super::directory::Tagged;
 use eyot_core::CoordinateSystem;
+#[cfg(feature = "tiff")]
 use tiff_reader::{Ifd, TagValue};
 
 const DIRECTORY: u16 = 34735;
@@ -12,6 +13,7 @@ const DOUBLES: u16 = 34736;
 const ASCII: u16 = 34737;
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
+#[cfg(feature = "tiff")]
 const PIXEL_IS_AREA: u16 = 1;
 /// Keys that add nothing to an EPSG code: kinds of coordinates and of pixels, citations, the code itself, and units and
 /// ellipsoid of the geographic part.
@@ -23,6 +25,7 @@ const METRES: [u16; 4] = [3076, 0, 1, 9001];
 const MAX_ASCII: usize = 1 << 16;
 
 /// What a file says of its coordinate system beyond its EPSG code; `None` if that is nothing, or broken.
+#[cfg(feature = "tiff")]
 pub(crate) fn read(ifd: &Ifd, epsg: Option<u32>) -> Option<CoordinateSystem> {
     let mut directory = match &ifd.tag(DIRECTORY)?.value {
         TagValue::Short(numbers) => numbers.clone(),
@@ -102,6 +105,7 @@ fn are_sound(directory: &[u16], doubles: &[f64], ascii: &str) -> bool {
 }
 
 /// The text in as many bytes as it had: keys count them. A letter that was no UTF-8 has become one sign of three bytes.
+#[cfg(any(test, feature = "tiff"))]
 fn ascii(text: &str) -> String {
     let text = text.trim_end_matches('\0');
     let of = |c: char| match c {

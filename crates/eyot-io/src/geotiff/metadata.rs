@@ -1,6 +1,7 @@
 //! What a GeoTIFF says of itself in words: GDAL's XML tag, and the texts of plain TIFF.
 
 use crate::about::About;
+#[cfg(any(test, feature = "tiff"))]
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -17,9 +18,11 @@ pub(crate) const TEXTS: [(u16, &str); 5] = [
 /// Band item that holds one sentence of meaning.
 const MEANING: &str = "long_name";
 /// Longer texts are no description.
+#[cfg(any(test, feature = "tiff"))]
 const MAX_BYTES: usize = 1 << 18;
 
 /// What the XML says.
+#[cfg(any(test, feature = "tiff"))]
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Metadata {
     pub(crate) name: String,
@@ -33,6 +36,7 @@ pub(crate) struct Metadata {
     pub(crate) offset: Option<f64>,
 }
 
+#[cfg(any(test, feature = "tiff"))]
 impl Metadata {
     /// Reads `<Item name="..." sample="0" role="...">text</Item>`, of the first band and of the file. Whatever else there
     /// is does not count.
@@ -59,27 +63,27 @@ impl Metadata {
         }
         this
     }
+}
 
-    /// The XML of what a file of these values says, if there is anything to say.
-    pub(crate) fn xml(about: &About) -> Option<String> {
-        let mut out = String::from("<GDALMetadata>\n");
-        let empty = out.len();
-        let mut item = |name: &str, more: &str, text: &str| {
-            if !text.is_empty() {
-                // Writing to a string cannot fail.
-                let _ = writeln!(out, "  <Item name=\"{}\"{more}>{}</Item>", escaped(name), escaped(text));
-            }
-        };
-        for (name, text) in about.tags.iter().filter(|(name, _)| TEXTS.iter().all(|(_, n)| n != name)) {
-            item(name, "", text);
+/// The XML of what a file of these values says, if there is anything to say.
+pub(crate) fn xml(about: &About) -> Option<String> {
+    let mut out = String::from("<GDALMetadata>\n");
+    let empty = out.len();
+    let mut item = |name: &str, more: &str, text: &str| {
+        if !text.is_empty() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(out, "  <Item name=\"{}\"{more}>{}</Item>", escaped(name), escaped(text));
         }
-        item(MEANING, " sample=\"0\"", &about.meaning);
-        item("DESCRIPTION", " sample=\"0\" role=\"description\"", &about.name);
-        item("UNITTYPE", " sample=\"0\" role=\"unittype\"", &about.unit);
-        let said = out.len() > empty;
-        out.push_str("</GDALMetadata>\n");
-        said.then_some(out)
+    };
+    for (name, text) in about.tags.iter().filter(|(name, _)| TEXTS.iter().all(|(_, n)| n != name)) {
+        item(name, "", text);
     }
+    item(MEANING, " sample=\"0\"", &about.meaning);
+    item("DESCRIPTION", " sample=\"0\" role=\"description\"", &about.name);
+    item("UNITTYPE", " sample=\"0\" role=\"unittype\"", &about.unit);
+    let said = out.len() > empty;
+    out.push_str("</GDALMetadata>\n");
+    said.then_some(out)
 }
 
 fn escaped(text: &str) -> String {
@@ -98,6 +102,7 @@ fn escaped(text: &str) -> String {
     out
 }
 
+#[cfg(any(test, feature = "tiff"))]
 fn unescaped(text: &str) -> String {
     // The ampersand last: what it gives is no escape.
     let pairs = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&amp;", "&")];
@@ -119,10 +124,10 @@ mod tests {
                 .into(),
             ..About::default()
         };
-        let read = Metadata::parse(&Metadata::xml(&about).unwrap());
+        let read = Metadata::parse(&xml(&about).unwrap());
         assert_eq!((&read.name, &read.unit, &read.meaning), (&about.name, &about.unit, &about.meaning));
         assert_eq!(read.tags, about.tags);
-        assert_eq!(Metadata::xml(&About::default()), None);
+        assert_eq!(xml(&About::default()), None);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::format::{WriteOptions, size_u32};
 use crate::rows::{Rows, band_rows, each_band, each_marked_band};
 use directory::{Tagged, directory, header, header_bytes};
-use metadata::{GDAL_METADATA, Metadata, TEXTS};
+use metadata::{GDAL_METADATA, TEXTS};
 use pyramid::{Level, Pyramid, TILE};
 use std::path::Path;
 
@@ -108,7 +108,7 @@ fn words(about: &About) -> Vec<(u16, Tagged)> {
     let texts = TEXTS.iter().filter_map(|(tag, name)| Some((*tag, about.tags.get(*name)?.clone())));
     // A zero ends a text.
     let texts = texts.filter(|(_, text)| !text.contains('\0'));
-    texts.chain(Metadata::xml(about).map(|xml| (GDAL_METADATA, xml))).map(|(tag, t)| (tag, Tagged::Ascii(t))).collect()
+    texts.chain(metadata::xml(about).map(|xml| (GDAL_METADATA, xml))).map(|(tag, t)| (tag, Tagged::Ascii(t))).collect()
 }
 
 /// The tags that say where the raster lies.

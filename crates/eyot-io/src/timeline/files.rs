@@ -1,40 +1,42 @@
-//! The files of a recording: which belong to which frame, and how they come and go.
+//! The blobs of a recording: which belong to which frame, and how they come and go.
 
 use super::{HEADS, Timeline};
 use crate::error::{Error, Result};
 use crate::head::HeadFile;
-use crate::zarr::{Flush, METADATA, write_piece};
-use std::ffi::OsStr;
-use std::fs::{self, DirEntry};
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use crate::storage::{Entry, Keep, Storage, within};
+use crate::zarr::METADATA;
+use std::io;
 
-/// Folder of an array's pieces.
+/// Group of an array's pieces.
 const PIECES: &str = "c";
 
 impl Timeline {
-    /// The folder of frame `i` in the array `name`.
-    pub(super) fn pieces(&self, name: &str, i: usize) -> PathBuf {
-        self.path.join(name).join(PIECES).join(i.to_string())
+    /// The group of frame `i` in the array `name`.
+    pub(super) fn pieces(&self, name: &str, i: usize) -> String {
+        self.name(&format!("{name}/{PIECES}/{i}"))
     }
 
-    /// Bytes of the files of frame `i`.
+    /// Bytes of the blobs of frame `i`.
     pub(super) fn frame_bytes(&self, i: usize) -> u64 {
-        let head = fs::metadata(self.head_path(i)).map_or(0, |m| m.len());
-        head + self.arrays.keys().map(|name| bytes_within(&self.pieces(name, i))).sum::<u64>()
+        let head = self.storage.bytes(&self.head_name(i)).unwrap_or(0);
+        let pieces = self.arrays.keys().map(|name| bytes_within(&*self.storage, &self.pieces(name, i)));
+        head + pieces.sum::<u64>()
     }
 
     /// Bytes of the first `n` frames; `None` for those without a head. Looks at what is there, whatever `n` claims.
     pub(super) fn measure(&self, n: usize) -> Vec<Option<u64>> {
         let mut sizes = vec![None; n];
-        for head in entries(&self.path.join(HEADS)).filter(|e| e.path().extension() == Some(OsStr::new("eyot"))) {
-            if let Some(size) = number(&head.path()).and_then(|i| sizes.get_mut(i)) {
-                *size = Some(head.metadata().map_or(0, |m| m.len()));
+        for Entry { name, bytes } in self.storage.list(&self.name(HEADS)) {
+            if let Some(size) = number(&name).filter(|_| name.ends_with(".eyot")).and_then(|i| sizes.get_mut(i)) {
+                *size = bytes;
             }
         }
-        for piece in self.arrays.keys().flat_map(|name| entries(&self.path.join(name).join(PIECES))).filter(is_folder) {
-            if let Some(Some(size)) = number(&piece.path()).and_then(|i| sizes.get_mut(i)) {
-                *size += bytes_within(&piece.path());
+        for array in self.arrays.keys() {
+            let pieces = self.name(&within(array, PIECES));
+            for piece in self.storage.list(&pieces).iter().filter(|e| e.bytes.is_none()) {
+                if let Some(Some(size)) = number(&piece.name).and_then(|i| sizes.get_mut(i)) {
+                    *size += bytes_within(&*self.storage, &within(&pieces, &piece.name));
+                }
             }
         }
         sizes
@@ -42,131 +44,110 @@ impl Timeline {
 
     /// Removes frame `i`, its head first.
     pub(super) fn remove_frame(&self, i: usize) -> Result<()> {
-        remove_file(&self.head_path(i))?;
-        for name in self.arrays.keys() {
-            let pieces = self.pieces(name, i);
-            if pieces.is_dir() {
-                fs::remove_dir_all(&pieces).map_err(Error::io(&pieces, "remove"))?;
-            }
-        }
-        Ok(())
+        self.storage.remove(&self.head_name(i))?;
+        self.arrays.keys().try_for_each(|name| self.storage.remove(&self.pieces(name, i)))
     }
 
     /// Gives frame `i`, which is of `step`, the number `to`, which is free. Its head goes last: what has a head is in its place.
     /// A frame without a head of that step is none: nothing of it moves.
     pub(super) fn move_frame(&self, i: usize, step: u64, to: usize) -> Result<()> {
-        let is_here = |path: &Path| HeadFile::open(path).is_ok_and(|file| file.head.step == step);
-        let (head, done) = (self.head_path(i), self.head_path(to));
+        let is_here = |name: &str| HeadFile::open_in(&*self.storage, name).is_ok_and(|file| file.head.step == step);
+        let (head, done) = (self.head_name(i), self.head_name(to));
         if is_here(&done) || !is_here(&head) {
             return Ok(());
         }
         for name in self.arrays.keys() {
             let (from, to) = (self.pieces(name, i), self.pieces(name, to));
-            if !from.is_dir() {
-                continue;
+            if self.storage.is_group(&from) {
+                // What is there is of a frame without a head.
+                self.storage.remove(&to)?;
+                self.storage.rename(&from, &to)?;
             }
-            if to.is_dir() {
-                // Of a frame without a head.
-                fs::remove_dir_all(&to).map_err(Error::io(&to, "remove"))?;
-            }
-            fs::rename(&from, &to).map_err(Error::io(&to, "rename the frame to"))?;
         }
-        fs::rename(head, &done).map_err(Error::io(&done, "rename the frame to"))
+        self.storage.rename(&head, &done)
     }
 
     /// Removes all that belongs to frames from number `n` on, also in arrays that no visible frame has.
     pub(super) fn remove_from(&self, n: usize) -> Result<()> {
-        let late = |e: &DirEntry| number(&e.path()).is_some_and(|i| i >= n);
-        for head in entries(&self.path.join(HEADS)).filter(late) {
-            remove_file(&head.path())?;
+        let late = |e: &Entry| number(&e.name).is_some_and(|i| i >= n);
+        for head in self.storage.list(&self.name(HEADS)).iter().filter(|e| e.bytes.is_some() && late(e)) {
+            self.storage.remove(&self.name(&within(HEADS, &head.name)))?;
         }
-        for array in entries(&self.path).filter(is_folder) {
-            let pieces = array.path().join(PIECES);
-            for piece in entries(&pieces).filter(is_folder).filter(late) {
-                fs::remove_dir_all(piece.path()).map_err(Error::io(&pieces, "remove"))?;
+        for array in self.storage.list(&self.group).iter().filter(|e| e.bytes.is_none()) {
+            let group = self.name(&array.name);
+            let pieces = within(&group, PIECES);
+            for piece in self.storage.list(&pieces).iter().filter(|e| e.bytes.is_none() && late(e)) {
+                self.storage.remove(&within(&pieces, &piece.name))?;
             }
-            if array.file_name().to_str().is_none_or(|name| name != HEADS && !self.arrays.contains_key(name)) {
+            if array.name != HEADS && !self.arrays.contains_key(&array.name) {
                 // The array of a layer whose first frame never was; if it is anything else it is not empty and stays.
-                let _ = fs::remove_dir(&pieces);
-                if entries(&array.path()).all(|e| e.file_name() == METADATA) {
-                    remove_file(&array.path().join(METADATA))?;
-                    let _ = fs::remove_dir(array.path());
+                self.storage.prune(&pieces);
+                if self.storage.list(&group).iter().all(|e| e.name == METADATA) {
+                    self.storage.remove(&within(&group, METADATA))?;
+                    self.storage.prune(&group);
                 }
             }
         }
         Ok(())
     }
-}
 
-/// Removes the folder of a recording, of which [`HEADS`] is left to the last: it tells what the folder is.
-pub(super) fn remove_all(path: &Path) -> Result<()> {
-    // Half of a recording must not look like one.
-    remove_file(&path.join(METADATA))?;
-    for entry in entries(path).filter(|e| e.file_name() != HEADS) {
-        let (path, folder) = (entry.path(), is_folder(&entry));
-        let removed = if folder { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
-        removed.map_err(Error::io(&path, "remove"))?;
+    /// Puts a small blob in the place of another one. A kill leaves one of them whole.
+    pub(super) fn swap(&self, name: &str, keep: Keep, bytes: &[u8]) -> Result<()> {
+        crate::storage::write_bytes(&*self.storage, &self.name(name), keep, bytes)
     }
-    fs::remove_dir_all(path).map_err(Error::io(path, "remove"))
-}
 
-/// Puts a small file in the place of another one. A kill leaves one of them whole.
-pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
-    let new = path.with_file_name(".new");
-    write_piece(&new, bytes, Flush::No)?;
-    fs::rename(&new, path).map_err(Error::io(path, "write"))
-}
-
-/// Copies an array: coordinates whole, of layers the first `n` frames.
-pub(super) fn copy_array(from: &Path, to: &Path, n: usize) -> Result<()> {
-    for entry in entries(&from.join(PIECES)) {
-        let to = to.join(PIECES).join(entry.file_name());
-        if !is_folder(&entry) {
-            copy_file(&entry.path(), &to)?;
-        } else if number(&entry.path()).is_some_and(|i| i < n) {
-            for row in entries(&entry.path()) {
-                for piece in entries(&row.path()) {
-                    copy_file(&piece.path(), &to.join(row.file_name()).join(piece.file_name()))?;
-                }
+    /// Copies an array into another recording: coordinates whole, of layers the first `n` frames.
+    pub(super) fn copy_array(&self, name: &str, n: usize, to: &Self) -> Result<()> {
+        let pieces = within(name, PIECES);
+        // The one number of a place has no dimensions and no group.
+        if self.storage.bytes(&self.name(&pieces)).is_some() {
+            return self.copy_blob(&pieces, to);
+        }
+        for Entry { name, bytes } in self.storage.list(&self.name(&pieces)) {
+            let piece = within(&pieces, &name);
+            if bytes.is_some() {
+                self.copy_blob(&piece, to)?;
+            } else if number(&name).is_some_and(|i| i < n) {
+                self.copy_group(&piece, to)?;
             }
         }
+        Ok(())
     }
-    // The one number of a place has no dimensions and no folder.
-    let lone = from.join(PIECES);
-    if lone.is_file() { copy_file(&lone, &to.join(PIECES)) } else { Ok(()) }
-}
 
-pub(super) fn copy_file(from: &Path, to: &Path) -> Result<()> {
-    if let Some(folder) = to.parent() {
-        fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
+    fn copy_group(&self, group: &str, to: &Self) -> Result<()> {
+        for Entry { name, bytes } in self.storage.list(&self.name(group)) {
+            let name = within(group, &name);
+            if bytes.is_some() { self.copy_blob(&name, to) } else { self.copy_group(&name, to) }?;
+        }
+        Ok(())
     }
-    fs::copy(from, to).map(drop).map_err(Error::io(from, "copy"))
-}
 
-pub(super) fn remove_file(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
-        Err(e) if e.kind() != ErrorKind::NotFound => Err(Error::io(path, "remove")(e)),
-        _ => Ok(()),
+    pub(super) fn copy_blob(&self, name: &str, to: &Self) -> Result<()> {
+        let place = self.storage.place(&self.name(name));
+        let mut blob = self.storage.open(&self.name(name)).map_err(Error::io(&place, "copy"))?;
+        to.storage.write(&to.name(name), Keep::Loose, &mut |out| {
+            io::copy(&mut blob.input, out).map(drop).map_err(Error::io(&place, "copy"))
+        })
     }
 }
 
-/// The number that a file or folder is named by.
-fn number(path: &Path) -> Option<usize> {
-    path.file_stem().and_then(OsStr::to_str)?.parse().ok()
+/// Removes a recording, of which [`HEADS`] is left to the last: it tells what the group is.
+pub(super) fn remove_all(storage: &dyn Storage, group: &str) -> Result<()> {
+    // Half of a recording must not look like one.
+    storage.remove(&within(group, METADATA))?;
+    for entry in storage.list(group).iter().filter(|e| e.name != HEADS) {
+        storage.remove(&within(group, &entry.name))?;
+    }
+    storage.remove(group)
 }
 
-/// What is in a folder; nothing if there is none.
-fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> + use<> {
-    fs::read_dir(folder).into_iter().flatten().flatten()
+/// The number that a blob or group is named by.
+fn number(name: &str) -> Option<usize> {
+    name.split('.').next()?.parse().ok()
 }
 
-/// True for folders, false for links to them.
-fn is_folder(entry: &DirEntry) -> bool {
-    entry.file_type().is_ok_and(|t| t.is_dir())
-}
-
-/// Bytes of all files of a frame's folder.
-fn bytes_within(folder: &Path) -> u64 {
-    let bytes = |e: DirEntry| if is_folder(&e) { bytes_within(&e.path()) } else { e.metadata().map_or(0, |m| m.len()) };
-    entries(folder).map(bytes).sum()
+/// Bytes of all blobs of a group.
+fn bytes_within(storage: &dyn Storage, group: &str) -> u64 {
+    let bytes = |e: Entry| e.bytes.unwrap_or_else(|| bytes_within(storage, &within(group, &e.name)));
+    storage.list(group).into_iter().map(bytes).sum()
 }

@@ -2,19 +2,20 @@
 
 use super::thin::MAX_FRAMES;
 use super::{EVERY, Frame, HEADS, MAX_BYTES, Record, TIMES, Timeline, axes};
-use crate::atomic::remove_leftovers;
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
 use crate::head::{HeadFile, MAX_STEP, check_crc, number, read_faces};
 use crate::raster::check_size;
 use crate::sample::Sample;
+use crate::storage::{Blob, Folder, ReadSeek, Storage, within};
 use crate::zarr::metadata::{Axis, FACES, X, X_FACE, Y, Y_FACE};
-use crate::zarr::{Array, METADATA, SHARD, TIME, check_name, node};
+use crate::zarr::{Array, METADATA, SHARD, TIME, check_name, node_from};
 use eyot_core::{ComponentKinds, Layer, Limits, Stagger};
 use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Bytes of a folder's name on every system.
 const MAX_NAME: usize = 200;
@@ -24,7 +25,21 @@ const REMEDY: &str = "use an older frame, or record the run again";
 
 /// True if the folder is a recording.
 pub fn is_recording(path: &Path) -> bool {
-    path.join(METADATA).is_file() && node(path).is_ok_and(|root| record(&root).is_some())
+    let (storage, group) = Folder::around(path);
+    is_recording_in(&storage, &group)
+}
+
+/// True if the group of a storage is a recording.
+pub fn is_recording_in(storage: &dyn Storage, group: &str) -> bool {
+    root(storage, group).is_ok_and(|root| record(&root).is_some())
+}
+
+/// The metadata of the root.
+fn root(storage: &dyn Storage, group: &str) -> Result<Value> {
+    let name = within(group, METADATA);
+    let place = storage.place(&name);
+    let Blob { input, .. } = storage.open(&name).map_err(Error::io(&place, "read"))?;
+    node_from(&place, input)
 }
 
 impl Timeline {
@@ -35,7 +50,16 @@ impl Timeline {
     /// If it cannot be read, is no recording, or what belongs to all frames is damaged. Sizes meet `limits` before anything is
     /// allocated.
     pub fn open(path: &Path, limits: &Limits) -> Result<Self> {
-        let mut timeline = Self::open_root(path, limits)?;
+        let (storage, group) = Folder::around(path);
+        Self::open_in(Arc::new(storage), &group, limits)
+    }
+
+    /// As [`Timeline::open`], in the group of a storage.
+    ///
+    /// # Errors
+    /// As [`Timeline::open`].
+    pub fn open_in(storage: Arc<dyn Storage>, group: &str, limits: &Limits) -> Result<Self> {
+        let mut timeline = Self::open_root(storage, group, limits)?;
         let steps = timeline.times()?;
         timeline.check_arrays(steps.len() as u64)?;
         let sizes = timeline.measure(steps.len());
@@ -50,9 +74,19 @@ impl Timeline {
     /// # Errors
     /// As [`Timeline::open`], and if files cannot be written.
     pub fn open_to_write(path: &Path, limits: &Limits) -> Result<Self> {
-        [path, &path.join(HEADS)].into_iter().for_each(remove_leftovers);
-        Self::open_root(path, limits)?.finish_thinning()?;
-        let mut timeline = Self::open(path, limits)?;
+        let (storage, group) = Folder::around(path);
+        Self::open_to_write_in(Arc::new(storage), &group, limits)
+    }
+
+    /// As [`Timeline::open_to_write`], in the group of a storage.
+    ///
+    /// # Errors
+    /// As [`Timeline::open_to_write`].
+    pub fn open_to_write_in(storage: Arc<dyn Storage>, group: &str, limits: &Limits) -> Result<Self> {
+        storage.tidy(group);
+        storage.tidy(&within(group, HEADS));
+        Self::open_root(storage.clone(), group, limits)?.finish_thinning()?;
+        let mut timeline = Self::open_in(storage, group, limits)?;
         timeline.remove_from(timeline.frames.len())?;
         let steps: Vec<u64> = timeline.frames.iter().map(|f| f.step).collect();
         timeline.commit(timeline.arrays.clone(), &steps)?;
@@ -60,8 +94,9 @@ impl Timeline {
     }
 
     /// What the root says; the frames are still to be found.
-    fn open_root(path: &Path, limits: &Limits) -> Result<Self> {
-        let root = node(path)?;
+    fn open_root(storage: Arc<dyn Storage>, group: &str, limits: &Limits) -> Result<Self> {
+        let root = root(&*storage, group)?;
+        let path = &storage.place(group);
         let Some(record) = record(&root) else {
             return Err(Error::format(path, "this is no recording of a run", "record one with `eyot run --record`"));
         };
@@ -77,15 +112,8 @@ impl Timeline {
                 return Err(damaged(path, &format!("an array called `{name}`")));
             }
         }
-        Ok(Self {
-            path: path.to_owned(),
-            record,
-            limits: *limits,
-            attributes,
-            arrays,
-            frames: Vec::new(),
-            flushed: None,
-        })
+        let (group, limits, frames) = (group.to_owned(), *limits, Vec::new());
+        Ok(Self { storage, group, record, limits, attributes, arrays, frames })
     }
 
     /// What the run itself wanted to remember in frame `i`.
@@ -114,7 +142,7 @@ impl Timeline {
             let (array, axes) = self.array_of(&layer.name, layer.stagger, (head.grid.width, head.grid.height))?;
             let [rows, columns] = axes.map(|a| a.n.div_ceil(SHARD) as u64);
             for at in (0..rows).flat_map(|top| (0..columns).map(move |left| [i as u64, top, left])) {
-                if array.piece_bytes(&at) == 0 {
+                if self.storage.bytes(&self.piece_name(&layer.name, &array, &at)).unwrap_or(0) == 0 {
                     return Err(missing_piece(&array, i));
                 }
             }
@@ -142,16 +170,16 @@ impl Timeline {
         })
     }
 
-    fn open_head(&self, i: usize) -> Result<(PathBuf, HeadFile)> {
+    fn open_head(&self, i: usize) -> Result<(PathBuf, HeadFile<Box<dyn ReadSeek>>)> {
         let Some(frame) = self.frames.get(i) else {
             let problem = format!("there is no frame {i}, the recording has {}", self.frames.len());
-            return Err(Error::format(&self.path, problem, "count from 0"));
+            return Err(Error::format(&self.place(""), problem, "count from 0"));
         };
-        let path = self.head_path(i);
-        if !path.exists() {
+        let path = self.place(&super::head_of(i));
+        if self.storage.bytes(&self.head_name(i)).is_none() {
             return Err(damaged(&path, &format!("frame {i} is missing")));
         }
-        let file = HeadFile::open(&path)?;
+        let file = HeadFile::open_in(&*self.storage, &self.head_name(i))?;
         file.head.check(&path, &self.limits)?;
         if file.head.step != frame.step {
             let problem = format!("frame {i} is of step {}, its time is {}", file.head.step, frame.step);
@@ -162,7 +190,7 @@ impl Timeline {
 
     /// The coordinate `time`.
     fn times(&self) -> Result<Vec<u64>> {
-        let folder = self.path.join(TIME);
+        let folder = self.place(TIME);
         let array = Array::described(&folder, self.arrays.get(TIME).unwrap_or(&Value::Null), &self.limits)?;
         let (&[n], &[piece]) = (array.shape.as_slice(), array.piece.as_slice()) else {
             return Err(damaged(&folder, "its shape is no list"));
@@ -176,7 +204,7 @@ impl Timeline {
         }
         let mut steps = Vec::new();
         for i in 0..n.div_ceil(piece) {
-            let bytes = array.piece(&[i])?.ok_or_else(|| damaged(&folder, "a part of it is missing"))?;
+            let bytes = self.piece(TIME, &array, &[i])?.ok_or_else(|| damaged(&folder, "a part of it is missing"))?;
             let times = bytes.chunks_exact(8).map(|b| i64::from_le_bytes(std::array::from_fn(|j| b[j])));
             steps.extend(times.take((n - i * piece) as usize));
         }
@@ -200,7 +228,7 @@ impl Timeline {
     fn check_arrays(&self, n: u64) -> Result<()> {
         let mut sizes: BTreeMap<String, (u64, &str)> = BTreeMap::new();
         for (name, described) in &self.arrays {
-            let folder = self.path.join(name);
+            let folder = self.place(name);
             if name == TIME || described["shape"].as_array().is_some_and(Vec::is_empty) {
                 continue;
             }
@@ -241,13 +269,13 @@ impl Timeline {
             }
         }
         let cells = |axis| sizes.get(axis).map_or(1, |s| usize::try_from(s.0).unwrap_or(usize::MAX));
-        check_size(&self.path, cells(X), cells(Y), &self.limits).map(drop)
+        check_size(&self.place(""), cells(X), cells(Y), &self.limits).map(drop)
     }
 
     /// The array of a layer and its rows and columns, which are those of a world of `size`.
     fn array_of(&self, name: &str, stagger: Stagger, size: (usize, usize)) -> Result<(Array, [Axis; 2])> {
-        check_name(&self.path, name)?;
-        let folder = self.path.join(name);
+        check_name(&self.place(""), name)?;
+        let folder = self.place(name);
         let Some(described) = self.arrays.get(name) else {
             return Err(damaged(&folder, "the store does not name this array"));
         };
@@ -261,6 +289,21 @@ impl Timeline {
         Ok((array, axes))
     }
 
+    fn piece_name(&self, name: &str, array: &Array, at: &[u64]) -> String {
+        self.name(&within(name, &array.key_of(at)))
+    }
+
+    /// The values of a piece as bytes, or `None` if it was never written.
+    fn piece(&self, name: &str, array: &Array, at: &[u64]) -> Result<Option<Vec<u8>>> {
+        let name = self.piece_name(name, array, at);
+        let place = self.storage.place(&name);
+        match self.storage.open(&name) {
+            Ok(blob) => array.decode(&place, blob.input).map(Some),
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(e) => Err(Error::io(&place, "read")(e)),
+        }
+    }
+
     /// The values of a layer in frame `i`, its outer faces apart.
     fn read_layer(&self, i: usize, layer: &mut Layer) -> Result<()> {
         let (width, height) = (layer.field.width(), layer.field.height());
@@ -270,7 +313,7 @@ impl Timeline {
         for top in 0..rows.n.div_ceil(SHARD) {
             let band: Vec<Option<Vec<u8>>> = (0..columns.n.div_ceil(SHARD))
                 .into_par_iter()
-                .map(|left| array.piece(&[i as u64, top as u64, left as u64]))
+                .map(|left| self.piece(&layer.spec.name, &array, &[i as u64, top as u64, left as u64]))
                 .collect::<Result<_>>()?;
             for (left, piece) in band.into_iter().enumerate() {
                 let piece = piece.ok_or_else(|| missing_piece(&array, i))?;

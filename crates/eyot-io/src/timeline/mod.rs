@@ -25,22 +25,20 @@ mod files;
 mod load;
 mod thin;
 
-pub use load::is_recording;
-pub use thin::is_cut_off;
+pub use load::{is_recording, is_recording_in};
+pub use thin::{is_cut_off, is_cut_off_in};
 
 use crate::about::About;
-use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
 use crate::head::{Head, Sealed, write_faces};
 use crate::rows::Rows;
+use crate::storage::{Folder, Keep, Storage, within};
 use crate::zarr::metadata::{self, Axis, X_FACE, Y_FACE};
-use crate::zarr::{CHUNK, Flush, METADATA, SECONDS, SHARD, TIME, check_name, write_coordinates, write_layer};
+use crate::zarr::{CHUNK, METADATA, SECONDS, SHARD, TIME, check_name, write_coordinates, write_layer};
 use eyot_core::{Layer, Limits, Stagger, World};
 use serde_json::{Map, Value, json};
-use std::fs::File;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::sync::Arc;
 
 /// Attributes of the root that say how the recording is made.
 const EVERY: &str = "record_every_steps";
@@ -85,15 +83,15 @@ pub struct Frame {
 /// A recording.
 #[derive(Debug)]
 pub struct Timeline {
-    path: PathBuf,
+    storage: Arc<dyn Storage>,
+    /// Where it lies in the storage.
+    group: String,
     record: Record,
     limits: Limits,
     attributes: Map<String, Value>,
     /// The metadata of all arrays by name.
     arrays: Map<String, Value>,
     frames: Vec<Frame>,
-    /// When the disk was last flushed, and the time that took.
-    flushed: Option<(Instant, Duration)>,
 }
 
 impl Timeline {
@@ -102,22 +100,40 @@ impl Timeline {
     /// # Errors
     /// If `record` asks for no steps, if something else than a recording is there, or if it cannot be written.
     pub fn create(path: &Path, record: Record, attributes: &Map<String, Value>, limits: &Limits) -> Result<Self> {
-        checked(path, record)?;
-        remove(path)?;
-        let heads = path.join(HEADS);
-        std::fs::create_dir_all(&heads).map_err(Error::io(&heads, "make the folder"))?;
-        let (limits, attributes) = (*limits, attributes.clone());
-        let mut new = Self {
-            path: path.to_owned(),
-            record,
-            limits,
-            attributes,
-            arrays: Map::new(),
-            frames: Vec::new(),
-            flushed: None,
-        };
+        let (storage, group) = Folder::around(path);
+        Self::create_in(Arc::new(storage), &group, record, attributes, limits)
+    }
+
+    /// As [`Timeline::create`], in the group of a storage.
+    ///
+    /// # Errors
+    /// As [`Timeline::create`].
+    pub fn create_in(
+        storage: Arc<dyn Storage>,
+        group: &str,
+        record: Record,
+        attributes: &Map<String, Value>,
+        limits: &Limits,
+    ) -> Result<Self> {
+        checked(&storage.place(group), record)?;
+        remove_in(&*storage, group)?;
+        // It tells what the group is.
+        storage.make_group(&within(group, HEADS))?;
+        let (limits, attributes, group) = (*limits, attributes.clone(), group.to_owned());
+        let (arrays, frames) = (Map::new(), Vec::new());
+        let mut new = Self { storage, group, record, limits, attributes, arrays, frames };
         new.set_record(record)?;
         Ok(new)
+    }
+
+    /// A name in the storage.
+    fn name(&self, name: &str) -> String {
+        within(&self.group, name)
+    }
+
+    /// What people call something of the recording.
+    fn place(&self, name: &str) -> PathBuf {
+        self.storage.place(&self.name(name))
     }
 
     /// How the recording is made.
@@ -130,7 +146,7 @@ impl Timeline {
     /// # Errors
     /// If `record` asks for no steps, or if the root cannot be written.
     pub fn set_record(&mut self, record: Record) -> Result<()> {
-        self.record = checked(&self.path, record)?;
+        self.record = checked(&self.place(""), record)?;
         self.attributes.insert(EVERY.to_owned(), json!(record.every));
         self.attributes.insert(MAX_BYTES.to_owned(), json!(record.max_bytes));
         let steps: Vec<u64> = self.frames.iter().map(|f| f.step).collect();
@@ -162,9 +178,9 @@ impl Timeline {
     pub fn append(&mut self, world: &World, recipe_toml: &str, state: &Value) -> Result<()> {
         if let Some(last) = self.frames.last().filter(|f| f.step >= world.step) {
             let problem = format!("a frame of step {} after one of step {}", world.step, last.step);
-            return Err(Error::format(&self.path, problem, "drop the later frames first"));
+            return Err(Error::format(&self.place(""), problem, "drop the later frames first"));
         }
-        let head = Head::of(&self.path, world, recipe_toml, state)?;
+        let head = Head::of(&self.place(""), world, recipe_toml, state)?;
         self.finish_thinning()?;
         let most = most_bytes(world, &head);
         self.make_room(most, self.fixed_bytes(world))?;
@@ -208,13 +224,22 @@ impl Timeline {
     /// # Errors
     /// If something else than a recording is there, or files cannot be read or written.
     pub fn copy(&self, n: usize, path: &Path) -> Result<Self> {
-        let mut new = Self::create(path, self.record, &self.attributes, &self.limits)?;
+        let (storage, group) = Folder::around(path);
+        self.copy_in(n, Arc::new(storage), &group)
+    }
+
+    /// As [`Timeline::copy`], into the group of a storage.
+    ///
+    /// # Errors
+    /// As [`Timeline::copy`].
+    pub fn copy_in(&self, n: usize, storage: Arc<dyn Storage>, group: &str) -> Result<Self> {
+        let mut new = Self::create_in(storage, group, self.record, &self.attributes, &self.limits)?;
         let n = n.min(self.frames.len());
         for name in self.arrays.keys() {
-            files::copy_array(&self.path.join(name), &path.join(name), n)?;
+            self.copy_array(name, n, &new)?;
         }
         for i in (0..n).filter(|&i| self.frames[i].is_there) {
-            files::copy_file(&self.head_path(i), &new.head_path(i))?;
+            self.copy_blob(&head_of(i), &new)?;
         }
         new.frames = self.frames[..n].to_vec();
         let steps: Vec<u64> = new.frames.iter().map(|f| f.step).collect();
@@ -223,8 +248,8 @@ impl Timeline {
         Ok(new)
     }
 
-    fn head_path(&self, i: usize) -> PathBuf {
-        self.path.join(HEADS).join(format!("{i}.eyot"))
+    fn head_name(&self, i: usize) -> String {
+        self.name(&head_of(i))
     }
 
     /// Everything of a frame but the metadata, which are returned.
@@ -234,31 +259,43 @@ impl Timeline {
         let mut arrays = self.arrays.clone();
         for layer in world.layers() {
             let name = &*layer.spec.name;
-            check_name(&self.path, name)?;
+            check_name(&self.place(""), name)?;
             let (about, axes) = (About::of(world, layer), axes(layer.spec.stagger, size));
             let is = metadata::layer(&about, n, axes, false);
             // Their length is all that changes from frame to frame.
             let former = arrays.insert(name.to_owned(), is);
-            if former.is_some_and(|f| f["dimension_names"] != arrays[name]["dimension_names"]) {
+            if former.as_ref().is_some_and(|f| f["dimension_names"] != arrays[name]["dimension_names"]) {
                 let problem = format!("layer `{name}` lay elsewhere on the cells in former frames");
-                return Err(Error::format(&self.path, problem, "record into another folder"));
+                return Err(Error::format(&self.place(""), problem, "record into another folder"));
             }
-            let folder = self.path.join(name);
+            if former.is_some_and(|f| f["codecs"] != arrays[name]["codecs"]) {
+                let problem = "a program that packs arrays in another way began this recording";
+                return Err(Error::format(
+                    &self.place(""),
+                    problem,
+                    "go on with that program, or record into another folder",
+                ));
+            }
+            let folder = self.place(name);
+            let put = |piece: &str, bytes: &[u8]| self.swap(&within(name, piece), Keep::Loose, bytes);
             match layer.spec.stagger {
-                Stagger::Cell => write_layer(&folder, &folder, n, &mut &layer.field, Flush::No)?,
-                _ => write_layer(&folder, &folder, n, &mut OnFaces::of(layer), Flush::No)?,
+                Stagger::Cell => write_layer(&folder, n, &mut &layer.field, &put)?,
+                _ => write_layer(&folder, n, &mut OnFaces::of(layer), &put)?,
             }
-            write_coordinates(&self.path, &about, size.1, axes, &mut arrays)?;
+            let put = |piece: &str, bytes: &[u8]| self.swap(piece, Keep::Loose, bytes);
+            write_coordinates(&self.place(""), &about, size.1, axes, &mut arrays, &put)?;
         }
-        let path = self.head_path(n);
-        let mut file = File::create(&path).map_err(Error::io(&path, "write"))?;
-        head.write(&path, &mut file)?;
-        let mut buffer = Vec::new();
-        for layer in world.layers().iter().filter(|l| l.spec.stagger != Stagger::Cell) {
-            let mut crc = crc32fast::Hasher::new();
-            write_faces(&path, &mut file, layer, &mut crc, &mut buffer)?;
-            file.write_all(&crc.finalize().to_le_bytes()).map_err(Error::io(&path, "write"))?;
-        }
+        let path = self.place(&head_of(n));
+        self.storage.write(&self.head_name(n), Keep::Loose, &mut |mut file| {
+            head.write(&path, &mut file)?;
+            let mut buffer = Vec::new();
+            for layer in world.layers().iter().filter(|l| l.spec.stagger != Stagger::Cell) {
+                let mut crc = crc32fast::Hasher::new();
+                write_faces(&path, &mut file, layer, &mut crc, &mut buffer)?;
+                file.write_all(&crc.finalize().to_le_bytes()).map_err(Error::io(&path, "write"))?;
+            }
+            Ok(())
+        })?;
         Ok(arrays)
     }
 
@@ -267,7 +304,7 @@ impl Timeline {
         for (i, times) in steps.chunks(TIMES).enumerate().skip(from / TIMES) {
             let mut bytes: Vec<u8> = times.iter().flat_map(|t| t.to_le_bytes()).collect();
             bytes.resize(8 * TIMES, 0);
-            files::replace(&self.path.join(TIME).join("c").join(i.to_string()), &bytes)?;
+            self.swap(&format!("{TIME}/c/{i}"), Keep::Whole, &bytes)?;
         }
         Ok(())
     }
@@ -279,22 +316,11 @@ impl Timeline {
             if is["shape"].as_array().is_some_and(|s| s.len() == 3) {
                 is["shape"][0] = json!(steps.len());
             }
-            files::replace(&self.path.join(name).join(METADATA), format!("{is:#}\n").as_bytes())?;
+            self.swap(&within(name, METADATA), Keep::Whole, format!("{is:#}\n").as_bytes())?;
         }
         let text = format!("{:#}\n", metadata::group(&self.attributes, &arrays));
-        self.replace(&self.path.join(METADATA), text.as_bytes())?;
+        self.swap(METADATA, Keep::Thrifty, text.as_bytes())?;
         self.arrays = arrays;
-        Ok(())
-    }
-
-    /// Puts a file in the place of another one, on the disk too if that is not for ever.
-    fn replace(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
-        if self.flushed.is_some_and(|(at, cost)| at.elapsed() < 10 * cost) {
-            return files::replace(path, bytes);
-        }
-        let begun = Instant::now();
-        write_atomically(path, |file| file.write_all(bytes).map_err(Error::io(path, "write")))?;
-        self.flushed = Some((Instant::now(), begun.elapsed()));
         Ok(())
     }
 
@@ -307,6 +333,11 @@ impl Timeline {
         let attributes = 2 * self.attributes.values().map(|v| v.to_string().len() + 100).sum::<usize>();
         arrays as u64 * ARRAY_BYTES + (coordinates + times + attributes) as u64
     }
+}
+
+/// The head of frame `i`.
+fn head_of(i: usize) -> String {
+    format!("{HEADS}/{i}.eyot")
 }
 
 fn checked(path: &Path, record: Record) -> Result<Record> {
@@ -377,12 +408,27 @@ impl Rows for OnFaces<'_> {
 /// If something else is there, or if it cannot be removed.
 pub fn remove(path: &Path) -> Result<()> {
     let Ok(there) = std::fs::symlink_metadata(path) else { return Ok(()) };
-    if !there.is_dir() || !path.join(HEADS).is_dir() {
-        return Err(Error::format(
-            path,
-            "something else than a recording is there",
-            "remove it, or choose another folder",
-        ));
+    if !there.is_dir() {
+        return Err(no_recording(path));
     }
-    files::remove_all(path)
+    let (storage, group) = Folder::around(path);
+    remove_in(&storage, &group)
+}
+
+/// As [`remove`], in the group of a storage.
+///
+/// # Errors
+/// As [`remove`].
+pub fn remove_in(storage: &dyn Storage, group: &str) -> Result<()> {
+    if storage.list(group).is_empty() && storage.bytes(group).is_none() && !storage.is_group(group) {
+        return Ok(());
+    }
+    if !storage.is_group(&within(group, HEADS)) && !is_recording_in(storage, group) {
+        return Err(no_recording(&storage.place(group)));
+    }
+    files::remove_all(storage, group)
+}
+
+fn no_recording(path: &Path) -> Error {
+    Error::format(path, "something else than a recording is there", "remove it, or choose another folder")
 }

@@ -3,16 +3,19 @@
 //! What is to be done is written down first. The root then shows only the frames that keep their numbers, until all is done;
 //! a kill at any moment leaves a store that opens, and [`Timeline::finish_thinning`] does the rest.
 
-use super::{Frame, HEADS, Timeline, files};
+use super::{Frame, HEADS, Timeline};
 use crate::error::{Error, Result};
 use crate::head::MAX_STEP;
+use crate::storage::{Folder, Keep, Storage, read_bytes, within};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Name of the file that says what is to be done.
 const PLAN: &str = "thinning.json";
 /// More frames than a recording has.
 pub(super) const MAX_FRAMES: usize = 1 << 20;
+/// More than a plan for all of them takes.
+const MAX_PLAN_BYTES: u64 = 64 << 20;
 
 /// What is to be done.
 #[derive(Debug, Serialize, Deserialize)]
@@ -42,7 +45,17 @@ impl Plan {
 
 /// True if a killed run had begun to drop frames of this recording: until that is done, it shows only the first ones.
 pub fn is_cut_off(path: &Path) -> bool {
-    path.join(HEADS).join(PLAN).exists()
+    let (storage, group) = Folder::around(path);
+    is_cut_off_in(&storage, &group)
+}
+
+/// As [`is_cut_off`], in the group of a storage.
+pub fn is_cut_off_in(storage: &dyn Storage, group: &str) -> bool {
+    storage.bytes(&within(group, &plan_name())).is_some()
+}
+
+fn plan_name() -> String {
+    within(HEADS, PLAN)
 }
 
 impl Timeline {
@@ -54,7 +67,7 @@ impl Timeline {
                     "a bound of {} bytes does not hold two frames of {most} bytes and {fixed} bytes beside them",
                     self.record.max_bytes
                 );
-                return Err(Error::format(&self.path, problem, "raise the bound of the recording"));
+                return Err(Error::format(&self.place(""), problem, "raise the bound of the recording"));
             }
             // What is missing holds no room and goes first.
             let whole: Vec<usize> = (0..self.frames.len()).filter(|&i| i == 0 || self.frames[i].is_there).collect();
@@ -73,8 +86,11 @@ impl Timeline {
 
     /// Does what a killed run had begun.
     pub(super) fn finish_thinning(&mut self) -> Result<()> {
-        let path = self.plan_path();
-        let Ok(text) = std::fs::read(&path) else { return Ok(()) };
+        if self.storage.bytes(&self.name(&plan_name())).is_none() {
+            return Ok(());
+        }
+        let path = self.place(&plan_name());
+        let text = read_bytes(&*self.storage, &self.name(&plan_name()), MAX_PLAN_BYTES)?;
         let plan = serde_json::from_slice(&text).ok().filter(Plan::is_sound);
         let plan = plan.ok_or_else(|| Error::format(&path, "this file is damaged", "remove the recording"))?;
         self.carry_out(plan)
@@ -91,9 +107,13 @@ impl Timeline {
         }
         self.write_times(&steps, 0)?;
         self.commit(self.arrays.clone(), &steps)?;
-        let frame = |(i, &step)| Frame { step, bytes: self.frame_bytes(i), is_there: self.head_path(i).is_file() };
+        let frame = |(i, &step)| Frame {
+            step,
+            bytes: self.frame_bytes(i),
+            is_there: self.storage.bytes(&self.head_name(i)).is_some(),
+        };
         self.frames = steps.iter().enumerate().map(frame).collect();
-        files::remove_file(&self.plan_path())
+        self.storage.remove(&self.name(&plan_name()))
     }
 
     fn drop_frames(&mut self, plan: Plan) -> Result<Plan> {
@@ -105,14 +125,10 @@ impl Timeline {
         Ok(plan)
     }
 
-    fn plan_path(&self) -> PathBuf {
-        self.path.join(HEADS).join(PLAN)
-    }
-
-    fn write_plan(&mut self, plan: &Plan) -> Result<()> {
-        let path = self.plan_path();
-        let text = serde_json::to_vec(plan).map_err(|e| Error::format(&path, e.to_string(), "report it"))?;
-        self.replace(&path, &text)
+    fn write_plan(&self, plan: &Plan) -> Result<()> {
+        let text = serde_json::to_vec(plan)
+            .map_err(|e| Error::format(&self.place(&plan_name()), e.to_string(), "report it"))?;
+        self.swap(&plan_name(), Keep::Thrifty, &text)
     }
 }
 

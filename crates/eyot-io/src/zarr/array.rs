@@ -4,8 +4,8 @@ use super::METADATA;
 use super::codec::{Codec, Codecs};
 use crate::error::{Error, Result};
 use crate::sample::{ByteOrder, Sample};
-use exr::prelude::f16;
 use eyot_core::Limits;
+use half::f16;
 use serde_json::{Map, Value};
 use std::fs;
 use std::io::Read;
@@ -41,20 +41,24 @@ pub(crate) struct Array {
 /// Reads a metadata file as JSON.
 pub(crate) fn metadata(folder: &Path) -> Result<Value> {
     let path = folder.join(METADATA);
-    let file = open(&path)?;
+    metadata_from(&path, open(&path)?)
+}
+
+/// As [`metadata`], of a file that is open.
+pub(crate) fn metadata_from(path: &Path, input: impl Read) -> Result<Value> {
     let mut text = Vec::new();
-    file.take(MAX_METADATA_BYTES + 1).read_to_end(&mut text).map_err(Error::io(&path, "read"))?;
+    input.take(MAX_METADATA_BYTES + 1).read_to_end(&mut text).map_err(Error::io(path, "read"))?;
     if text.len() as u64 > MAX_METADATA_BYTES {
-        return Err(Error::format(&path, "the metadata are far too long", "is this a Zarr store?"));
+        return Err(Error::format(path, "the metadata are far too long", "is this a Zarr store?"));
     }
     let value: Value = serde_json::from_slice(&text)
-        .map_err(|e| Error::format(&path, format!("not valid JSON: {e}"), "copy or export the store again"))?;
+        .map_err(|e| Error::format(path, format!("not valid JSON: {e}"), "copy or export the store again"))?;
     match value["zarr_format"].as_u64() {
         Some(3) => Ok(value),
         v => {
             let v = v.map_or("unknown".to_owned(), |v| v.to_string());
             let problem = format!("Zarr of version {v}, this program reads version 3");
-            Err(Error::format(&path, problem, "write it again with zarr_format=3"))
+            Err(Error::format(path, problem, "write it again with zarr_format=3"))
         }
     }
 }
@@ -137,8 +141,8 @@ impl Array {
         })
     }
 
-    /// The file of a piece.
-    fn path(&self, at: &[u64]) -> PathBuf {
+    /// The name of a piece in the array.
+    pub(crate) fn key_of(&self, at: &[u64]) -> String {
         let (prefix, separator) = self.key;
         let mut parts: Vec<String> = at.iter().map(u64::to_string).collect();
         if prefix {
@@ -146,8 +150,12 @@ impl Array {
         } else if parts.is_empty() {
             parts.push("0".to_owned());
         }
-        let key = parts.join(&separator.to_string());
-        self.folder.join(key)
+        parts.join(&separator.to_string())
+    }
+
+    /// The file of a piece.
+    fn path(&self, at: &[u64]) -> PathBuf {
+        self.folder.join(self.key_of(at))
     }
 
     /// Refuses arrays whose rows and columns lie in too many files.
@@ -173,17 +181,22 @@ impl Array {
             Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             other => other?,
         };
+        self.decode(&path, file).map(Some)
+    }
+
+    /// The values of a piece as bytes, from its file at `path`.
+    pub(crate) fn decode(&self, path: &Path, file: impl Read) -> Result<Vec<u8>> {
         let values: u64 = self.piece.iter().product::<u64>() * self.sample.bytes() as u64;
         // What does not compress grows a little; more is no piece of this array.
         let most = values + values / 8 + (1 << 20);
         let mut packed = Vec::new();
-        file.take(most + 1).read_to_end(&mut packed).map_err(Error::io(&path, "read"))?;
-        let broken = |what: String| Error::format(&path, what, "copy or export the store again");
+        file.take(most + 1).read_to_end(&mut packed).map_err(Error::io(path, "read"))?;
+        let broken = |what: String| Error::format(path, what, "copy or export the store again");
         if packed.len() as u64 > most {
             return Err(broken("the chunk is longer than its values can be".to_owned()));
         }
         let fill = self.fill_bytes();
-        self.codecs.decode(packed, &self.piece, self.sample, &fill).map(Some).map_err(broken)
+        self.codecs.decode(packed, &self.piece, self.sample, &fill).map_err(broken)
     }
 
     /// True for values that lie in the file as this program writes them.

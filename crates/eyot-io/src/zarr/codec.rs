@@ -1,6 +1,7 @@
 //! Codecs of arrays, in: what turns the bytes of a file back into values.
 
 use super::array::{Reason, broken, name, sizes};
+use super::pack;
 use crate::sample::{ByteOrder, Sample};
 use serde_json::Value;
 use std::io::Read;
@@ -85,12 +86,9 @@ impl Codecs {
         let most = needed + needed / 8 + (1 << 20);
         for codec in self.chain.iter().rev() {
             bytes = match codec {
-                Codec::Zstd => unpack(
-                    zstd::stream::read::Decoder::with_buffer(bytes.as_slice())
-                        .map_err(|e| format!("broken zstd data: {e}"))?,
-                    most,
-                    "zstd",
-                )?,
+                Codec::Zstd => {
+                    unpack(pack::zstd_reader(&bytes).map_err(|e| format!("broken zstd data: {e}"))?, most, "zstd")?
+                }
                 Codec::Gzip => unpack(flate2::read::MultiGzDecoder::new(bytes.as_slice()), most, "gzip")?,
                 Codec::Crc32c => {
                     checked(&mut bytes)?;

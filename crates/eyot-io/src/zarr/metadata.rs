@@ -1,13 +1,11 @@
 //! The metadata of what is written: arrays of layers, their coordinates and place, and the group around them.
 
-use super::{ATTRIBUTES, CHUNK, PLACE, SECONDS, SHARD, SYSTEM, TIME};
+use super::{ATTRIBUTES, CHUNK, PLACE, SECONDS, SHARD, SYSTEM, TIME, pack};
 use crate::about::About;
 use eyot_core::CoordinateSystem;
 use eyot_core::process::SECONDS_PER_YEAR;
 use serde_json::{Map, Value, json};
 
-/// The usual balance of zstd.
-pub(super) const ZSTD_LEVEL: i32 = 3;
 /// NaN as xarray writes it into attributes: the bytes of an `f64` in base 64.
 const NAN_OF_XARRAY: &str = "AAAAAAAA+H8=";
 
@@ -74,7 +72,7 @@ pub(crate) fn layer(about: &About, times: usize, [rows, columns]: [Axis; 2], hol
     let crc32c = json!({ "name": "crc32c" });
     let sharding = json!({
         "chunk_shape": [1, CHUNK, CHUNK],
-        "codecs": [little, zstd(), crc32c],
+        "codecs": [little, pack::codec(), crc32c],
         "index_codecs": [little, crc32c],
         "index_location": "end",
     });
@@ -87,10 +85,6 @@ pub(crate) fn layer(about: &About, times: usize, [rows, columns]: [Axis; 2], hol
         attributes,
         json!([TIME, rows.name, columns.name]),
     )
-}
-
-fn zstd() -> Value {
-    json!({ "name": "zstd", "configuration": { "level": ZSTD_LEVEL, "checksum": false } })
 }
 
 fn array(
@@ -143,7 +137,7 @@ pub(crate) fn coordinate(place: &About, along: Axis) -> Value {
     }
     attributes.insert("units".to_owned(), json!(unit));
     attributes.insert("standard_name".to_owned(), json!(standard));
-    let codecs = json!([{ "name": "bytes", "configuration": { "endian": "little" } }, zstd()]);
+    let codecs = json!([{ "name": "bytes", "configuration": { "endian": "little" } }, pack::codec()]);
     array(json!([n]), "float64", json!([n]), codecs, json!(0.0), attributes, json!([name]))
 }
 

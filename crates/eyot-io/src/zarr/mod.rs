@@ -8,14 +8,15 @@
 mod array;
 mod codec;
 pub(crate) mod metadata;
+mod pack;
 mod read;
 mod write;
 
-pub(crate) use array::{Array, metadata as node};
+pub(crate) use array::{Array, metadata_from as node_from};
 pub use read::store_attributes;
 pub(crate) use read::{is_node, names, read};
 pub use write::write_store;
-pub(crate) use write::{Flush, check_name, write_coordinates, write_layer, write_piece};
+pub(crate) use write::{check_name, write_coordinates, write_layer};
 
 /// The name of every metadata file.
 pub(crate) const METADATA: &str = "zarr.json";

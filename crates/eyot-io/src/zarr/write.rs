@@ -1,7 +1,7 @@
 //! Zarr stores, out.
 
-use super::metadata::{Axis, ZSTD_LEVEL};
-use super::{CHUNK, METADATA, PLACE, SHARD, STEPS, TIME, metadata};
+use super::metadata::Axis;
+use super::{CHUNK, METADATA, PLACE, SHARD, STEPS, TIME, metadata, pack};
 use crate::about::About;
 use crate::atomic::write_folder_atomically;
 use crate::error::{Error, Result};
@@ -45,12 +45,13 @@ pub fn write_store(path: &Path, layers: &mut [(&About, &mut dyn Rows)], attribut
         for (about, rows) in layers.iter_mut() {
             let name = name_of(about);
             let metadata = metadata::layer(about, 1, Axis::of_cells((width, height)), rows.missing().is_some());
-            write_layer(path, &folder.join(name), 0, *rows, Flush::Yes)?;
+            write_layer(path, 0, *rows, &|piece, bytes| write_piece(&folder.join(name).join(piece), bytes))?;
             known.insert(name.to_owned(), metadata);
         }
-        write_coordinates(folder, &place, height, Axis::of_cells((width, height)), &mut known)?;
+        let put = |piece: &str, bytes: &[u8]| write_piece(&folder.join(piece), bytes);
+        write_coordinates(folder, &place, height, Axis::of_cells((width, height)), &mut known, &put)?;
         let step = attributes.get(STEPS).and_then(Value::as_i64).unwrap_or(0);
-        write_piece(&folder.join(TIME).join("c/0"), &step.to_le_bytes(), Flush::Yes)?;
+        write_piece(&folder.join(TIME).join("c/0"), &step.to_le_bytes())?;
         known.insert(TIME.to_owned(), metadata::time(1, 1, attributes));
         for (name, metadata) in &known {
             write_metadata(&folder.join(name), metadata)?;
@@ -77,47 +78,42 @@ fn bad_name(path: &Path, name: &str) -> Error {
     Error::format(path, problem, "use different names of letters, digits and underscores")
 }
 
-/// Writes coordinates and place, without their metadata, which go to `known`; those that are there already stay.
+/// Writes a piece by its name in the store, or in the array.
+pub(crate) type Put<'a> = dyn Fn(&str, &[u8]) -> Result<()> + Sync + 'a;
+
+/// Writes coordinates and place, without their metadata, which go to `known`; those that are there already stay. `folder` is
+/// for messages.
 pub(crate) fn write_coordinates(
     folder: &Path,
     place: &About,
     height: usize,
     axes: impl IntoIterator<Item = Axis>,
     known: &mut Map<String, Value>,
+    put: &Put<'_>,
 ) -> Result<()> {
     for axis in axes {
         if !known.contains_key(axis.name) {
             let values = metadata::values_along(place, height, axis);
             let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-            write_piece(&folder.join(axis.name).join("c/0"), &zstd_of(folder, &bytes)?, Flush::Yes)?;
+            put(&format!("{}/c/0", axis.name), &packed(folder, &bytes)?)?;
             known.insert(axis.name.to_owned(), metadata::coordinate(place, axis));
         }
     }
     if let Some(metadata) = metadata::place(place).filter(|_| !known.contains_key(PLACE)) {
-        write_piece(&folder.join(PLACE).join("c"), &0i32.to_le_bytes(), Flush::Yes)?;
+        put(&format!("{PLACE}/c"), &0i32.to_le_bytes())?;
         known.insert(PLACE.to_owned(), metadata);
     }
     Ok(())
 }
 
-/// Whether a file must be on the disk before the work goes on.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Flush {
-    Yes,
-    /// Whoever reads it finds out by a checksum.
-    No,
-}
-
-/// Writes the shards of one layer at the index `time`, a band of them at a time.
-pub(crate) fn write_layer(path: &Path, folder: &Path, time: usize, rows: &mut dyn Rows, flush: Flush) -> Result<()> {
+/// Writes the shards of one layer at the index `time`, a band of them at a time. `path` is for messages.
+pub(crate) fn write_layer(path: &Path, time: usize, rows: &mut dyn Rows, put: &Put<'_>) -> Result<()> {
     let width = rows.size().0;
     each_marked_band(path, rows, SHARD, Some(f32::NAN), |top, band| {
         let down = top / SHARD;
-        let row = folder.join(format!("c/{time}/{down}"));
-        fs::create_dir_all(&row).map_err(Error::io(&row, "make the folder"))?;
         (0..width.div_ceil(SHARD)).into_par_iter().try_for_each(|across| {
             let shard = shard(path, band, width, across * SHARD)?;
-            write_piece(&row.join(across.to_string()), &shard, flush)
+            put(&format!("c/{time}/{down}/{across}"), &shard)
         })
     })
 }
@@ -139,7 +135,7 @@ fn shard(path: &Path, band: &[f32], width: usize, left: usize) -> Result<Vec<u8>
                 let values = &band[(y0 + y) * width + x0..][..columns];
                 line.chunks_exact_mut(4).zip(values).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
             }
-            let packed = zstd_of(path, &bytes)?;
+            let packed = packed(path, &bytes)?;
             index.extend((out.len() as u64).to_le_bytes());
             index.extend((packed.len() as u64 + 4).to_le_bytes());
             out.extend(&packed);
@@ -152,24 +148,24 @@ fn shard(path: &Path, band: &[f32], width: usize, left: usize) -> Result<Vec<u8>
     Ok(out)
 }
 
-fn zstd_of(path: &Path, bytes: &[u8]) -> Result<Vec<u8>> {
-    zstd::bulk::compress(bytes, ZSTD_LEVEL).map_err(Error::io(path, "compress"))
+fn packed(path: &Path, bytes: &[u8]) -> Result<Vec<u8>> {
+    pack::pack(bytes).map_err(Error::io(path, "compress"))
 }
 
-pub(crate) fn write_piece(path: &Path, bytes: &[u8], flush: Flush) -> Result<()> {
+fn write_piece(path: &Path, bytes: &[u8]) -> Result<()> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
     }
     let write = || -> std::io::Result<()> {
         let mut file = File::create(path)?;
         file.write_all(bytes)?;
-        if flush == Flush::Yes { file.sync_all() } else { Ok(()) }
+        file.sync_all()
     };
     write().map_err(Error::io(path, "write"))
 }
 
 fn write_metadata(folder: &Path, value: &Value) -> Result<()> {
-    write_piece(&folder.join(METADATA), format!("{value:#}\n").as_bytes(), Flush::Yes)
+    write_piece(&folder.join(METADATA), format!("{value:#}\n").as_bytes())
 }
 
 #[cfg(test)]

@@ -12,4 +12,5 @@ mod missing;
 mod mutations;
 mod round_trips;
 mod streams;
+mod tables;
 mod timelines;

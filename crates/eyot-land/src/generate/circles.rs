@@ -13,7 +13,7 @@
 //! # Scale
 //! Radii are shares of the extent. Of levels whose discs are no larger than two cells only the mean remains, `cover f_l (1 - 4 / pi^2)`.
 
-use super::{check, fill, scale_m};
+use super::{check, scale_m};
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::{LaneBlock, WIDTH};
 use eyot_core::process::{Generator, Reach, Site};
@@ -193,7 +193,7 @@ impl Generator for Circles {
             height *= self.gain;
         }
         let isa = Isa::best();
-        fill(&g, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(g.width, site.rows.clone(), site.control, |y, row| {
             row.fill(ground);
             let y_m = (y as f64 + 0.5) * g.cell_y_m;
             sizes.iter().for_each(|s| s.row(&g, y_m, isa, row));

@@ -12,7 +12,7 @@
 //! # Layers
 //! Makes a new field from its parameters; random numbers are not used.
 
-use super::{check, fill};
+use super::check;
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::real::Real;
 use eyot_core::{Field, Grid, Result};
@@ -75,7 +75,7 @@ impl Generator for Cone {
         let (w_m, h_m) = g.extent_m();
         let radius_m = f64::from(self.radius) * w_m.min(h_m);
         let centre = (f64::from(self.centre[0]) * w_m, f64::from(self.centre[1]) * h_m);
-        fill(&g, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(g.width, site.rows.clone(), site.control, |y, row| {
             let dy = (y as f64 + 0.5) * g.cell_y_m - centre.1;
             for (x, v) in row.iter_mut().enumerate() {
                 let dx = (x as f64 + 0.5) * g.cell_x_m - centre.0;

@@ -12,7 +12,7 @@
 //! # Differences
 //! A sharp fold leaves a razor's edge along the whole crest, which erosion turns into needles; `crest_m` takes it away.
 
-use super::{check, fill};
+use super::check;
 use eyot_core::process::{Around, Generator, Reach, Site};
 use eyot_core::{Field, Grid, Result};
 use schemars::JsonSchema;
@@ -61,7 +61,7 @@ impl Generator for Crater {
         self.check(&site.grid)?;
         let level = if self.level_m == 0.0 { self.level * base.min_max().1 } else { self.level_m };
         let base = Around::new(site, self.reach(&site.grid), base)?;
-        fill(&site.grid, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(site.grid.width, site.rows.clone(), site.control, |y, row| {
             for (v, &h) in row.iter_mut().zip(base.row(y)) {
                 let floor = if h > level { level - self.depth_m } else { f32::NEG_INFINITY };
                 *v = fold(h, level, self.crest_m).max(floor);

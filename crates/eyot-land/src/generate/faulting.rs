@@ -17,7 +17,7 @@
 //! # Speed
 //! A row meets a line in one place, so a row costs the sum of cells and lines and not their product.
 
-use super::{check, fill};
+use super::check;
 use eyot_core::math::{cos, ln, sin};
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::real::Bits;
@@ -189,7 +189,7 @@ impl Generator for Faulting {
         self.check(&site.grid)?;
         let g = site.grid;
         let faults = self.list(&g, site.seed);
-        fill(&g, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(g.width, site.rows.clone(), site.control, |y, row| {
             let y_m = (y as f64 + 0.5) * g.cell_y_m;
             let (mut sum, mut zone) = (vec![0.0; g.width + 1], vec![0.0; g.width]);
             faults.iter().for_each(|f| f.row(&g, y_m, &mut sum, &mut zone));

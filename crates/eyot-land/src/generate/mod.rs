@@ -4,9 +4,7 @@
 //! at cells, so that a recipe on a finer grid shows the same land.
 
 use eyot_core::process::{Entry, Generator, check_ranges as check};
-use eyot_core::{Control, Field, Grid, Result, about};
-use rayon::prelude::*;
-use std::ops::Range;
+use eyot_core::{Grid, about};
 
 mod billow;
 mod breach;
@@ -22,7 +20,7 @@ mod flow;
 pub mod fractal;
 mod hypsometry;
 pub mod mask;
-pub mod noise;
+pub use eyot_noise::plane as noise;
 mod ramp;
 mod random_additions;
 pub mod remap;
@@ -106,26 +104,6 @@ pub const GENERATORS: &[Entry<dyn Generator>] = &[
     Entry::<dyn Generator>::generator::<Warp>("warp", about!("warp.rs"), &["ebert2003"]),
     Entry::<dyn Generator>::generator::<Worley>("worley", about!("worley.rs"), &["worley1996"]),
 ];
-
-/// Rows that are handed out between two looks at the stop button.
-const BAND: usize = 128;
-
-/// Computes rows of a new field in parallel; `row` gets the row's number in the whole grid and its cells, which are 0.
-fn fill(
-    grid: &Grid,
-    window: Range<usize>,
-    control: &Control<'_>,
-    row: impl Fn(usize, &mut [f32]) + Sync,
-) -> Result<Field> {
-    let mut field = Field::new(grid.width, window.len(), 0.0);
-    let mut rows: Vec<&mut [f32]> = field.rows_mut().collect();
-    for (band, rows) in rows.chunks_mut(BAND).enumerate() {
-        let first = window.start + band * BAND;
-        control.tick((first - window.start) as u64, window.len() as u64)?;
-        rows.par_iter_mut().enumerate().for_each(|(y, cells)| row(first + y, cells));
-    }
-    Ok(field)
-}
 
 /// Size of features: `size_m`, or if that is 0, `share` of the grid's longer side.
 fn scale_m(grid: &Grid, share: f32, size_m: f32) -> f64 {

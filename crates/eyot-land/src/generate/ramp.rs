@@ -7,7 +7,7 @@
 //! # Source
 //! Elementary geometry.
 
-use super::{check, fill};
+use super::check;
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::real::Real;
 use eyot_core::{Field, Grid, Result};
@@ -59,7 +59,7 @@ impl Generator for Ramp {
         // Length of the grid's shadow on the direction, and the middle of the grid at one half.
         let length = (east * w_m).abs() + (south * h_m).abs();
         let (low, rise) = (f64::from(self.low), f64::from(self.high) - f64::from(self.low));
-        fill(&g, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(g.width, site.rows.clone(), site.control, |y, row| {
             let dy = (y as f64 + 0.5) * g.cell_y_m - 0.5 * h_m;
             for (x, v) in row.iter_mut().enumerate() {
                 let dx = (x as f64 + 0.5) * g.cell_x_m - 0.5 * w_m;

@@ -8,7 +8,7 @@
 //! # Source
 //! Fritsch and Carlson 1980 (monotone cubic).
 
-use super::{check, fill};
+use super::check;
 use eyot_core::process::{Around, Generator, Reach, Site};
 use eyot_core::{Error, Field, Grid, Result};
 use schemars::JsonSchema;
@@ -113,7 +113,7 @@ impl Generator for Remap {
         let base = Around::new(site, self.reach(&site.grid), base)?;
         let curve = self.prepared();
         let (rise, span) = (to[1] - to[0], from[1] - from[0]);
-        fill(&site.grid, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(site.grid.width, site.rows.clone(), site.control, |y, row| {
             for (v, &h) in row.iter_mut().zip(base.row(y)) {
                 // Level land has no range: it is at the beginning of the curve.
                 let t = if span == 0.0 { 0.0 } else { (h - from[0]) / span };

@@ -17,7 +17,7 @@
 //! Closed: the land is mirrored, so nothing is exchanged with the outside and the sum over the grid stays. Wrap: a ring, the sum
 //! stays. Open: the border cell goes on outside, so the sum may change.
 
-use super::{BAND, check, fill};
+use super::check;
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::{LaneBlock, WIDTH};
 use eyot_core::process::{Around, Generator, Reach, Site};
@@ -27,6 +27,9 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+
+/// Rows that are smoothed between two looks at the stop button.
+const BAND: usize = 128;
 
 /// What smooths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -221,7 +224,7 @@ impl Pass<'_> {
             ((at - self.held.start).rem_euclid(g.height as isize) as usize).min(self.held.len() - 1)
         };
         let row = |y: isize| &smoothed[index(y) * stride..][..stride];
-        fill(g, 0..made.len(), control, |i, out| {
+        Field::from_rows(g.width, 0..made.len(), control, |i, out| {
             let y = made.start + i as isize;
             let around: Vec<_> = (1..=across.len() as isize).map(|k| (row(y - k), row(y + k))).collect();
             run_lanes(self.isa, Across { weights: across, centre: row(y), around: &around, out });

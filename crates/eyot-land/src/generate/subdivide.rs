@@ -3,7 +3,6 @@
 //!
 //! What is added to a point is a hash of level and place, so a window of rows needs only the lattice points around it.
 
-use super::fill;
 use super::noise::{COLUMN, ROW, hash};
 use eyot_core::process::Site;
 use eyot_core::rng::mix64;
@@ -179,7 +178,7 @@ pub(super) fn surface(site: &Site<'_>, levels: &[Level], blend: Blend, random: R
     }
     let Some((patch, from)) = &before else { return Ok(Field::new(g.width, site.rows.len(), 0.0)) };
     let refine = Refine::new(patch, &from[0], &cells[0], &wanted[0], Blend::Spline);
-    fill(g, site.rows.clone(), site.control, |y, out| {
+    Field::from_rows(g.width, site.rows.clone(), site.control, |y, out| {
         refine.row(taps(&from[1], &cells[1], y as i64, Blend::Spline), &mut Vec::new(), out);
     })
 }

@@ -15,7 +15,7 @@
 
 use super::fractal::Octaves;
 use super::noise::{PIECE, PIECE_COLUMNS, Piece, Sum};
-use super::{check, fill, scale_m};
+use super::{check, scale_m};
 use eyot_core::isa::Isa;
 use eyot_core::lanes::WIDTH;
 use eyot_core::process::{Around, Generator, Reach, Site};
@@ -102,7 +102,7 @@ impl Generator for Warp {
         let away = noise.displacement(self.noise.octaves).map(|n| n.prepare(&g, Isa::best()));
         let (per_x, per_y) = ((strength_m / g.cell_x_m) as f32, (strength_m / g.cell_y_m) as f32);
         let base = Around::new(site, self.reach(&g), base)?;
-        fill(&g, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(g.width, site.rows.clone(), site.control, |y, row| {
             for (x0, piece) in (0..).step_by(PIECE_COLUMNS).zip(row.chunks_mut(PIECE_COLUMNS)) {
                 let mut shift: [Piece; 2] = [[[0.0; WIDTH]; PIECE]; 2];
                 for (noise, shift) in away.iter().zip(&mut shift) {

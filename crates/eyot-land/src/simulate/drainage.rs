@@ -21,8 +21,8 @@
 
 use crate::drainage::{BreachLimits, Land, RoutingRule, breach, fill};
 use eyot_core::layer::known::{DRAINED_AREA, HEIGHT, LAKE};
-use eyot_core::process::{Action, Moment, Process};
-use eyot_core::{Control, Field, LayerSpec, Result, World};
+use eyot_core::process::{Action, ActionInstance, LayerUse, Moment, Process};
+use eyot_core::{Control, Field, Result, World};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -75,8 +75,10 @@ impl Default for Drainage {
 }
 
 impl Process for Drainage {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (LAKE, 0.0), (DRAINED_AREA, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        let keep = self.depressions == Depressions::Keep;
+        let height = if keep { HEIGHT.read(0.0) } else { HEIGHT.changed(0.0) };
+        vec![height, LAKE.written(0.0), DRAINED_AREA.written(0.0)]
     }
 
     fn action(&self) -> Option<&dyn Action> {
@@ -85,7 +87,17 @@ impl Process for Drainage {
 }
 
 impl Action for Drainage {
-    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+    fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        34
+    }
+}
+
+impl ActionInstance for Drainage {
+    fn act(&mut self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
         let grid = &moment.grid;
         if self.depressions != Depressions::Keep {
             let (mut height, outlets) = self.land(moment, &world.layer("height")?.field).heights_and_outlets()?;
@@ -110,10 +122,6 @@ impl Action for Drainage {
         replace(&mut world.layer_mut("lake")?.field, &depth);
         replace(&mut world.layer_mut("drained_area")?.field, &area);
         Ok(())
-    }
-
-    fn bytes_per_cell(&self) -> usize {
-        34
     }
 }
 

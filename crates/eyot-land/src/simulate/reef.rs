@@ -33,12 +33,13 @@
 //! Growth and subsidence are in the ledger (`ground.reef`, `ground.subsided`), and so is the carbon that (2) makes where
 //! growth wants more than there is (`carbon.clamped`).
 
+use eyot_core::given::Given;
 use eyot_core::layer::known::{CARBON, GROWTH, HEIGHT, LIMESTONE};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process, SECONDS_PER_YEAR};
+use eyot_core::process::{LayerUse, Moment, Process, SECONDS_PER_YEAR};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
-use eyot_core::{Edge, Error, Grid, LayerSpec, Result, World, rule_params};
+use eyot_core::{Edge, Error, Grid, LayerSpec, Result, World, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -181,8 +182,14 @@ fn curve(points: &[[f64; 2]], t: f64) -> f64 {
 }
 
 impl Process for Reef {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0), (GROWTH, 0.0), (CARBON, 1.0), (REEF_FLOOR, UNKNOWN)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![
+            HEIGHT.changed(0.0),
+            LIMESTONE.changed(0.0),
+            GROWTH.changed(0.0),
+            CARBON.changed(1.0),
+            REEF_FLOOR.changed(UNKNOWN),
+        ]
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {
@@ -238,44 +245,45 @@ impl Process for Reef {
             for j in 1..=stages {
                 let j = j as f32;
                 let ahead = (2.0 * j - 1.0) / j;
-                let params = SpreadParams {
-                    x: ahead * w * x,
-                    y: ahead * w * y,
-                    ahead,
-                    sea,
-                    open_sea: self.open_sea,
-                    rim_x: edge(g.rim.x),
-                    rim_y: edge(g.rim.y),
-                    last_x: g.width as f32 - 1.0,
-                    last_y: g.height as f32 - 1.0,
+                let params = SpreadParams::<Given> {
+                    x: (ahead * w * x).into(),
+                    y: (ahead * w * y).into(),
+                    ahead: ahead.into(),
+                    sea: sea.into(),
+                    open_sea: given!(plan, self.open_sea),
+                    rim_x: edge(g.rim.x).into(),
+                    rim_y: edge(g.rim.y).into(),
+                    last_x: (g.width as f32 - 1.0).into(),
+                    last_y: (g.height as f32 - 1.0).into(),
                 };
                 if stages == 1 {
-                    plan.push::<Spread>(params);
+                    plan.push_given::<Spread>(params);
                 } else {
                     plan.scratch(&CARBON_BEFORE);
-                    plan.push::<SpreadStage>(params);
+                    plan.push_given::<SpreadStage>(params);
                 }
             }
         }
+        let growth = given!(plan, self.growth);
         let params = GrowParams {
-            years,
-            sea,
-            growth: self.growth,
-            by_carbon: if self.limit == Limit::Carbon { 1.0 } else { 0.0 },
-            per_growth: 1.0 / self.growth.max(1e-9),
+            years: years.into(),
+            sea: sea.into(),
+            growth,
+            by_carbon: Given::of(if self.limit == Limit::Carbon { 1.0 } else { 0.0 }),
+            per_growth: 1.0 / growth.max(Given::of(1e-9)),
             extinction: match self.light {
-                Light::Exponential => 1.0 / self.light_depth,
-                Light::Saturating => self.attenuation,
+                Light::Exponential => 1.0 / given!(plan, self.light_depth),
+                Light::Saturating => given!(plan, self.attenuation),
             },
-            relative_light: self.surface_light / self.saturation_light,
-            shallow: self.shallow,
-            deep: self.deep,
-            uptake: self.uptake,
-            sink: self.subsidence * years,
+            relative_light: given!(plan, self.surface_light) / given!(plan, self.saturation_light),
+            shallow: given!(plan, self.shallow),
+            deep: given!(plan, self.deep),
+            uptake: given!(plan, self.uptake),
+            sink: given!(plan, self.subsidence) * years,
         };
         match self.light {
-            Light::Exponential => plan.push::<Grow<false>>(params),
-            Light::Saturating => plan.push::<Grow<true>>(params),
+            Light::Exponential => plan.push_given::<Grow<false>>(params),
+            Light::Saturating => plan.push_given::<Grow<true>>(params),
         }
     }
 

@@ -22,10 +22,10 @@
 
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process};
+use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{LayerSpec, rule_params};
+use eyot_core::rule_params;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -45,8 +45,8 @@ impl Default for Seabed {
 }
 
 impl Process for Seabed {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (LIMESTONE, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.changed(0.0), LIMESTONE.read(0.0)]
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

@@ -17,12 +17,13 @@
 //! Always within 0..=1.
 
 use super::hydraulic::{FLUX_X, FLUX_Y};
+use eyot_core::given::Given;
 use eyot_core::layer::known::WETNESS;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process};
+use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{LayerSpec, rule_params};
+use eyot_core::{given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -45,16 +46,16 @@ impl Default for Wetness {
 }
 
 impl Process for Wetness {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(FLUX_X, 0.0), (FLUX_Y, 0.0), (WETNESS, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![FLUX_X.read(0.0), FLUX_Y.read(0.0), WETNESS.changed(0.0)]
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
-        plan.push::<Remember>(RememberParams {
-            half_dx: 0.5 * moment.grid.cell_x_m as f32,
-            half_dy: 0.5 * moment.grid.cell_y_m as f32,
-            per_river: 1.0 / self.river,
-            share: 1.0 / self.memory.max(1.0),
+        plan.push_given::<Remember>(RememberParams {
+            half_dx: (0.5 * moment.grid.cell_x_m as f32).into(),
+            half_dy: (0.5 * moment.grid.cell_y_m as f32).into(),
+            per_river: 1.0 / given!(plan, self.river),
+            share: 1.0 / given!(plan, self.memory).max(Given::of(1.0)),
         });
     }
 }

@@ -2,8 +2,8 @@
 //! same.
 
 use eyot_core::conformance;
-use eyot_core::process::{Moment, Process};
-use eyot_core::{Grid, LayerSpec, Limits, Rim};
+use eyot_core::process::{Moment, Process, Scheduled};
+use eyot_core::{Grid, Limits, Rim};
 use eyot_land::simulate::PROCESSES;
 use eyot_land::simulate::hydraulic::Hydraulic;
 use eyot_testing::land::{start, variants};
@@ -18,13 +18,25 @@ fn engine_equals_reference_for_every_rule() {
 }
 
 #[test]
+fn steps_keep_to_the_layers_that_they_declare() {
+    for (name, processes) in variants() {
+        println!("{name}");
+        conformance::check_access(&processes, &start).unwrap();
+    }
+    for e in PROCESSES {
+        let process = (e.make)((e.defaults)()).unwrap();
+        conformance::check_access(&[Scheduled { name: e.name, process, every: 1 }], &start).unwrap();
+    }
+}
+
+#[test]
 fn springs_conform() {
     let with_springs = Hydraulic { springs: 0.01, ..Default::default() };
     struct WithSprings(Hydraulic);
     impl Process for WithSprings {
-        fn layers(&self) -> Vec<(LayerSpec, f32)> {
+        fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
             let mut l = self.0.layers();
-            l.push((eyot_land::simulate::hydraulic::SPRINGS, 0.0));
+            l.push(eyot_land::simulate::hydraulic::SPRINGS.changed(0.0));
             l
         }
         fn plan(&self, m: &Moment, p: &mut eyot_core::plan::Plan) {

@@ -50,8 +50,8 @@ fn start(layer: &str, u: f32) -> f32 {
 struct Springs;
 
 impl Process for Springs {
-    fn layers(&self) -> Vec<(eyot_core::LayerSpec, f32)> {
-        vec![(SPRINGS, 0.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![SPRINGS.changed(0.0)]
     }
     fn plan(&self, _: &eyot_core::process::Moment, _: &mut eyot_core::plan::Plan) {}
 }
@@ -206,7 +206,8 @@ proptest! {
             processes.push(Scheduled { name: entry.name, process: (entry.make)(parameters).unwrap(), every: 1 });
         }
         for s in &processes {
-            for (spec, value) in s.process.layers() {
+            for l in s.process.layers() {
+                let (spec, value) = (l.spec, l.start);
                 world.ensure(&spec, value);
             }
         }

@@ -135,7 +135,8 @@ fn both_balance_in_double_precision() {
     for rim in RIMS {
         let p = rivers();
         let mut w = hills(7, 5, rim);
-        for (spec, value) in p.layers() {
+        for l in p.layers() {
+            let (spec, value) = (l.spec, l.start);
             w.ensure(&spec, value);
         }
         let mut r = Reference::<f64>::new(&w);

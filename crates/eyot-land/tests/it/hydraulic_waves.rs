@@ -247,7 +247,7 @@ struct Uncut {
 }
 
 impl Process for Uncut {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
         Hydraulic::default().layers()
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {

@@ -357,9 +357,9 @@ fn every_term() -> Streampower {
 fn random(shape: (usize, usize), rim: Rim, seed: u64, p: &Streampower) -> World {
     struct Layers(Streampower);
     impl eyot_core::process::Process for Layers {
-        fn layers(&self) -> Vec<(eyot_core::LayerSpec, f32)> {
+        fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
             let mut layers = self.0.layers();
-            layers.extend([(UPLIFT, 1.0), (ERODIBILITY, 1.0)]);
+            layers.extend([UPLIFT.changed(1.0), ERODIBILITY.changed(1.0)]);
             layers
         }
     }

@@ -8,7 +8,7 @@ use eyot_core::control::Control;
 use eyot_core::engine::CpuEngine;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, Scheduled, Span};
-use eyot_core::{Edge, Grid, LayerSpec, Limits, Rim, World};
+use eyot_core::{Edge, Grid, Limits, Rim, World};
 use eyot_land::drainage::{Routing, RoutingRule};
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic, SPRINGS};
 use eyot_land::simulate::reef::{Light, Limit, Reef};
@@ -22,8 +22,8 @@ fn one(process: impl Process + 'static) -> Scheduled {
 struct Springs;
 
 impl Process for Springs {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(SPRINGS, 0.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![SPRINGS.changed(0.0)]
     }
     fn plan(&self, _: &Moment, _: &mut Plan) {}
 }

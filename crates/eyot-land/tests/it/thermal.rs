@@ -11,7 +11,7 @@ use eyot_core::real::Real;
 use eyot_core::reference::Reference;
 use eyot_core::rng::{self, Key};
 use eyot_core::rule::{Cell, ParamSet, Read, Rule, read};
-use eyot_core::{Edge, Field, Grid, LayerSpec, Limits, Rim, World};
+use eyot_core::{Edge, Field, Grid, Limits, Rim, World};
 use eyot_land::simulate::Thermal;
 use eyot_land::simulate::thermal::SlumpParams;
 
@@ -43,7 +43,7 @@ fn noise(x: usize, y: usize) -> f32 {
 struct FourNeighbours(Thermal);
 
 impl Process for FourNeighbours {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
         self.0.layers()
     }
     fn plan(&self, moment: &Moment, plan: &mut Plan) {

@@ -6,7 +6,7 @@
 
 use super::field::Point;
 use super::solid_mesh::Solid;
-use meshopt::{SimplifyOptions, VertexDataAdapter, utilities::typed_to_bytes};
+use crate::simplifier;
 use std::collections::BTreeMap;
 
 /// Attempts at a level that is a manifold.
@@ -55,20 +55,9 @@ pub fn solid_levels(solid: &Solid, ratios: &[f64]) -> Vec<SolidLod> {
 }
 
 fn simplify(solid: &Solid, target: usize) -> Option<(Vec<u32>, f32)> {
-    let vertices = VertexDataAdapter::new(typed_to_bytes(&solid.positions), size_of::<Point>(), 0).ok()?;
     let mut locked = vec![false; solid.positions.len()];
     for _ in 0..ATTEMPTS {
-        let mut error = 0.0;
-        let options = SimplifyOptions::ErrorAbsolute;
-        let indices = meshopt::simplify_with_locks(
-            &solid.indices,
-            &vertices,
-            &locked,
-            target,
-            f32::MAX,
-            options,
-            Some(&mut error),
-        );
+        let (indices, error) = simplifier::simplify_closed(&solid.indices, &solid.positions, &locked, target)?;
         let coarse = Solid { positions: solid.positions.clone(), normals: Vec::new(), indices };
         let bad = flaws(&coarse);
         if bad.is_empty() {
@@ -102,7 +91,7 @@ fn flaws(solid: &Solid) -> Vec<u32> {
 fn compact(solid: &Solid, indices: &[u32]) -> (Solid, Vec<u32>) {
     let mut new = vec![u32::MAX; solid.positions.len()];
     let mut used = Vec::new();
-    let indices = meshopt::optimize_vertex_cache(indices, solid.positions.len())
+    let indices = simplifier::order_for_cache(indices, solid.positions.len())
         .into_iter()
         .map(|old| {
             if new[old as usize] == u32::MAX {

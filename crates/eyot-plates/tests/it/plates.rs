@@ -31,13 +31,18 @@ fn continental(p: &Plates) -> f64 {
 
 /// Level of the sea in buoyancy, m.
 fn level(p: &Plates) -> f64 {
-    p.numbers()[4]
+    p.state(0.0).numbers()[4]
 }
 
 /// Everything that a state is.
 fn state(p: &Plates) -> (Vec<u32>, Vec<u8>, Vec<u32>, Vec<u64>) {
     let bits = |v: &[f32]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-    (bits(p.height()), p.owner().to_vec(), bits(p.age_myr()), p.numbers().iter().map(|n| n.to_bits()).collect())
+    (
+        bits(p.height()),
+        p.owner().to_vec(),
+        bits(p.age_myr()),
+        p.state(0.0).numbers().iter().map(|n| n.to_bits()).collect(),
+    )
 }
 
 /// 200 seeds, all rims, 2 to 30 plates, over more than a whole cycle: no crash, nothing lost, no world that stands still before its cycle
@@ -236,7 +241,7 @@ fn a_state_can_be_stored_and_continued() {
     let straight = run(&g, 6, &p, 130);
     let first = run(&g, 6, &p, 47);
     let maps = (first.owner().iter().map(|&o| f32::from(o)), first.crust_m(), first.age_myr().iter().copied());
-    let mut second = Plates::restore(&g, 6, p, &first.numbers(), maps).unwrap();
+    let mut second = Plates::of_state(&g, 6, p, &first.state(0.0), maps).unwrap();
     assert_eq!(state(&second), state(&first));
     (47..130).for_each(|_| second.step());
     assert!(state(&second) == state(&straight));
@@ -286,7 +291,7 @@ fn a_torus_has_no_special_place() {
     let first = run(&g, 9, &p, 8);
     let (dx, dy) = (23, 31);
     let from = |i: usize| (i / w + h - dy) % h * w + (i % w + w - dx) % w;
-    let (crust, numbers): (Vec<f32>, _) = (first.crust_m().collect(), first.numbers());
+    let (crust, numbers): (Vec<f32>, _) = (first.crust_m().collect(), first.state(0.0));
     let restored = |shifted: bool| {
         let at = |i: usize| if shifted { from(i) } else { i };
         let maps = (
@@ -294,7 +299,7 @@ fn a_torus_has_no_special_place() {
             (0..w * h).map(|i| crust[at(i)]),
             (0..w * h).map(|i| first.age_myr()[at(i)]),
         );
-        let mut p = Plates::restore(&g, 9, first.parameters().clone(), &numbers, maps).unwrap();
+        let mut p = Plates::of_state(&g, 9, first.parameters().clone(), &numbers, maps).unwrap();
         (0..12).for_each(|_| p.step());
         p
     };

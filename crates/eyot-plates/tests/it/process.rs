@@ -1,8 +1,8 @@
 //! Plates as a process: in step with others, through checkpoints, with a ledger.
 
 use eyot_core::engine::CpuEngine;
-use eyot_core::process::{Action, Moment, Process, Scheduled, Span};
-use eyot_core::{Cancel, Control, Edge, Field, Grid, LayerSpec, Limits, Result, Rim, World, layer::known::HEIGHT};
+use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Span};
+use eyot_core::{Cancel, Control, Edge, Field, Grid, Limits, Result, Rim, World, layer::known::HEIGHT};
 use eyot_plates::{Drift, Tectonics, report};
 
 fn world() -> World {
@@ -11,11 +11,12 @@ fn world() -> World {
 }
 
 /// Lowers all land by a hundredth, as rivers might.
+#[derive(Clone)]
 struct Wear;
 
 impl Process for Wear {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![HEIGHT.changed(0.0)]
     }
 
     fn action(&self) -> Option<&dyn Action> {
@@ -24,14 +25,20 @@ impl Process for Wear {
 }
 
 impl Action for Wear {
-    fn act(&self, _: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
-        control.check()?;
-        world.layer_mut("height")?.field.map_in_place(|h| if h > 0.0 { 0.99 * h } else { h });
-        Ok(())
+    fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
+        Ok(Box::new(self.clone()))
     }
 
     fn bytes_per_cell(&self) -> usize {
         0
+    }
+}
+
+impl ActionInstance for Wear {
+    fn act(&mut self, _: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+        control.check()?;
+        world.layer_mut("height")?.field.map_in_place(|h| if h > 0.0 { 0.99 * h } else { h });
+        Ok(())
     }
 }
 
@@ -127,7 +134,7 @@ fn a_given_land_gets_the_crust_that_carries_it() {
     w.put(&HEIGHT, land.clone()).unwrap();
     let p = Tectonics { land: 0.26, speed: 0.0, erosion: 0.0, coast: 0.0, denudation: 0.0, ..Tectonics::default() };
     let p = vec![Scheduled { name: "plates", process: Box::new(Drift::new(p)), every: 1 }];
-    eyot_core::process::prepare(&mut w, &p, &Limits::default()).unwrap();
+    eyot_core::stepper::prepare(&mut CpuEngine::default().runner(), &mut w, &p).unwrap();
     assert!(w.layer("height").unwrap().field == land);
     CpuEngine::default().simulate(&mut w, &p, Span { from: 0, steps: 1 }, &Control::none()).unwrap();
     let moved =
@@ -166,11 +173,12 @@ fn a_step_made_ahead_is_the_step() {
 }
 
 /// Raises a patch of the land once.
+#[derive(Clone)]
 struct Pile;
 
 impl Process for Pile {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![HEIGHT.changed(0.0)]
     }
 
     fn action(&self) -> Option<&dyn Action> {
@@ -179,7 +187,17 @@ impl Process for Pile {
 }
 
 impl Action for Pile {
-    fn act(&self, moment: &Moment, world: &mut World, _: &Control<'_>) -> Result<()> {
+    fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        0
+    }
+}
+
+impl ActionInstance for Pile {
+    fn act(&mut self, moment: &Moment, world: &mut World, _: &Control<'_>) -> Result<()> {
         if moment.turn == 20 {
             let field = &mut world.layer_mut("height")?.field;
             (0..96 * 48)
@@ -187,10 +205,6 @@ impl Action for Pile {
                 .for_each(|c| field.set(c % 96, c / 96, field.get(c % 96, c / 96) + 80.0));
         }
         Ok(())
-    }
-
-    fn bytes_per_cell(&self) -> usize {
-        0
     }
 }
 

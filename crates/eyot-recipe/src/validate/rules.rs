@@ -162,7 +162,7 @@ impl Validator<'_> {
             return fail(format!("there is a process or generator `{name}` already"), help);
         }
         let usual = self.registry.processes().iter().filter_map(|e| (e.make)(json!({})).ok());
-        if layers::known(name).is_some() || usual.flat_map(|p| p.layers()).any(|(spec, _)| spec.name == name) {
+        if layers::known(name).is_some() || usual.flat_map(|p| p.layers()).any(|l| l.spec.name == name) {
             let help = format!("choose another name, or change it with a [[rule]] that has set.{name} = \"...\"");
             return fail(format!("`{name}` is a layer that comes with Eyot"), help);
         }
@@ -327,7 +327,7 @@ fn instead(registry: &Registry, name: &str, known: &[String]) -> String {
         return format!("did you mean `{near}`?");
     }
     let usual = |e: &&&'static eyot_core::process::Entry<dyn eyot_core::process::Process>| {
-        (e.make)(json!({})).is_ok_and(|p| p.layers().iter().any(|(spec, _)| spec.name == name))
+        (e.make)(json!({})).is_ok_and(|p| p.layers().iter().any(|l| l.spec.name == name))
     };
     match registry.processes().iter().find(usual) {
         Some(e) => format!("`{}` makes such a layer: name it in `simulate` before this rule", e.name),

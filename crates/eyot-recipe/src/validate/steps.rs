@@ -376,7 +376,7 @@ impl Validator<'_> {
                     let help = format!("make it before with a generate step that has layer = \"{layer}\"");
                     self.out.push(problem.help(help));
                 }
-                for (spec, _) in process.layers() {
+                for spec in process.layers().into_iter().map(|l| l.spec) {
                     if !self.specs.iter().any(|s| s.name == spec.name) {
                         self.specs.push(spec.clone());
                     }
@@ -401,7 +401,7 @@ impl Validator<'_> {
     /// Takes the layers of a process that is wrong for made, so that later steps are not blamed for it.
     fn presume(&mut self, actor: &Actor) {
         let Ok(process) = actor.make(&json!({})) else { return };
-        for (spec, _) in process.layers() {
+        for spec in process.layers().into_iter().map(|l| l.spec) {
             if !self.layers.iter().any(|l| *l == *spec.name) {
                 self.layers.push(spec.name.into_owned());
             }

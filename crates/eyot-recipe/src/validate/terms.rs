@@ -106,7 +106,7 @@ impl Validator<'_> {
                 self.out.push(problem);
             }
         }
-        for (spec, _) in Process::layers(&replaced) {
+        for spec in Process::layers(&replaced).into_iter().map(|l| l.spec) {
             if !self.layers.iter().any(|l| *l == *spec.name) {
                 self.layers.push(spec.name.into_owned());
             }

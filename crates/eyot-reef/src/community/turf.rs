@@ -30,6 +30,10 @@ impl TurfGrid {
         &self.cover
     }
 
+    pub(super) fn into_cover(self) -> Vec<f32> {
+        self.cover
+    }
+
     pub(super) fn cover_mut(&mut self) -> &mut [f32] {
         &mut self.cover
     }

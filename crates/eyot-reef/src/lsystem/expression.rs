@@ -1,6 +1,10 @@
 //! Arithmetic in grammars: numbers, names, `+ - * / ^`, comparisons, `&& || !`, and a few functions.
 //!
 //! Truth is 1, everything but 0 is true. Angles are in degrees.
+//!
+//! This is another language than that of recipes' expressions (`eyot-rules`), which has `and`, `or` and `not`, units, cells and
+//! neighbours, and no chained comparisons. It stands between the signs of a word, where `+`, `-`, `/`, `&`, `^` and `!` turn the turtle,
+//! so that nothing can be cut into tokens before it is known where an expression ends: it is read as far as it goes.
 
 use super::text::Reader;
 use eyot_core::math64::{cos_degrees, exp, ln, pow, sin_degrees};

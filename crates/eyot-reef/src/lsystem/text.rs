@@ -1,5 +1,7 @@
 //! Reading the text of a grammar, sign by sign.
 
+use eyot_core::text::number_length;
+
 /// What is left of a line.
 pub(super) struct Reader<'a> {
     rest: &'a str,
@@ -47,17 +49,7 @@ impl<'a> Reader<'a> {
         if !bytes.first().is_some_and(|b| b.is_ascii_digit() || *b == b'.') {
             return None;
         }
-        let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
-        let mut end = digits(0);
-        if bytes.get(end) == Some(&b'.') {
-            end += 1 + digits(end + 1);
-        }
-        if matches!(bytes.get(end), Some(b'e' | b'E')) {
-            let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
-            let count = digits(end + 1 + sign);
-            end += if count > 0 { 1 + sign + count } else { 0 };
-        }
-        let (number, rest) = self.rest.split_at(end);
+        let (number, rest) = self.rest.split_at(number_length(self.rest));
         self.rest = rest.trim_start();
         let parsed = number.parse::<f64>().ok().filter(|n| n.is_finite());
         Some(parsed.ok_or_else(|| format!("`{number}` is no number")))

@@ -6,6 +6,7 @@ use super::grammar::{Grammar, bad};
 use super::word::{Symbol, Word};
 use eyot_core::math64::{cos_degrees, sin_degrees};
 use eyot_core::rng::Key;
+use eyot_core::vec3::{cross, dot};
 use eyot_core::{Limits, Result};
 
 /// A vector.
@@ -168,14 +169,6 @@ impl Pose {
             *v = std::array::from_fn(|i| v[i] * c + across[i] * s + axis[i] * along);
         }
     }
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// A walk over a word, interpretation rules applied on the way.

@@ -1,11 +1,12 @@
 //! The process: a reef in a world, month by month.
 
-use eyot_core::component::Numbers;
+use eyot_core::component::{Decoder, Encoder, Numbers};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::Scheduled;
-use eyot_core::{Control, Field, Grid, LayerSpec, Limits, Rim, World};
-use eyot_reef::corals::{CENSUS, CORALS, Corals, FEATURE, SEA, Sea};
+use eyot_core::{Component, ComponentKinds, Control, Field, Grid, LayerSpec, Limits, Rim, World};
+use eyot_reef::community::Population;
+use eyot_reef::corals::{CENSUS, CORALS, Corals, POPULATION, SEA, Sea};
 use serde_json::{Value, json};
 
 /// A slope from 1 to 15 m below the sea, 12 by 10 m.
@@ -14,6 +15,15 @@ fn slope() -> World {
     let mut world = World::new(grid, 7);
     world.put(&HEIGHT, Field::from_fn(48, 40, |x, _| -1.0 - 14.0 * x as f32 / 47.0)).unwrap();
     world
+}
+
+fn population(world: &World) -> &Population {
+    world.components.get(POPULATION).unwrap().unwrap()
+}
+
+fn census(world: &World) -> Vec<Vec<f64>> {
+    let table = Corals::default().census(world).unwrap();
+    (0..table.len()).map(|i| table.row(i).collect()).collect()
 }
 
 fn numbers(world: &World, name: &str) -> Vec<f64> {
@@ -28,15 +38,16 @@ fn months(world: &mut World, parameters: Value, steps: u64) {
 }
 
 #[test]
-fn a_reef_goes_on_from_its_numbers_to_the_same_bits() {
+fn a_reef_goes_on_from_its_population_to_the_same_bits() {
     let (mut whole, mut parts) = (slope(), slope());
     months(&mut whole, json!({}), 30);
     for steps in [1, 12, 17] {
         months(&mut parts, json!({}), steps);
     }
-    assert_eq!(numbers(&whole, FEATURE), numbers(&parts, FEATURE));
+    assert_eq!(population(&whole), population(&parts));
+    assert_eq!(whole.components, parts.components);
     assert_eq!(whole.fingerprint(), parts.fingerprint());
-    assert!(numbers(&whole, FEATURE).len() > 1000);
+    assert!(population(&whole).colonies().len() > 20 && population(&whole).months() == 30);
 }
 
 #[test]
@@ -68,9 +79,8 @@ fn the_census_has_a_row_for_each_month() {
         14,
     );
     let columns = Corals::default().census_columns();
-    let census = numbers(&world, CENSUS);
-    let rows: Vec<&[f64]> = census.chunks_exact(columns.len()).collect();
-    assert_eq!((rows.len(), numbers(&world, CENSUS).len()), (14, 14 * columns.len()));
+    let rows = census(&world);
+    assert_eq!((rows.len(), rows[0].len()), (14, columns.len()));
     assert!(rows.iter().enumerate().all(|(i, r)| r[0] == i as f64));
     let cover = world.get("coral_cover").unwrap();
     assert!(cover.iter().all(|c| (0.0..=1.0).contains(&c)) && cover.sum() > 10.0);
@@ -80,11 +90,72 @@ fn the_census_has_a_row_for_each_month() {
     assert!(mean <= 1.1 * census && mean > 0.6 * census, "{mean} {census}");
 }
 
+/// The numbers that worlds kept of a reef before there were components, which are still its share of the fingerprint.
+fn former(population: &Population) -> Vec<f64> {
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes);
+    population.encode(&mut encoder);
+    encoder.finish().unwrap();
+    // Version 2: month, next id and calendars; then individuals whose fields stand in the order of version 1.
+    let mut at = 0;
+    let mut take = |n: usize| {
+        at += n;
+        &bytes[at - n..at]
+    };
+    let mut whole = |n: usize| {
+        let mut eight = [0; 8];
+        eight[..n].copy_from_slice(take(n));
+        u64::from_le_bytes(eight)
+    };
+    let (month, next_id) = (whole(8), whole(8));
+    let calendars = [0; 4].map(|_| f64::from_bits(whole(8)));
+    let mut individuals = Vec::new();
+    let mut counts = Vec::new();
+    for (wholes, singles) in [(&[8, 1, 4][..], 7 + 24), (&[8, 4], 4), (&[], 1)] {
+        counts.push(whole(8));
+        for _ in 0..counts[counts.len() - 1] {
+            individuals.extend(wholes.iter().map(|n| whole(*n) as f64));
+            individuals.extend((0..singles).map(|_| f64::from(f32::from_bits(whole(4) as u32))));
+        }
+    }
+    let head = [1.0, month as f64, next_id as f64, counts[0] as f64, counts[1] as f64, counts[2] as f64];
+    head.into_iter().chain(calendars).chain(individuals).collect()
+}
+
+fn decoded(version: u32, bytes: &[u8], grid: &Grid) -> eyot_core::Result<std::sync::Arc<dyn Component>> {
+    let (mut input, limits) = (bytes, Limits::default());
+    let mut decoder = Decoder::new(POPULATION, &mut input, bytes.len() as u64, grid, &limits);
+    ComponentKinds::core().with(eyot_reef::COMPONENTS).decode("reef.population", version, &mut decoder)
+}
+
+#[test]
+fn populations_are_read_in_both_versions_and_keep_their_fingerprint() {
+    let mut world = slope();
+    months(&mut world, json!({}), 12);
+    let numbers = former(population(&world));
+    let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+    let old = decoded(1, &bytes, &world.grid).unwrap();
+    assert!(old.equals(population(&world)));
+    let print = world.fingerprint();
+    world.components.insert(POPULATION, Numbers(numbers));
+    assert_eq!(world.fingerprint(), print);
+    assert!(Corals::default().plot(&world).err().unwrap().to_string().contains("is a `numbers`"));
+    world.components.insert_shared(POPULATION, old);
+    // So is the census, which goes on as a table.
+    let rows = census(&world);
+    world.components.insert(CENSUS, Numbers(rows.concat()));
+    assert_eq!((census(&world), world.fingerprint()), (rows, print));
+    months(&mut world, json!({}), 1);
+    let mut straight = slope();
+    months(&mut straight, json!({}), 13);
+    assert_eq!(world.components, straight.components);
+}
+
 #[test]
 fn strangers_numbers_are_refused_by_name() {
     let mut world = slope();
     months(&mut world, json!({}), 2);
-    let sound = numbers(&world, FEATURE);
+    let sound = former(population(&world));
     let corals = Corals::default();
     corals.plot(&world).unwrap();
     type Spoil = fn(&mut Vec<f64>);
@@ -101,9 +172,16 @@ fn strangers_numbers_are_refused_by_name() {
     for (i, spoil) in spoils.iter().enumerate() {
         let mut numbers = sound.clone();
         spoil(&mut numbers);
-        world.components.insert(FEATURE, Numbers(numbers));
-        let e = corals.plot(&world).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(e.contains("does not belong to this reef"), "{i}: {e}");
+        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+        let e = match decoded(1, &bytes, &world.grid) {
+            // What only its community and its place can tell.
+            Ok(population) => {
+                world.components.insert_shared(POPULATION, population);
+                corals.plot(&world).err().map(|e| e.to_string()).unwrap_or_default()
+            }
+            Err(e) => e.to_string(),
+        };
+        assert!(e.contains("does not belong to this reef") || e.contains("component `corals`"), "{i}: {e}");
     }
 }
 
@@ -164,7 +242,7 @@ fn the_sea_has_the_climate_of_its_world_as_it_was_when_it_began() {
     assert!((means[5] - june).abs() < 1e-5 && means.iter().all(|t| *t <= means[5]), "{means:?}");
     let columns = Corals::default().census_columns();
     let at = columns.iter().position(|c| c.name == "temperature_c").unwrap();
-    let row = |world: &World, month: usize| numbers(world, CENSUS)[month * columns.len() + at];
+    let row = |world: &World, month: usize| census(world)[month][at];
     assert!((row(&world, 5) - means[5]).abs() < 0.02, "{} {}", row(&world, 5), means[5]);
     // A climate that changes later does not change the sea of a reef that has begun, also after a break.
     let warmer = Field::new(48, 40, 35.0);
@@ -187,7 +265,7 @@ fn a_measured_sea_is_what_the_table_says() {
     months(&mut world, json!({"sea": "measured", "temperatures": series}), 14);
     let columns = Corals::default().census_columns();
     let at = columns.iter().position(|c| c.name == "temperature_c").unwrap();
-    let means: Vec<f64> = numbers(&world, CENSUS).chunks_exact(columns.len()).map(|r| r[at]).collect();
+    let means: Vec<f64> = census(&world).iter().map(|r| r[at]).collect();
     let want: Vec<f64> = (0..14).map(|m| 21.0 + f64::from(m % 12)).collect();
     assert!(means.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-4), "{means:?}");
 }

@@ -3,4 +3,5 @@
 mod card;
 mod common;
 mod draw;
+mod noise;
 mod wgsl;

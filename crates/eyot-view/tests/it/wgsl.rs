@@ -16,7 +16,7 @@ fn storage_bindings(name: &str, source: &str) -> usize {
 
 #[test]
 fn shaders_validate_and_keep_to_webgpu_limits() {
-    assert_eq!(storage_bindings("picture", shaders::PICTURE), 0);
+    assert_eq!(storage_bindings("picture", &shaders::picture()), 0);
     // WebGPU promises four storage textures a stage.
     assert_eq!(storage_bindings("maps", shaders::MAPS), 4);
     assert_eq!(storage_bindings("card", shaders::CARD), 2);
@@ -25,6 +25,6 @@ fn shaders_validate_and_keep_to_webgpu_limits() {
 
 #[test]
 fn a_shader_that_is_not_sound_is_found() {
-    let broken = shaders::PICTURE.replacen("fn is_sea() -> bool", "fn is_sea() -> f32", 1);
+    let broken = shaders::picture().replacen("fn is_sea() -> bool", "fn is_sea() -> f32", 1);
     assert!(std::panic::catch_unwind(|| storage_bindings("broken", &broken)).is_err());
 }

@@ -4,10 +4,11 @@ use crate::artist::ViewRequest;
 use crate::backend::render::{Picture, ReliefOptions, relief_controlled};
 use crate::engines::EngineChoice;
 use crate::error::RunError;
-use crate::need;
-use crate::outputs::{relief_options, stopped};
+use crate::outputs::stopped;
 use crate::store::Subject;
 use eyot_core::{Control, Grid, Limits, World};
+use eyot_export::estimate;
+use eyot_export::pictures::relief_options;
 
 /// A world from above, whose last state scales all pictures.
 pub(super) struct Map {
@@ -27,8 +28,8 @@ impl Map {
         let view = &request.view;
         let size = best_fit(&world.grid, view.size);
         let longer = size[0].max(size[1]);
-        let bytes = need::picture(&world.grid, view, Subject::ReliefAt(longer));
-        need::check("this picture", world, bytes, limits, need::PICTURE_REMEDY).map_err(stopped)?;
+        let bytes = estimate::picture(&world.grid, view, Subject::ReliefAt(longer));
+        estimate::check("this picture", world, bytes, limits, estimate::PICTURE_REMEDY).map_err(stopped)?;
         let options = ReliefOptions { even: true, ..relief_options(view, Some(longer)) };
         let mut notes = Vec::new();
         if size != view.size {

@@ -10,12 +10,12 @@ mod rerun;
 mod video;
 
 use crate::artist::{ViewRenderer, ViewRequest};
-use crate::backend::{self, io, render};
+use crate::backend::{io, render};
 use crate::error::{RunError, shell_word};
 use crate::keys::View;
-use crate::outputs::view_options;
 use eyot_core::layer::known::ARIDITY;
 use eyot_core::{Control, Limits, World};
+use eyot_export::pictures::view_options;
 use map::Map;
 use reel::{Playing, Reel};
 use render::{CameraPath, Picture};
@@ -417,7 +417,7 @@ fn prepare(out: &Path, manifest: &Value, restart: bool) -> Result<(), RunError> 
     for path in former {
         std::fs::remove_file(&path).map_err(|source| RunError::Folder { path, source })?;
     }
-    backend::write_text(&file, &text).map_err(|e| RunError::File(e.to_string()))
+    eyot_export::write_text(&file, &text).map_err(|e| RunError::File(e.to_string()))
 }
 
 /// True for a PNG with its beginning and its end: pictures appear whole, but others may have written over them.

@@ -3,7 +3,6 @@
 use crate::backend::io::checkpoint;
 use crate::error::RunError;
 use crate::event::{Command, Event};
-use crate::need;
 use crate::recipe::{Recipe, Work};
 use crate::registry::{Registry, component_kinds};
 use crate::run::{Handle, Run, RunOptions};
@@ -11,6 +10,8 @@ use crate::state::State;
 use crate::store::WORLD_FILE;
 use crate::stream::Stream;
 use eyot_core::{Control, Limits, World};
+use eyot_export::estimate;
+use eyot_recipe::memory;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
@@ -51,9 +52,9 @@ impl Made {
         if first == last {
             return Err(refuse(format!("the run in `{}` simulates nothing", folder.display())));
         }
-        let peak = need::working(&made.recipe.steps, &made.recipe.grid).map_err(RunError::file)?;
+        let peak = memory::working(&made.recipe.steps, &made.recipe.grid).map_err(RunError::file)?;
         // The run, a copy of its world, and the world that it ended with.
-        need::check("this film of a run", &made.world, peak.bytes + peak.world_bytes, limits, REMEDY)
+        estimate::check("this film of a run", &made.world, peak.bytes + peak.world_bytes, limits, REMEDY)
             .map_err(RunError::file)?;
         Ok(made)
     }

@@ -2,15 +2,15 @@
 
 use super::ServeOptions;
 use crate::error::RunError;
-use crate::exports::corals;
 use crate::layers;
 use crate::recipe::{Recipe, Work};
 use crate::watch::{Look, Watch};
-use eyot_core::component::Numbers;
+use eyot_core::component::Table;
 use eyot_core::{Cancel, Limits, Stagger, World};
+use eyot_export::corals;
 use eyot_reef::bodies::Shape;
-use eyot_reef::community::{Form, RAYS};
-use eyot_reef::corals::{CENSUS, Corals, FEATURE};
+use eyot_reef::community::{Form, Population, RAYS};
+use eyot_reef::corals::{Corals, POPULATION};
 use eyot_stream::{Alga, Colony, Hello, LayerInfo, Moment, Raster, Scene, Server, SpeciesInfo};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -51,8 +51,10 @@ impl Stage {
             ..Scene::default()
         };
         // Before their first month there is nobody.
-        if let Some(corals) = self.corals.as_ref().filter(|_| world.components.contains(FEATURE)) {
-            add_reef(&mut scene, corals, world, self.options.rays).map_err(|e| e.to_string())?;
+        let population = world.components.get::<Population>(POPULATION).map_err(|e| e.to_string())?;
+        if let (Some(corals), Some(population)) = (&self.corals, population) {
+            let census = corals.census(world).map_err(|e| e.to_string())?;
+            add_reef(&mut scene, corals, population, &census, self.options.rays);
         }
         Ok(scene)
     }
@@ -172,7 +174,7 @@ fn made(recipe: &Recipe) -> Vec<String> {
             Work::Generate(g) => vec![g.layer.clone()],
             Work::Simulate(s) => {
                 let processes = s.processes.iter().filter(|u| u.enabled).filter_map(|u| u.make().ok());
-                processes.flat_map(|p| p.layers()).map(|(spec, _)| spec.name.into_owned()).collect()
+                processes.flat_map(|p| p.layers()).map(|l| l.spec.name.into_owned()).collect()
             }
         };
         for name in of_step {
@@ -189,20 +191,18 @@ fn raster(world: &World, name: &str) -> Option<Raster> {
 }
 
 /// Everybody who lives on the reef, and the last row of its census.
-fn add_reef(scene: &mut Scene, corals: &Corals, world: &World, with_rays: bool) -> eyot_core::Result<()> {
-    let plot = corals.plot(world)?;
-    let columns = corals.census_columns();
-    let rows = world.components.get::<Numbers>(CENSUS)?.map_or(&[][..], |n| &n.0);
-    scene.moment.census = rows.chunks_exact(columns.len().max(1)).next_back().unwrap_or_default().to_vec();
+fn add_reef(scene: &mut Scene, corals: &Corals, population: &Population, census: &Table, with_rays: bool) {
+    let last = census.len().checked_sub(1);
+    scene.moment.census = last.map_or_else(Vec::new, |last| census.row(last).collect());
     let month = scene.moment.census.first().map_or(0, |m| *m as i64 + 1);
     let settled = |age: u32| (month - i64::from(age)).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-    let temperature = columns.iter().position(|c| c.name == "temperature_c").and_then(|i| scene.moment.census.get(i));
-    scene.moment.temperature_c = temperature.map_or(f32::NAN, |t| *t as f32);
-    let species = &plot.community().species;
-    scene.colonies = plot
+    let temperature = census.get("temperature_c").zip(last).map(|(c, last)| c.values.number(last));
+    scene.moment.temperature_c = temperature.map_or(f32::NAN, |t| t as f32);
+    let height = |species: u8| corals.community.species.get(usize::from(species)).map_or(1.0, |s| s.body.height);
+    scene.colonies = population
         .colonies()
         .iter()
-        .zip(plot.rays())
+        .zip(population.rays())
         .map(|(c, rays)| Colony {
             id: c.id,
             settled: settled(c.age),
@@ -211,7 +211,7 @@ fn add_reef(scene: &mut Scene, corals: &Corals, world: &World, with_rays: bool) 
             x: c.x,
             y: c.y,
             radius: c.radius,
-            height: species[usize::from(c.species)].body.height * c.radius,
+            height: height(c.species) * c.radius,
             bleaching: c.bleaching,
             reach: rays.iter().copied().fold(0.0, f32::max),
             rays: if with_rays { *rays } else { [0.0; RAYS] },
@@ -225,6 +225,5 @@ fn add_reef(scene: &mut Scene, corals: &Corals, world: &World, with_rays: bool) 
         radius: a.radius,
         height: a.height,
     };
-    scene.algae = plot.algae().iter().map(alga).collect();
-    Ok(())
+    scene.algae = population.algae().iter().map(alga).collect();
 }

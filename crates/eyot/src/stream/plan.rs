@@ -4,7 +4,7 @@ use super::stages::Stages;
 use super::survey::coarse;
 use super::{LARGE, Stream};
 use crate::error::RunError;
-use crate::need;
+use crate::registry;
 use crate::run::RunOptions;
 use eyot_core::{Grid, Result};
 use eyot_recipe::memory::{self, obstacle};
@@ -40,7 +40,7 @@ pub(crate) fn chosen(recipe: &Recipe, options: &RunOptions) -> Result<bool, RunE
         (Stream::Always, Some(o)) => Err(RunError::NotStreamed(o.reason)),
         (Stream::Always, None) => Ok(true),
         (Stream::Auto, None) => {
-            let whole = memory::whole(steps, exports, view, grid, &need::Outputs, limits).map_err(fail)?;
+            let whole = memory::whole(steps, exports, view, grid, &registry::Outputs, limits).map_err(fail)?;
             Ok(whole > u128::from(limits.max_bytes) || (options.out.is_some() && grid.cells() > LARGE))
         }
         // What does not fit was refused when the recipe was checked.

@@ -3,9 +3,9 @@
 use super::stages::Stages;
 use super::survey::{Survey, survey};
 use crate::backend::io::{About, Rows};
-use crate::exports::Source;
 use crate::recipe::Recipe;
 use eyot_core::{Cancel, Control, Error, Georeference, Grid, LayerSpec, Result};
+use eyot_export::Source;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};

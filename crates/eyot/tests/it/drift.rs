@@ -56,7 +56,7 @@ fn touched(out: Option<&Path>, threads: usize) -> Outcome {
     for (steps, at, set) in [(18, 17, "plates.speed=0.1"), (14, 31, "plates.restarts=1")] {
         handle.send(Command::Step(steps));
         wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 2, step } if *step == at));
-        handle.send(Command::Set(set.to_owned()));
+        handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
         wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     }
     handle.send(Command::Resume);

@@ -114,15 +114,15 @@ fn a_stopped_and_changed_run_goes_on_and_replays() {
     handle.send(Command::Step(12));
     wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
-    handle.send(Command::Set("seep.share=0.5".into()));
+    handle.send(Command::Change(eyot::Change::parse("seep.share=0.5").unwrap()));
     wait_for(&handle, |e| matches!(e, Event::Changed(_)));
-    handle.send(Command::Set("seep.shar=0.5".into()));
+    handle.send(Command::Change(eyot::Change::parse("seep.shar=0.5").unwrap()));
     wait_for(&handle, |e| matches!(e, Event::Warning { message } if message.contains("did you mean `share`?")));
     handle.send(Command::Stop);
     handle.join().unwrap();
     let touched = Run::resume(folder.path(), &Registry::standard(), options(1, None)).unwrap().join().unwrap();
     assert!(touched.finished);
-    assert_eq!(touched.journal, [JournalEntry { recipe_step: 2, step: 11, set: "seep.share=0.5".into() }]);
+    assert_eq!(touched.journal, [JournalEntry { recipe_step: 2, step: 11, set: "seep.share = 0.5".into() }]);
     let o = RunOptions { replay: touched.journal.clone(), ..options(3, None) };
     assert_eq!(end(parse(OWN, &[]).unwrap(), o), touched.world);
     assert_ne!(end(parse(OWN, &[]).unwrap(), options(2, None)), touched.world);
@@ -212,7 +212,7 @@ fn live(pattern: &[&str], steps: u64) -> Vec<(usize, usize)> {
     let grid = Grid::new(20, 16, 1.0, Rim::both(Edge::Wrap), &Limits::default()).unwrap();
     let mut world = World::new(grid, 1);
     let play = processes("life");
-    let spec = play[0].process.layers()[0].0.clone();
+    let spec = play[0].process.layers()[0].spec.clone();
     let at = |x: usize, y: usize| pattern.get(y).and_then(|row| row.as_bytes().get(x)) == Some(&b'#');
     let field = Field::from_fn(20, 16, |x, y| if at(x, y) { 1.0 } else { 0.0 });
     world.put(&spec, field).unwrap();

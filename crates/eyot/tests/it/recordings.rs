@@ -191,7 +191,7 @@ fn touched(out: &Path) -> Outcome {
         handle.send(Command::Step(steps));
         let at = if steps == 14 { 13 } else { 20 };
         wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 2, step } if *step == at));
-        handle.send(Command::Set(set.to_owned()));
+        handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
         wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     }
     handle.send(Command::Resume);
@@ -260,10 +260,10 @@ fn a_paused_run_goes_back_and_forth() {
     let handle = Run::start(recipe(&[]), RunOptions { paused: true, ..options(Some(&out), Some(RECORD)) }).unwrap();
     handle.send(Command::Step(14));
     wait_for(&handle, |e| matches!(e, Event::Paused { step: 13, .. }));
-    handle.send(Command::Set("hydraulic.rain=0.01".to_owned()));
+    handle.send(Command::Change(eyot::Change::parse("hydraulic.rain=0.01").unwrap()));
     handle.send(Command::Step(7));
     wait_for(&handle, |e| matches!(e, Event::Paused { step: 20, .. }));
-    handle.send(Command::Set("thermal.enabled=false".to_owned()));
+    handle.send(Command::Change(eyot::Change::parse("thermal.enabled=false").unwrap()));
     // The ash is a step, too.
     handle.send(Command::Step(27 + 1 + 14));
     wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 4, step: 14 }));
@@ -301,7 +301,7 @@ fn a_paused_run_that_went_back_takes_another_way() {
     wait_for(&handle, |e| matches!(e, Event::Paused { step: 33, .. }));
     handle.send(Command::Rewind { step: 10, forget: true });
     wait_for(&handle, |e| matches!(e, Event::Rewound { frame: 1, .. }));
-    handle.send(Command::Set("hydraulic.rain=0.01".to_owned()));
+    handle.send(Command::Change(eyot::Change::parse("hydraulic.rain=0.01").unwrap()));
     wait_for(&handle, |e| matches!(e, Event::Changed(entry) if entry.step == 10));
     assert_eq!(places(&timeline(&out)), [(0, 2, 0), (10, 2, 10)]);
     handle.send(Command::Resume);

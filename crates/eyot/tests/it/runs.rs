@@ -119,9 +119,9 @@ fn changes_by_hand_are_kept_in_the_journal_and_replay() {
     handle.send(Command::Step(11));
     wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
-    handle.send(Command::Set("hydraulic.rain=0.5".into()));
+    handle.send(Command::Change(eyot::Change::parse("hydraulic.rain=0.5").unwrap()));
     let changed = wait_for(&handle, |e| matches!(e, Event::Changed(_)));
-    handle.send(Command::Set("hydraulic.rian=0.5".into()));
+    handle.send(Command::Change(eyot::Change::parse("hydraulic.rian=0.5").unwrap()));
     let warning = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
     assert!(matches!(&warning, Event::Warning { message } if message.contains("did you mean `rain`?")), "{warning:?}");
     handle.send(Command::Snapshot);
@@ -130,7 +130,7 @@ fn changes_by_hand_are_kept_in_the_journal_and_replay() {
     handle.send(Command::Stop);
     handle.join().unwrap();
     let touched = Run::resume(folder.path(), &registry(), options(None)).unwrap().join().unwrap();
-    let entry = JournalEntry { recipe_step: 2, step: 10, set: "hydraulic.rain=0.5".into() };
+    let entry = JournalEntry { recipe_step: 2, step: 10, set: "hydraulic.rain = 0.5".into() };
     assert!(matches!(changed, Event::Changed(e) if e == entry));
     assert_eq!(touched.journal, [entry]);
     assert_eq!(touched.world.get("water").unwrap().get(0, 0), 0.5);
@@ -249,7 +249,7 @@ fn a_change_that_would_end_the_run_is_not_made() {
     let handle = Run::start(recipe, RunOptions { paused: true, ..options(None) }).unwrap();
     handle.send(Command::Step(3));
     wait_for(&handle, |e| matches!(e, Event::Paused { step: 2, .. }));
-    handle.send(Command::Set("hydraulic.springs=0.5".into()));
+    handle.send(Command::Change(eyot::Change::parse("hydraulic.springs=0.5").unwrap()));
     let warning = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
     assert!(
         matches!(&warning, Event::Warning { message } if message.contains("needs the layer `springs`")),

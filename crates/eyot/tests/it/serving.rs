@@ -3,8 +3,7 @@
 use eyot::network::{Client, Ending, Gone, Options, Order, Scene, Status};
 use eyot::serve::{ServeOptions, Serving};
 use eyot::{Command, Event, Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World};
-use eyot_core::component::Numbers;
-use eyot_reef::corals::{CENSUS, Corals};
+use eyot_reef::corals::Corals;
 use std::time::Duration;
 
 /// No test waits for this long; it only ends those that would wait for ever.
@@ -76,9 +75,8 @@ fn assert_shows_reef(scene: &Scene, world: &World) {
     let key = |a: &eyot_reef::community::Alga| (a.id, a.x, a.y, a.radius, a.height);
     let seen: Vec<_> = scene.algae.iter().map(|a| (a.id, a.x, a.y, a.radius, a.height)).collect();
     assert_eq!(seen, algae.iter().map(key).collect::<Vec<_>>());
-    let columns = corals.census_columns().len();
-    let rows = &world.components.get::<Numbers>(CENSUS).unwrap().unwrap().0;
-    assert_eq!(scene.moment.census, rows[rows.len() - columns..]);
+    let census = corals.census(world).unwrap();
+    assert_eq!(scene.moment.census, census.row(census.len() - 1).collect::<Vec<f64>>());
 }
 
 /// One from the beginning, one that comes in the middle, one after the end: all of them end with the world itself.

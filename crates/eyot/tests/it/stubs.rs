@@ -2,7 +2,7 @@
 
 use eyot::core::plan::Plan;
 use eyot::core::process::{Entry, Generator, Moment, Process, Site};
-use eyot::core::{Field, LayerSpec, Result, World};
+use eyot::core::{Field, Result, World};
 use eyot::{Limits, Overrides, Problems, Recipe, RecipeSource, Registry};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -79,8 +79,8 @@ impl Default for Hydraulic {
 }
 
 impl Process for Hydraulic {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(eyot::core::layer::known::HEIGHT, 0.0), (eyot::core::layer::known::WATER, 0.0)]
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![eyot::core::layer::known::HEIGHT.changed(0.0), eyot::core::layer::known::WATER.changed(0.0)]
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {

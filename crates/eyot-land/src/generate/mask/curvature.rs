@@ -8,7 +8,7 @@
 //! # Source
 //! The topographic position of a place, in a discrete form of the Laplacian.
 
-use super::super::{check, fill};
+use super::super::check;
 use super::{cells, looked_at, rise};
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::{Error, Field, Grid, Result};
@@ -78,7 +78,7 @@ impl Generator for MaskCurvature {
         let radius_m = 0.5 * (nx as f64 * g.cell_x_m + ny as f64 * g.cell_y_m);
         let sign = if self.shape == Shape::Convex { 1.0 } else { -1.0 };
         let factor = (sign / radius_m) as f32;
-        fill(&g, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(g.width, site.rows.clone(), site.control, |y, row| {
             let at = |dy: isize| land.row(g.wrap_y(y as isize + dy));
             let [north, north_m, here, south_m, south] = [-ny, -my, 0, my, ny].map(at);
             for (x, v) in row.iter_mut().enumerate() {

@@ -7,7 +7,7 @@
 //! # Source
 //! Elementary.
 
-use super::super::{check, fill};
+use super::super::check;
 use super::{looked_at, rise};
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::{Error, Field, Grid, Result};
@@ -45,7 +45,7 @@ impl Generator for MaskHeight {
         self.check(&site.grid)?;
         let land = looked_at(self, site, &self.of)?;
         let half = 0.5 * self.edge;
-        fill(&site.grid, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(site.grid.width, site.rows.clone(), site.control, |y, row| {
             for (v, &h) in row.iter_mut().zip(land.row(y)) {
                 let inside =
                     rise(self.from - half, self.from + half, h) * (1.0 - rise(self.to - half, self.to + half, h));

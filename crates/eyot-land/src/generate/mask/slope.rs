@@ -8,7 +8,7 @@
 //! # Source
 //! Central differences.
 
-use super::super::{check, fill};
+use super::super::check;
 use super::{cells, looked_at, rise};
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::{Error, Field, Grid, Result};
@@ -65,7 +65,7 @@ impl Generator for MaskSlope {
             [self.from - half, self.from + half, self.to - half, self.to + half].map(tangent);
         let (nx, ny) = cells(&g, self.scale, self.scale_m);
         let (nx, ny) = (nx as isize, ny as isize);
-        fill(&g, site.rows.clone(), site.control, |y, row| {
+        Field::from_rows(g.width, site.rows.clone(), site.control, |y, row| {
             let at = |y: isize| g.wrap_y(y);
             let y = y as isize;
             let (north, here, south) = (land.row(at(y - ny)), land.row(at(y)), land.row(at(y + ny)));

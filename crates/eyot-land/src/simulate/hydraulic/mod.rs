@@ -42,11 +42,13 @@ mod classic;
 mod signed;
 
 use super::face;
+use eyot_core::given::Given;
 use eyot_core::layer::known::{HEIGHT, SEDIMENT, WATER};
 use eyot_core::math;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Moment, Process};
-use eyot_core::{Error, Grid, LayerSpec, Result, Stagger};
+use eyot_core::process::{LayerUse, Moment, Process};
+use eyot_core::real::Real;
+use eyot_core::{Error, Grid, LayerSpec, Result, Stagger, given};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -202,11 +204,11 @@ impl Hydraulic {
 }
 
 impl Process for Hydraulic {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        let mut layers = vec![(HEIGHT, 0.0), (WATER, 0.0), (SEDIMENT, 0.0)];
+    fn layers(&self) -> Vec<LayerUse> {
+        let mut layers = vec![HEIGHT.changed(0.0), WATER.changed(0.0), SEDIMENT.changed(0.0)];
         match self.flux {
-            FluxForm::Signed => layers.extend([(FLUX_X, 0.0), (FLUX_Y, 0.0)]),
-            FluxForm::Classic => layers.extend(OUTFLOW.map(|o| (o, 0.0))),
+            FluxForm::Signed => layers.extend([FLUX_X.changed(0.0), FLUX_Y.changed(0.0)]),
+            FluxForm::Classic => layers.extend(OUTFLOW.map(|o| o.changed(0.0))),
         }
         layers
     }
@@ -241,31 +243,33 @@ impl Process for Hydraulic {
         let (parts, dt) = self.substeps(moment.grid.cell_x_m, moment.grid.cell_y_m);
         let c2 = self.gravity * self.wave_depth;
         let sea = if self.sea { moment.sea_level_m as f32 } else { NO_SEA };
-        let flux = FluxParams {
-            push_x: dt * c2 / (dx * dx),
-            push_y: dt * c2 / (dy * dy),
-            keep: math::exp(-self.friction * dt),
-            dt,
-            sea,
+        let flux = FluxParams::<Given> {
+            push_x: (dt * c2 / (dx * dx)).into(),
+            push_y: (dt * c2 / (dy * dy)).into(),
+            keep: math::exp(-given!(plan, self.friction) * dt),
+            dt: dt.into(),
+            sea: sea.into(),
         };
-        let erode = ErodeParams {
-            dt,
-            dx,
-            dy,
-            slope_x: 0.5 / dx,
-            slope_y: 0.5 / dy,
-            rain: self.rain,
-            keep: math::exp(-self.evaporation * dt),
-            dry: self.dry_depth,
-            speed2_max: self.max_speed * self.max_speed,
-            sine2_min: self.min_slope * self.min_slope,
-            sine2_max: self.max_slope.max(self.min_slope) * self.max_slope.max(self.min_slope),
-            capacity: self.capacity,
-            ramp: 1.0 / self.ramp_depth,
-            dig: 1.0 - math::exp(-self.dig * dt),
-            settle: 1.0 - math::exp(-self.settle * dt),
-            dig_limit: self.dig_limit,
-            sea,
+        let (max_speed, min_slope) = (given!(plan, self.max_speed), given!(plan, self.min_slope));
+        let max_slope = given!(plan, self.max_slope).max(min_slope);
+        let erode = ErodeParams::<Given> {
+            dt: dt.into(),
+            dx: dx.into(),
+            dy: dy.into(),
+            slope_x: (0.5 / dx).into(),
+            slope_y: (0.5 / dy).into(),
+            rain: given!(plan, self.rain),
+            keep: math::exp(-given!(plan, self.evaporation) * dt),
+            dry: given!(plan, self.dry_depth),
+            speed2_max: max_speed * max_speed,
+            sine2_min: min_slope * min_slope,
+            sine2_max: max_slope * max_slope,
+            capacity: given!(plan, self.capacity),
+            ramp: 1.0 / given!(plan, self.ramp_depth),
+            dig: 1.0 - math::exp(-given!(plan, self.dig) * dt),
+            settle: 1.0 - math::exp(-given!(plan, self.settle) * dt),
+            dig_limit: given!(plan, self.dig_limit),
+            sea: sea.into(),
         };
         for _ in 0..parts {
             if self.springs > 0.0 {
@@ -274,14 +278,14 @@ impl Process for Hydraulic {
             match self.flux {
                 FluxForm::Signed => {
                     [&RAW_X, &RAW_Y, &AFFORD, &AFFORD_SEDIMENT].into_iter().for_each(|s| plan.scratch(s));
-                    plan.push::<Flux>(flux);
-                    plan.push::<Erode>(erode);
+                    plan.push_given::<Flux>(flux);
+                    plan.push_given::<Erode>(erode);
                 }
                 FluxForm::Classic => {
                     [&SPEED_X, &SPEED_Y].into_iter().for_each(|s| plan.scratch(s));
-                    plan.push::<ClassicFlux>(flux);
-                    plan.push::<ClassicErode>(erode);
-                    plan.push::<ClassicAdvect>(erode);
+                    plan.push_given::<ClassicFlux>(flux);
+                    plan.push_given::<ClassicErode>(erode);
+                    plan.push_given::<ClassicAdvect>(erode);
                 }
             }
         }

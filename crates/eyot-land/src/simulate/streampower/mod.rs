@@ -52,12 +52,13 @@ pub use heights::HEIGHT_REST;
 
 use crate::drainage::{Base, Neighbours, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Action, Moment, Process, SECONDS_PER_YEAR, check_ranges};
+use eyot_core::process::{Action, ActionInstance, LayerUse, Moment, Process, SECONDS_PER_YEAR, check_ranges};
 use eyot_core::{Control, Edge, Field, Grid, LayerSpec, Result, World};
 use incise::Cut;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Rivers cut into rising ground, and hillslopes creep: mountain ranges, connected valleys, graded rivers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -119,8 +120,13 @@ pub const ERODIBILITY: LayerSpec =
     LayerSpec::new("erodibility", "1", "Factor on the erodibility of stream power; below 0 counts as 0", (0.0, 1e6));
 
 impl Process for Streampower {
-    fn layers(&self) -> Vec<(LayerSpec, f32)> {
-        vec![(HEIGHT, 0.0), (HEIGHT_REST, 0.0)]
+    fn layers(&self) -> Vec<LayerUse> {
+        vec![HEIGHT.changed(0.0), HEIGHT_REST.changed(0.0)]
+    }
+
+    fn reads(&self) -> Vec<Cow<'static, str>> {
+        // The factors only where somebody has made them.
+        [HEIGHT, HEIGHT_REST, UPLIFT, ERODIBILITY].map(|l| l.name).into()
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -137,7 +143,17 @@ impl Process for Streampower {
 }
 
 impl Action for Streampower {
-    fn act(&self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
+    fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn bytes_per_cell(&self) -> usize {
+        54
+    }
+}
+
+impl ActionInstance for Streampower {
+    fn act(&mut self, moment: &Moment, world: &mut World, control: &Control<'_>) -> Result<()> {
         let (grid, sea_level_m) = (moment.grid, moment.sea_level_m);
         let years = f64::from(self.years_per_step);
         let mut z = heights::load(world)?;
@@ -183,10 +199,6 @@ impl Action for Streampower {
             world.ledger.add("ground.deposited", deposited * area, "m3", "Ground that rivers laid down", 1);
         }
         Ok(())
-    }
-
-    fn bytes_per_cell(&self) -> usize {
-        54
     }
 }
 

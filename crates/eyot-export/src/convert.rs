@@ -1,0 +1,370 @@
+//! From one file format to another, and to the files of a preset.
+
+use crate::error::ExportError;
+use crate::files::{self, Job, Layer};
+use crate::import::read_raster;
+use crate::open;
+use crate::source::Source;
+use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
+use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
+use eyot_recipe::{Export, ExportFormat, FirstRow, Preset};
+use serde_json::{Map, Value};
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+mod misplaced;
+
+/// What a conversion may be told. What cannot have an effect is refused.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ConvertOptions {
+    /// What the input leaves open, but for its layer.
+    pub read: ReadOptions,
+    /// Layers of a run, arrays of a Zarr store or channels of an EXR. By default all where the output holds several, or else
+    /// the height.
+    pub layers: Vec<String>,
+    /// Values that 0 and 65535 stand for in the output; by default those of the input if that holds whole numbers, or the
+    /// lowest and the highest value.
+    pub range: Option<(f64, f64)>,
+    /// Order of the bytes in an output without header; little-endian by default.
+    pub byte_order: Option<ByteOrder>,
+    /// Order of the rows in an output without header; north first by default, in Unity's files south first.
+    pub row_order: Option<RowOrder>,
+    /// Size of a cell, m; by default what the input says.
+    pub cell_m: Option<(f64, f64)>,
+    /// Write the files of this preset into a folder instead.
+    pub preset: Option<Preset>,
+    /// Vertices along each side for presets that resample.
+    pub size: Option<u32>,
+}
+
+impl ConvertOptions {
+    fn write(&self) -> WriteOptions {
+        WriteOptions {
+            scale: self.range,
+            byte_order: self.byte_order.unwrap_or_default(),
+            row_order: self.row_order.unwrap_or_default(),
+            nodata: None,
+        }
+    }
+}
+
+/// What came of a conversion.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Converted {
+    /// The files that were written.
+    pub files: Vec<PathBuf>,
+    /// Things to know about them.
+    pub notes: Vec<String>,
+}
+
+/// Converts a height map, or layers of a run, into the format that the name of `output` says, or into the files of a preset
+/// in the folder `output`.
+///
+/// Values change only where the format must: floats of 32 bits stay the same bits, whole numbers of 16 bits the same numbers.
+/// Cells without a value stay so in GeoTIFF and Zarr; elsewhere they are filled from their neighbours.
+/// Place, cell size, name, unit and what else a file says of itself survive in all formats. Saved worlds may hold components of
+/// these `kinds`.
+///
+/// # Errors
+/// If the input cannot be read, the output's format is not known, an option cannot apply, or the output cannot be written.
+pub fn convert(
+    input: &Path,
+    output: &Path,
+    options: &ConvertOptions,
+    limits: &Limits,
+    kinds: &ComponentKinds,
+) -> Result<Converted, ExportError> {
+    // A conversion may take only some of the layers; what it leaves out would be lost.
+    if let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize())
+        && from == to
+    {
+        let message = format!("`{}` would be written over itself; choose another name for the result", input.display());
+        return Err(ExportError::input(message));
+    }
+    let job =
+        Conversion { input, output, from: Input::of(input)?, to: Output::of(output, options)?, options, limits, kinds };
+    if let Some(message) = job.misplaced() {
+        return Err(ExportError::input(message));
+    }
+    if job.from == Input::Run { job.run() } else { job.file() }
+}
+
+/// What is read.
+#[derive(PartialEq)]
+enum Input {
+    /// The folder or the world of a run.
+    Run,
+    /// A file that holds several layers of these names.
+    Layers(Vec<String>),
+    /// A file that holds one.
+    One,
+}
+
+impl Input {
+    fn of(input: &Path) -> Result<Self, ExportError> {
+        if input.extension().is_some_and(|e| e == "eyot") || (input.is_dir() && !io::is_zarr(input)) {
+            return Ok(Self::Run);
+        }
+        if input.to_str().is_some_and(|i| i.starts_with("builtin:")) {
+            return Ok(Self::One);
+        }
+        let names = io::layer_names(input).map_err(ExportError::input)?;
+        Ok(if names.is_empty() { Self::One } else { Self::Layers(names) })
+    }
+}
+
+/// What is written.
+#[derive(Clone, Copy, PartialEq)]
+enum Output {
+    Raster(RasterFormat),
+    Mesh(ExportFormat),
+    Preset(Preset),
+}
+
+impl Output {
+    fn of(output: &Path, options: &ConvertOptions) -> Result<Self, ExportError> {
+        if let Some(preset) = options.preset {
+            return Ok(Self::Preset(preset));
+        }
+        let extension = output.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+        match (extension.as_str(), RasterFormat::from_extension(&extension)) {
+            ("glb", _) => Ok(Self::Mesh(ExportFormat::Glb)),
+            ("obj", _) => Ok(Self::Mesh(ExportFormat::Obj)),
+            (_, Some(format)) => Ok(Self::Raster(format)),
+            _ => Err(ExportError::input(format!(
+                "`{}` does not say its format; end it in .tif, .png, .r16, .raw, .r32, .exr, .npy, .zarr, .glb or .obj, or \
+                 choose a --preset",
+                output.display()
+            ))),
+        }
+    }
+
+    /// The format that holds several layers in one file.
+    fn together(self) -> Option<ExportFormat> {
+        match self {
+            Self::Raster(RasterFormat::Zarr) => Some(ExportFormat::Zarr),
+            Self::Raster(RasterFormat::Exr) => Some(ExportFormat::Exr),
+            _ => None,
+        }
+    }
+
+    /// True if cells without a value stay so.
+    fn marks_missing(self) -> bool {
+        matches!(self, Self::Raster(RasterFormat::GeoTiff | RasterFormat::Zarr) | Self::Preset(Preset::Gis))
+    }
+
+    /// True if several layers can be written.
+    fn takes_several(self) -> bool {
+        self.together().is_some() || self == Self::Preset(Preset::Gis)
+    }
+}
+
+struct Conversion<'a> {
+    input: &'a Path,
+    output: &'a Path,
+    from: Input,
+    to: Output,
+    options: &'a ConvertOptions,
+    limits: &'a Limits,
+    kinds: &'a ComponentKinds,
+}
+
+impl Conversion<'_> {
+    /// From a file: where the output is a raster, no step in between could change anything.
+    fn file(&self) -> Result<Converted, ExportError> {
+        let (rasters, mut notes) = self.read()?;
+        let first = &rasters.0[0];
+        match (self.to, self.to.together()) {
+            (Output::Raster(_), Some(format)) => {
+                let attributes = io::store_attributes(self.input).map_err(ExportError::input)?;
+                let mut layers: Vec<Layer<'_>> = rasters.0.iter().map(layer).collect();
+                self.say_place(first.georeference.as_ref(), &mut notes);
+                files::write_together(self.output, &mut layers, format, &attributes).map_err(alone)?;
+                Ok(Converted { files: vec![self.output.to_owned()], notes })
+            }
+            (Output::Raster(format), None) => {
+                let write = WriteOptions { scale: self.options.range.or(scale(first)), ..self.options.write() };
+                self.say_place(first.georeference.as_ref(), &mut notes);
+                let (about, mut rows) = layer(first);
+                io::write_rows(self.output, &mut *rows, &about, format, &write).map_err(ExportError::file)?;
+                Ok(Converted { files: vec![self.output.to_owned()], notes })
+            }
+            (Output::Preset(Preset::Gis), _) => {
+                let names = rasters.0.iter().map(|r| r.name.clone()).collect();
+                let (x, y) = first.cell_m.unwrap_or((1.0, 1.0));
+                let (width, height) = (first.field.width(), first.field.height());
+                // Only the layers count.
+                let grid = Grid { width, height, cell_x_m: x, cell_y_m: y, rim: eyot_core::Rim::CLOSED };
+                self.exports(&World::new(grid, 0), &rasters, names, notes)
+            }
+            _ => {
+                // Notes on the raster are those on the world.
+                notes.clear();
+                let Some(raster) = rasters.0.into_iter().next() else { return Ok(Converted::default()) };
+                let opened = open::of_raster(raster, self.input, self.limits)?;
+                self.exports(&opened.world, &opened.world, vec!["height".to_owned()], opened.notes)
+            }
+        }
+    }
+
+    fn read(&self) -> Result<(Rasters, Vec<String>), ExportError> {
+        let named = self.options.layers.iter().map(|l| Some(l.clone()));
+        let wanted: Vec<Option<String>> = match &self.from {
+            _ if named.len() > 0 => named.collect(),
+            Input::Layers(all) if self.to.takes_several() => all.iter().map(|l| Some(l.clone())).collect(),
+            _ => vec![None],
+        };
+        let (mut rasters, mut notes) = (Vec::new(), Vec::new());
+        let mut left = *self.limits;
+        for layer in wanted {
+            let read = ReadOptions { layer, ..self.options.read.clone() };
+            let mut raster =
+                read_raster(&self.input.display().to_string(), &read, &left).map_err(ExportError::input)?;
+            left.max_bytes = left.max_bytes.saturating_sub(raster.field.bytes() as u64);
+            self.check(&raster)?;
+            raster.cell_m = self.options.cell_m.or(raster.cell_m);
+            if raster.name.is_empty() {
+                raster.name = "height".to_owned();
+                if raster.unit.is_empty() {
+                    raster.unit = "m".to_owned();
+                }
+            }
+            notes.extend(
+                open::notes(&raster, self.to.marks_missing())
+                    .into_iter()
+                    .filter(|n| !notes.contains(n))
+                    .collect::<Vec<_>>(),
+            );
+            rasters.push(raster);
+        }
+        Ok((Rasters(rasters), notes))
+    }
+
+    /// Adds a note if a raster cannot say all of its place.
+    fn say_place(&self, place: Option<&Georeference>, notes: &mut Vec<String>) {
+        let Output::Raster(format) = self.to else { return };
+        notes.extend(place.and_then(|g| io::unsaid(g, format)).map(str::to_owned));
+    }
+
+    /// From a run.
+    fn run(&self) -> Result<Converted, ExportError> {
+        let opened = open::open(self.input, self.limits, self.kinds)?;
+        let (mut world, mut notes) = (opened.world, opened.notes);
+        self.say_place(world.georeference.as_ref(), &mut notes);
+        if let Some((x, y)) = self.options.cell_m {
+            (world.grid.cell_x_m, world.grid.cell_y_m) = (x, y);
+            world.grid = world.grid.checked(self.limits).map_err(ExportError::input)?;
+        }
+        let mut names = self.options.layers.clone();
+        if names.is_empty() {
+            names = match self.to.takes_several() {
+                true => world.layers().iter().map(|l| l.spec.name.to_string()).collect(),
+                false => vec!["height".to_owned()],
+            };
+        }
+        for name in &names {
+            world.layer(name).map_err(ExportError::input)?;
+        }
+        let layers = names.iter().filter_map(|name| Source::layer(&world, name));
+        match (self.to, self.to.together()) {
+            (Output::Raster(_), Some(format)) => {
+                let origin =
+                    Origin { name: &self.name(), engines: &opened.engines, ..Origin::default() }.attributes(&world);
+                files::write_together(self.output, &mut layers.collect::<Vec<_>>(), format, &origin).map_err(alone)?;
+            }
+            (Output::Raster(format), None) => {
+                for (about, mut rows) in layers {
+                    let write = self.options.write();
+                    io::write_rows(self.output, &mut *rows, &about, format, &write).map_err(ExportError::file)?;
+                }
+            }
+            _ => return self.exports(&world, &world, names, notes),
+        }
+        Ok(Converted { files: vec![self.output.to_owned()], notes })
+    }
+
+    fn name(&self) -> String {
+        self.input.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
+    }
+
+    /// A mesh, or the files of a preset.
+    fn exports(
+        &self,
+        world: &World,
+        source: &dyn Source,
+        layers: Vec<String>,
+        notes: Vec<String>,
+    ) -> Result<Converted, ExportError> {
+        let (name, notes) = (self.name(), RefCell::new(notes));
+        let mut files = Vec::new();
+        let preset = self.options.preset;
+        let first_row = self.options.row_order.map(|r| match r {
+            RowOrder::NorthFirst => FirstRow::North,
+            RowOrder::SouthFirst => FirstRow::South,
+        });
+        let export = match self.to {
+            Output::Mesh(format) => Export { format, ..Export::default() },
+            _ => Export { preset, size: self.options.size, layers, first_row, ..Export::default() },
+        };
+        if export.needs_two_cells() && (world.grid.width < 2 || world.grid.height < 2) {
+            let message = "less than 2 x 2 cells, which make no triangle; convert it to a raster such as .tif";
+            return Err(ExportError::input(format!("`{}` has {message}", self.input.display())));
+        }
+        let made = preset.is_some() && !self.output.exists();
+        if preset.is_some() {
+            std::fs::create_dir_all(self.output)
+                .map_err(|source| ExportError::Folder { path: self.output.to_owned(), source })?;
+        }
+        let control = Control::none();
+        let mut job = Job {
+            world,
+            source,
+            corals: None,
+            name: &name,
+            out: if preset.is_some() { self.output } else { self.output.parent().unwrap_or(Path::new("")) },
+            attributes: Map::<String, Value>::new(),
+            limits: self.limits,
+            control: &control,
+            begin: &mut |path: PathBuf| {
+                files.push(path.clone());
+                Ok(path)
+            },
+            note: &|n| notes.borrow_mut().push(n),
+        };
+        let done = match self.to {
+            Output::Mesh(_) => files::write_mesh(&mut job, self.output, &export),
+            _ => files::write(&mut job, &export),
+        };
+        if done.is_err() && made {
+            // Only an empty folder goes; files that are whole stay.
+            let _ = std::fs::remove_dir(self.output);
+        }
+        done.map_err(alone)?;
+        Ok(Converted { files, notes: notes.into_inner() })
+    }
+}
+
+/// The scale at which 16 bits hold the very values, if they are still within it.
+fn scale(raster: &Raster) -> Option<(f64, f64)> {
+    let (low, high) = raster.field.min_max();
+    raster.scale.filter(|s| s.0 <= f64::from(low) && f64::from(high) <= s.1)
+}
+
+/// A file that cannot be made is all that was asked for here; there are no others beside it.
+fn alone(e: ExportError) -> ExportError {
+    if let ExportError::Values(message) = e { ExportError::File(message) } else { e }
+}
+
+/// Layers of a file.
+struct Rasters(Vec<Raster>);
+
+impl Source for Rasters {
+    fn layer<'a>(&'a self, name: &str) -> Option<(About, Box<dyn Rows + 'a>)> {
+        self.0.iter().find(|r| r.name == name).map(layer)
+    }
+}
+
+fn layer(raster: &Raster) -> Layer<'_> {
+    let about = About { range: Some(raster.field.min_max()), ..raster.about() };
+    (about, Box::new(raster.rows()))
+}

@@ -1,0 +1,53 @@
+//! How much memory the files of a run need, so that it is refused before the work and not in it.
+
+use crate::pictures::{self, Subject};
+use eyot_core::{Grid, Limits, Result, World};
+use eyot_recipe::memory::check_bytes;
+use eyot_recipe::{Export, ExportFormat, Preset, View};
+use {eyot_mesh as mesh, eyot_render as render};
+
+pub use eyot_recipe::memory::{EXPORT_REMEDY, PICTURE_REMEDY};
+
+/// Bytes that the pictures of a run take while they are drawn, beside the world.
+pub fn pictures(grid: &Grid, view: &View) -> u128 {
+    picture(grid, view, Subject::View).max(picture(grid, view, Subject::Relief))
+}
+
+/// Bytes that a picture takes while it is drawn, beside the world.
+pub fn picture(grid: &Grid, options: &View, subject: Subject<'_>) -> u128 {
+    let cells = [grid.width, grid.height];
+    match subject {
+        Subject::View => render::perspective_bytes(cells, &pictures::view_options(options)),
+        Subject::Relief => render::relief_bytes(cells, &pictures::relief_options(options, None)),
+        Subject::ReliefAt(n) => render::relief_bytes(cells, &pictures::relief_options(options, Some(n))),
+        Subject::Layer(_) => render::layer_map_bytes(cells, &render::MapOptions::default()),
+    }
+}
+
+/// Bytes that an export takes while it is made, beside the world. Rasters are written row by row.
+pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
+    let cells = [grid.width, grid.height];
+    let mesh = || {
+        render::terrain_colours_bytes(cells)
+            + mesh::terrain_bytes(grid.width, grid.height, &mesh::MeshOptions::default(), limits)
+    };
+    match (export.preset, export.format) {
+        (Some(Preset::Gis), _) => 0,
+        // The mesh, and the shares of a material on their way to its vertices.
+        (Some(Preset::Blender), _) => mesh() + 24 * grid.cells() as u128,
+        // Heights on other vertices, rows on their way there, and one band of shares.
+        (Some(_), _) => 16 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
+        (None, ExportFormat::Glb | ExportFormat::Obj) => mesh(),
+        (None, ExportFormat::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
+        _ => 0,
+    }
+}
+
+/// Checks that `bytes` fit beside a world that is there.
+///
+/// # Errors
+/// [`eyot_core::Error::Limit`] with this remedy.
+pub fn check(what: &str, world: &World, bytes: u128, limits: &Limits, remedy: &'static str) -> Result<()> {
+    let held: usize = world.layers().iter().map(|l| l.field.bytes()).sum();
+    check_bytes(what, (held + world.components.bytes()) as u128 + bytes, limits, remedy)
+}

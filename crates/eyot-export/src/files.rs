@@ -1,0 +1,241 @@
+//! Exports: which files they are, and how they come from a world.
+
+use crate::error::ExportError;
+use crate::import::row_order;
+use eyot_core::{Control, Limits, World};
+use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
+
+use crate::materials::{self, Materials};
+use crate::source::Source;
+use crate::{corals, preset};
+use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, Preset};
+use eyot_reef::corals::Corals;
+use serde_json::{Map, Value};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use {eyot_mesh as mesh, eyot_render as render};
+
+/// What all exports of a world share.
+pub struct Job<'a> {
+    /// The world; of a streamed one, an overview in coarser cells.
+    pub world: &'a World,
+    /// The layers in full.
+    pub source: &'a dyn Source,
+    /// The corals, if the recipe has some.
+    pub corals: Option<Corals>,
+    /// What the landscape is called.
+    pub name: &'a str,
+    /// The folder.
+    pub out: &'a Path,
+    /// What the files of research say of their origin.
+    pub attributes: Map<String, Value>,
+    /// Memory that may be taken.
+    pub limits: &'a Limits,
+    /// Stops the work.
+    pub control: &'a Control<'a>,
+    /// Called before each file with its path; may refuse to go on.
+    pub begin: &'a mut dyn FnMut(PathBuf) -> Result<PathBuf, ExportError>,
+    /// Called with what a user should know.
+    pub note: &'a dyn Fn(String),
+}
+
+impl Job<'_> {
+    /// The next file.
+    pub(crate) fn file(&mut self, name: &str) -> Result<PathBuf, ExportError> {
+        (self.begin)(self.out.join(name))
+    }
+
+    /// The same job for another world in the same place.
+    pub(crate) fn of<'b>(&'b mut self, world: &'b World) -> Job<'b> {
+        Job {
+            world,
+            source: world,
+            corals: self.corals.clone(),
+            name: self.name,
+            out: self.out,
+            attributes: self.attributes.clone(),
+            limits: self.limits,
+            control: self.control,
+            begin: self.begin,
+            note: self.note,
+        }
+    }
+}
+
+/// How values of layers are written.
+fn write_options(export: &Export) -> WriteOptions {
+    WriteOptions {
+        scale: export.range.map(|[low, high]| (low, high)),
+        byte_order: if export.bytes == Bytes::Big { ByteOrder::Big } else { ByteOrder::Little },
+        row_order: export.first_row.map_or(RowOrder::NorthFirst, row_order),
+        nodata: None,
+    }
+}
+
+/// The raster format, if it is one.
+pub(crate) fn raster(format: ExportFormat) -> Option<RasterFormat> {
+    Some(match format {
+        ExportFormat::Png16 => RasterFormat::Png16,
+        ExportFormat::GeoTiff => RasterFormat::GeoTiff,
+        ExportFormat::R32 => RasterFormat::R32,
+        ExportFormat::R16 => RasterFormat::R16,
+        ExportFormat::Exr => RasterFormat::Exr,
+        ExportFormat::Npy => RasterFormat::Npy,
+        ExportFormat::Zarr => RasterFormat::Zarr,
+        _ => return None,
+    })
+}
+
+/// Writes the files of an export.
+pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
+    if let Some(preset) = export.preset {
+        return preset::write(job, export, preset);
+    }
+    let (world, source, files) = (job.world, job.source, export.files());
+    let present = |l: &String| world.get(l).is_some();
+    let sea_level_m = world.sea_level_m;
+    match export.format {
+        ExportFormat::Glb | ExportFormat::Obj => write_mesh(job, Path::new(&files[0]), export),
+        ExportFormat::Splat => {
+            let path = job.file(&files[0])?;
+            write_splat(job, &path, export)
+        }
+        ExportFormat::Zarr | ExportFormat::Exr if files.len() < 2 => {
+            let exact = |l: &String| materials::layer(source, l, sea_level_m, export, false);
+            let mut layers: Vec<Layer<'_>> = export.layers.iter().filter_map(exact).collect();
+            if layers.is_empty() {
+                return Ok(());
+            }
+            say_place(job, raster(export.format));
+            let path = job.file(&files[0])?;
+            write_together(&path, &mut layers, export.format, &job.attributes)
+        }
+        format if format.is_of_corals() => {
+            let Some(reef) = job.corals.clone() else {
+                (job.note)(format!("`{}` is not written: no step with `corals` is switched on", files[0]));
+                return Ok(());
+            };
+            corals::write(job, &reef, format, &files)
+        }
+        ExportFormat::Map => {
+            for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
+                let path = job.file(name)?;
+                let picture =
+                    render::layer_map(world, layer, &crate::pictures::map_options(layer)).map_err(ExportError::file)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
+            }
+            Ok(())
+        }
+        ExportFormat::Mask => {
+            for (name, layer) in files.iter().zip(&export.layers) {
+                if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, true) {
+                    let path = job.file(name)?;
+                    if let Some((low, high)) = about.range.filter(|(low, high)| *low < 0.0 || *high > 1.0) {
+                        (job.note)(format!(
+                            "layer `{layer}` holds values from {low} to {high}; in a mask those below 0 are 0 and those above 1 are 1"
+                        ));
+                    }
+                    io::write_mask(&path, &mut *rows).map_err(ExportError::file)?;
+                }
+            }
+            Ok(())
+        }
+        other => {
+            let Some(format) = raster(other) else { return Ok(()) };
+            say_place(job, Some(format));
+            for (name, layer) in files.iter().zip(&export.layers) {
+                if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) {
+                    let path = job.file(name)?;
+                    io::write_rows(&path, &mut *rows, &about, format, &write_options(export)).map_err(unmade)?;
+                }
+            }
+            Ok(())
+        }
+    }
+}
+
+/// Notes what a file of this format cannot say of the world's place.
+pub(crate) fn say_place(job: &Job<'_>, format: Option<RasterFormat>) {
+    let place = job.world.georeference.as_ref();
+    if let Some(lost) = place.zip(format).and_then(|(g, format)| io::unsaid(g, format)) {
+        (job.note)(lost.to_owned());
+    }
+}
+
+/// Several layers in one file.
+pub(crate) fn write_together(
+    path: &Path,
+    layers: &mut [Layer<'_>],
+    format: ExportFormat,
+    attributes: &Map<String, Value>,
+) -> Result<(), ExportError> {
+    let mut rows: Vec<(&About, &mut dyn Rows)> =
+        layers.iter_mut().map(|(about, rows)| (&*about, &mut **rows as &mut dyn Rows)).collect();
+    match format {
+        ExportFormat::Zarr => io::write_store(path, &mut rows, attributes).map_err(unmade),
+        _ => io::write_exr(path, &mut rows).map_err(unmade),
+    }
+}
+
+/// What a layer is, and its rows.
+pub(crate) type Layer<'a> = (About, Box<dyn Rows + 'a>);
+
+/// The shares of all materials of a job's height.
+pub(crate) fn write_splat(job: &Job<'_>, path: &Path, export: &Export) -> Result<(), ExportError> {
+    let Some(mut materials) = Materials::of(job.source, job.world.sea_level_m, export) else { return Ok(()) };
+    io::write_splat(path, materials.size(), &MATERIALS, &mut |first, out| materials.read_bytes(first, out))
+        .map_err(unmade)
+}
+
+pub(crate) fn write_layer(
+    source: &dyn Source,
+    layer: &str,
+    path: &Path,
+    format: RasterFormat,
+    options: &WriteOptions,
+) -> Result<(), ExportError> {
+    match source.layer(layer) {
+        Some((about, mut rows)) => io::write_rows(path, &mut *rows, &about, format, options).map_err(unmade),
+        None => Ok(()),
+    }
+}
+
+/// A refusal of the system may pass; values that do not fit a format will not, however often one tries.
+fn unmade(e: io::Error) -> ExportError {
+    if matches!(e, io::Error::Io { .. }) { ExportError::file(e) } else { ExportError::Values(e.to_string()) }
+}
+
+/// The terrain as a mesh, in the job's folder under the name at the end of `name`.
+pub(crate) fn write_mesh(job: &mut Job<'_>, name: &Path, export: &Export) -> Result<(), ExportError> {
+    let path = job.file(&name.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()))?;
+    let world = job.world;
+    let height = &world.layer("height").map_err(ExportError::file)?.field;
+    let colours = render::terrain_colours(world).map_err(ExportError::file)?;
+    let mut terrain = mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), job.limits)
+        .map_err(ExportError::file)?;
+    if export.preset == Some(Preset::Blender) {
+        for material in MATERIALS {
+            let found = materials::layer(job.source, material, world.sea_level_m, export, false);
+            let mut shares = vec![0.0; world.grid.cells()];
+            found.map_or(Ok(()), |(_, mut rows)| rows.read(0, &mut shares)).map_err(ExportError::file)?;
+            terrain.add_attribute(material, &shares).map_err(ExportError::file)?;
+        }
+    }
+    if path.extension().is_some_and(|e| e == "obj") {
+        return io::write_terrain_obj(&path, &terrain.mesh, job.name).map_err(ExportError::file);
+    }
+    // Each level has a quarter of the triangles of the one before: half the detail along each axis.
+    let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
+    job.control.check().map_err(ExportError::stopped)?;
+    let levels = mesh::levels_of_detail_controlled(&terrain, &ratios, job.control).map_err(ExportError::stopped)?;
+    io::write_terrain_glb(&path, &levels, job.name).map_err(ExportError::file)
+}
+
+/// Writes a text file, whole or not at all.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    let fail = |source| io::Error::Io { path: path.to_owned(), action: "write", source };
+    io::write_atomically(path, |w| w.write_all(text.as_bytes()).map_err(fail))
+}

@@ -1,0 +1,27 @@
+//! **Files and pictures of landscapes**: what a recipe's exports write, conversion from file to file, and the import of height
+//! maps.
+//!
+//! [`write`] makes the files of an export, [`convert`](convert::convert) turns height maps and runs into other formats, [`open`](open::open)
+//! finds the world in a file or a run's folder, [`draw`](pictures::draw) makes pictures of it. [`IMPORT`] is the generator that
+//! takes height maps into recipes, [`Files`] resolves the files that recipes name.
+
+pub mod convert;
+pub mod corals;
+mod dive;
+mod error;
+pub mod estimate;
+mod files;
+mod fit;
+mod import;
+mod materials;
+pub mod open;
+pub mod pictures;
+mod plots;
+mod preset;
+mod source;
+
+pub use error::ExportError;
+pub use files::{Job, write, write_text};
+pub use import::{Files, IMPORT, Import, read_raster};
+pub use pictures::Subject;
+pub use source::Source;

@@ -1,0 +1,116 @@
+//! Pictures of a world: views, reliefs and maps, in a recipe's words.
+
+use crate::error::ExportError;
+use crate::estimate;
+use eyot_core::{Control, Limits, Result, World};
+use eyot_recipe::View;
+use std::path::Path;
+use {eyot_io as io, eyot_render as render};
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject<'a> {
+    /// The land as a camera sees it.
+    View,
+    /// The land from above, with shaded relief.
+    Relief,
+    /// As `Relief`, with so many pixels along the longer side.
+    ReliefAt(u32),
+    /// A map of one layer.
+    Layer(&'a str),
+}
+
+/// Draws a world into a PNG file.
+///
+/// # Errors
+/// If `path` has another extension than `.png`, the layer is not there, the picture exceeds the limits, or the file cannot be
+/// written, which is found out first.
+pub fn draw_file(
+    world: &World,
+    options: &View,
+    subject: Subject<'_>,
+    path: &Path,
+    limits: &Limits,
+) -> std::result::Result<(), ExportError> {
+    check_picture_name(path)?;
+    if let Subject::Layer(name) = subject {
+        world.layer(name).map_err(ExportError::input)?;
+    }
+    let picture =
+        draw(world, options, subject, limits, &Control::none()).map_err(|e| ExportError::File(e.to_string()))?;
+    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels)
+        .map_err(|e| ExportError::File(e.to_string()))
+}
+
+/// Fails unless a PNG picture can be written to `path`.
+///
+/// # Errors
+/// If its extension is another, or nothing can be written there.
+pub fn check_picture_name(path: &Path) -> std::result::Result<(), ExportError> {
+    if let Some(other) = path.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
+        let reason = format!("`{}` would be a PNG picture that is called .{}", path.display(), other.display());
+        return Err(ExportError::Input { reason, help: Some("give it a name that ends in .png") });
+    }
+    io::check_place(path).map_err(|e| ExportError::File(e.to_string()))
+}
+
+/// Draws a picture as the options say.
+///
+/// # Errors
+/// If the layer is not there, there is not enough memory, or `control` says stop.
+pub fn draw(
+    world: &World,
+    options: &View,
+    subject: Subject<'_>,
+    limits: &Limits,
+    control: &Control<'_>,
+) -> Result<render::Picture> {
+    let bytes = estimate::picture(&world.grid, options, subject);
+    estimate::check("this picture", world, bytes, limits, estimate::PICTURE_REMEDY)?;
+    match subject {
+        Subject::View => render::perspective_controlled(world, &view_options(options), control),
+        Subject::Relief => render::relief_controlled(world, &relief_options(options, None), control),
+        Subject::ReliefAt(n) => render::relief_controlled(world, &relief_options(options, Some(n)), control),
+        Subject::Layer(name) => render::layer_map(world, name, &map_options(name)),
+    }
+}
+
+/// How a layer is mapped: classes by their names and colours, wind with arrows.
+pub fn map_options(layer: &str) -> render::MapOptions {
+    let arrows = ["wind_x", "wind_y"];
+    render::MapOptions {
+        classes: eyot_climate::zones::classes(layer),
+        arrows: arrows.contains(&layer).then_some(arrows),
+        ..Default::default()
+    }
+}
+
+/// What the view of a recipe is to the camera.
+pub fn view_options(v: &View) -> render::ViewOptions {
+    let d = render::ViewOptions::default();
+    render::ViewOptions {
+        width: v.size[0] as usize,
+        height: v.size[1] as usize,
+        azimuth_deg: v.azimuth.unwrap_or(d.azimuth_deg),
+        elevation_deg: v.elevation.or(d.elevation_deg),
+        distance: v.distance.or(d.distance),
+        field_of_view_deg: v.field_of_view.unwrap_or(d.field_of_view_deg),
+        vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
+        sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
+        sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
+        ..d
+    }
+}
+
+/// What the view of a recipe is to a relief: its longer side bounds the relief's, unless that is given.
+pub fn relief_options(v: &View, size: Option<u32>) -> render::ReliefOptions {
+    let d = render::ReliefOptions::default();
+    render::ReliefOptions {
+        vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
+        max_size: v.size[0].max(v.size[1]) as usize,
+        size: size.map(|n| n as usize),
+        sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
+        sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
+        ..d
+    }
+}

@@ -1,0 +1,65 @@
+//! The simplifier at hand: meshoptimizer, or none in a build without the feature `simplify`.
+
+#[cfg(feature = "simplify")]
+mod how {
+    use meshopt::{SimplifyOptions, VertexDataAdapter, utilities::typed_to_bytes};
+
+    type Simplified = (Vec<u32>, f32);
+
+    fn simplify(
+        indices: &[u32],
+        positions: &[[f32; 3]],
+        locked: &[bool],
+        target: usize,
+        options: SimplifyOptions,
+    ) -> Option<Simplified> {
+        let vertices = VertexDataAdapter::new(typed_to_bytes(positions), size_of::<[f32; 3]>(), 0).ok()?;
+        let mut error = 0.0;
+        let out = meshopt::simplify_with_locks(indices, &vertices, locked, target, f32::MAX, options, Some(&mut error));
+        Some((out, error))
+    }
+
+    pub(crate) fn simplify_open(
+        indices: &[u32],
+        positions: &[[f32; 3]],
+        locked: &[bool],
+        target: usize,
+    ) -> Option<Vec<u32>> {
+        Some(simplify(indices, positions, locked, target, SimplifyOptions::LockBorder)?.0)
+    }
+
+    pub(crate) fn simplify_closed(
+        indices: &[u32],
+        positions: &[[f32; 3]],
+        locked: &[bool],
+        target: usize,
+    ) -> Option<Simplified> {
+        simplify(indices, positions, locked, target, SimplifyOptions::ErrorAbsolute)
+    }
+
+    pub(crate) fn order_for_cache(indices: &[u32], vertices: usize) -> Vec<u32> {
+        meshopt::optimize_vertex_cache(indices, vertices)
+    }
+}
+
+#[cfg(not(feature = "simplify"))]
+mod how {
+    pub(crate) fn simplify_open(_: &[u32], _: &[[f32; 3]], _: &[bool], _: usize) -> Option<Vec<u32>> {
+        None
+    }
+
+    pub(crate) fn simplify_closed(_: &[u32], _: &[[f32; 3]], _: &[bool], _: usize) -> Option<(Vec<u32>, f32)> {
+        None
+    }
+
+    pub(crate) fn order_for_cache(indices: &[u32], _: usize) -> Vec<u32> {
+        indices.to_vec()
+    }
+}
+
+/// The triangles in an order that suits caches of vertices on graphics cards.
+pub(crate) use how::order_for_cache;
+/// About `target` indices of a closed surface, and the estimated distance from the full one in the positions' units.
+pub(crate) use how::simplify_closed;
+/// About `target` indices of a surface whose rim stays where it is.
+pub(crate) use how::simplify_open;

@@ -1,0 +1,70 @@
+//! The engine of a session: bringing the world up to what it has done, and going on when it is lost.
+
+use super::Session;
+use crate::engines::{Engine, EngineChoice, EngineOptions, Failure};
+use crate::error::RunError;
+use crate::event::{Event, JournalEntry};
+use eyot_gpu::GpuError;
+use eyot_recipe::Step;
+
+/// A device that is lost more often than this is not tried again.
+const MAX_DEVICES_LOST: u32 = 3;
+
+impl Session {
+    /// Brings the world up to what the engine has done.
+    pub(super) fn download(&mut self) -> Result<(), Failure> {
+        self.engine.download(&mut self.world)?;
+        self.settled = self.state.done;
+        Ok(())
+    }
+
+    /// As [`Session::download`] where the session is about to stop or to look at the world: if the device is lost, the world is
+    /// what it was before, and so is the count of its steps.
+    pub(super) fn settle(&mut self) {
+        if let Err(Failure::Device(e)) = self.download() {
+            let message =
+                format!("{e}; {} steps since the world was last saved are lost", self.state.done - self.settled);
+            self.tell(Event::Warning { message });
+            self.unwind();
+        }
+    }
+
+    /// Takes the steps back that only the engine knew; changes by hand since then will be made again at their steps.
+    fn unwind(&mut self) {
+        self.state.done = self.settled;
+        let number = self.state.done_steps + 1;
+        let (settled, journal) = (self.settled, std::mem::take(&mut self.state.journal));
+        let (later, kept) = journal.into_iter().partition(|e| e.recipe_step == number && e.step > settled);
+        self.state.journal = kept;
+        self.state.replay.splice(0..0, Vec::<JournalEntry>::into_iter(later));
+    }
+
+    /// Goes on from the last world that was brought back: on the device opened anew, or on the processor if that was left open.
+    pub(super) fn go_on_without(&mut self, error: GpuError, step: &Step) -> Result<(), RunError> {
+        self.unwind();
+        self.devices_lost += 1;
+        let auto = self.asked.choice == EngineChoice::Auto;
+        let again = if error.is_lost() && self.devices_lost <= MAX_DEVICES_LOST {
+            Engine::open(&self.asked, self.options.limits).ok()
+        } else if auto {
+            let cpu = EngineOptions { choice: EngineChoice::Cpu, ..self.asked.clone() };
+            Engine::open(&cpu, self.options.limits).ok()
+        } else {
+            None
+        };
+        let Some((engine, _)) = again else {
+            // What has been done must not be lost with the device.
+            self.checkpoint_if_possible();
+            return Err(RunError::Gpu(error));
+        };
+        self.engine = engine;
+        let message = format!(
+            "{error}; step {} goes on after {} steps with {}",
+            step.number,
+            self.state.done,
+            self.engine.name()
+        );
+        self.tell(Event::Warning { message });
+        Ok(())
+    }
+}
