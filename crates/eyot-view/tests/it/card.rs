@@ -54,7 +54,7 @@ fn begun(gpu: Gpu, options: Options, mut world: World) -> (GpuEngine, Renderer, 
     let mut engine = GpuEngine::new(gpu, options, None).unwrap();
     let renderer = Renderer::new(engine.gpu()).unwrap();
     simulate(&mut engine, &mut world, 0, 8);
-    engine.bring_back(&mut world).unwrap();
+    engine.download(&mut world).unwrap();
     (engine, renderer, world)
 }
 
@@ -81,7 +81,7 @@ fn compare(name: &str, gpu: Gpu, how: Options, world: World, layer: &str) {
     assert!(work.bytes_back * 8 < 4 * world.grid.cells() as u64, "{name}: {} bytes came back", work.bytes_back);
     let followed = picture(&engine, &mut renderer, &scene);
 
-    engine.bring_back(&mut world).unwrap();
+    engine.download(&mut world).unwrap();
     assert!(engine.work().since(before).layers_back > 0, "{name}: this is counted");
     scene.update(engine.gpu(), &renderer, &world, &["height", layer]).unwrap();
     let updated = picture(&engine, &mut renderer, &scene);
@@ -128,7 +128,7 @@ fn rivers_follow_in_natural_colours() {
     scene.follow(&other, &engine).unwrap();
     scene.settled(engine.gpu()).unwrap();
     let followed = distances(&engine, &scene);
-    engine.bring_back(&mut world).unwrap();
+    engine.download(&mut world).unwrap();
     scene.update(engine.gpu(), &other, &world, &["height", "water"]).unwrap();
     let updated = distances(&engine, &scene);
     let apart = |a: &[f32], b: &[f32]| {
