@@ -83,8 +83,3 @@ pub(crate) use eyot_recipe::{self as diagnostic, self as recipe, layers, process
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// The examples of the book are compiled and run like those of this crate.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/book/src/tutorial/library.md")]
-struct Book;
