@@ -68,8 +68,8 @@ pub use eyot_io::timeline::Record;
 pub use eyot_recipe::{
     Actor, BuiltIn, Bytes, Change, Choice, Citation, Citations, Description, Diagnostic, Export, ExportFormat,
     Expression, FirstRow, GenerateStep, Merge, Overrides, ParameterInfo, Preset, Problems, ProcessUse, RECIPES, Recipe,
-    RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, Work, all_citations, cite, describe,
-    keys, merge, nearest, recipe_schema,
+    RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, What, Work, all_citations, cite,
+    describe, keys, merge, nearest, recipe_schema,
 };
 pub use registry::{Registry, component_kinds};
 pub use run::{Handle, Remote, Run, RunOptions};
@@ -83,8 +83,3 @@ pub(crate) use eyot_recipe::{self as diagnostic, self as recipe, layers, process
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// The examples of the book are compiled and run like those of this crate.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/book/src/tutorial/library.md")]
-struct Book;

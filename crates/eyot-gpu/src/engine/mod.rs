@@ -8,32 +8,34 @@
 //!
 //! The world's own layers are out of date until [`GpuEngine::download`].
 
-use crate::arena::{Arena, Pending};
-use crate::device::Gpu;
-use crate::error::{GpuError, Result};
-use crate::group::{Group, JOB_WORDS};
-use crate::layer_view::LayerView;
-use crate::reduce::Reducer;
-use eyot_core::control::Control;
-use eyot_core::engine::Saved;
-use eyot_core::graph::Graph;
-use eyot_core::plan::RuleKind;
-use eyot_core::process::{Scheduled, Span, acts};
-use eyot_core::rule::Tally;
-use eyot_core::stepper::Simulation;
-use eyot_core::{Grid, LayerSpec, World};
-use std::collections::HashMap;
-use std::sync::Arc;
-use std::sync::atomic::Ordering::Relaxed;
-
+mod account;
+mod dispatch;
 mod options;
 mod pace;
 mod resident;
-mod submit;
-mod transfer;
+mod timer;
 
-pub use options::{Options, Work};
+use crate::arena::Pending;
+use crate::device::Gpu;
+use crate::error::{GpuError, Result};
+use crate::group::{Bounds, JOB_WORDS};
+use crate::layer_view::LayerView;
+use crate::reduce::Reducer;
+use dispatch::Batch;
+use eyot_core::control::Control;
+use eyot_core::engine::Borrowed;
+use eyot_core::process::{Scheduled, Span};
+use eyot_core::stepper::Simulation;
+use eyot_core::{Grid, World};
 use pace::Pace;
+use resident::Resident;
+use std::collections::HashMap;
+use std::sync::atomic::Ordering::Relaxed;
+use timer::Timer;
+
+pub(crate) use dispatch::Misfit;
+pub use options::{Options, Work};
+pub(crate) use resident::block_end;
 
 /// Bytes of the uniform block of a dispatch.
 pub(crate) const JOB_BYTES: u64 = 4 * JOB_WORDS as u64;
@@ -64,81 +66,6 @@ pub struct GpuEngine {
     batch: Batch,
     pace: Pace,
     work: Work,
-}
-
-/// A world whose layers are on the card.
-struct Resident {
-    arena: Arena,
-    specs: Vec<LayerSpec>,
-    world_layers: usize,
-    /// Which of its two copies holds each layer.
-    current: Vec<usize>,
-    /// Slots by layer and copy.
-    slots: HashMap<(usize, usize), usize>,
-    /// Layers that the world's own copies of are out of date.
-    stale: Vec<bool>,
-    accounts: Vec<Account>,
-    seed: u64,
-    kernels: HashMap<Group, Arc<Kernel>>,
-    graphs: HashMap<RuleKind, Arc<Graph>>,
-    /// Step and sea level of the world's own copies.
-    synced: (u64, f64),
-    /// What actions have changed since the world was downloaded as a whole, as it was then: so that a lost device leaves no mixture.
-    held: Option<Saved>,
-}
-
-/// A group that is ready to run.
-struct Kernel {
-    pipeline: wgpu::ComputePipeline,
-    outer: [usize; 2],
-    bytes_per_cell: usize,
-}
-
-/// An account of the ledger whose sum grows on the card.
-struct Account {
-    tally: Tally,
-    /// What it held before.
-    before: f64,
-    /// What was last written to the ledger.
-    written: f64,
-}
-
-/// Dispatches that have not gone to the card yet.
-#[derive(Default)]
-struct Batch {
-    jobs: Vec<u32>,
-    dispatches: Vec<Dispatch>,
-    /// Steps that are complete with them.
-    steps: u64,
-}
-
-/// One dispatch of a submission.
-struct Dispatch {
-    kernel: Arc<Kernel>,
-    slab: usize,
-    job: u32,
-    tiles: [u32; 2],
-    last_of_group: bool,
-}
-
-struct Timer {
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    /// Submissions timed since the last reading.
-    used: u32,
-}
-
-/// Why a resident world cannot go on as it is.
-pub(crate) enum Misfit {
-    /// A layer, copy or account is needed that it was not made for.
-    Rebuild,
-    Failed(GpuError),
-}
-
-impl From<GpuError> for Misfit {
-    fn from(e: GpuError) -> Self {
-        Self::Failed(e)
-    }
 }
 
 impl GpuEngine {
@@ -243,8 +170,10 @@ impl GpuEngine {
     /// # Errors
     /// If the device was lost; `world` is then what it was when it was last downloaded.
     pub fn download(&mut self, world: &mut World) -> Result<()> {
-        let Some(r) = &mut self.resident else { return Ok(()) };
-        let outcome = r.download_all(&self.gpu, world);
+        // What still waits in the batch has marked its layers as changed already.
+        let finished = self.finish();
+        let Some(r) = &mut self.resident else { return finished };
+        let outcome = finished.and_then(|()| r.download_all(&self.gpu, world));
         if outcome.is_err() {
             self.fall_back(world);
         }
@@ -333,11 +262,104 @@ impl GpuEngine {
         self.read_timer()?;
         self.check_finite(world)
     }
-}
 
-/// The step after the last one of the block that begins at `at`: it ends at a multiple of `block` and before each step in which
-/// some process acts.
-pub(crate) fn block_end(processes: &[Scheduled], at: u64, block: u64) -> u64 {
-    let end = at - at % block + block;
-    (at + 1..end).find(|&step| acts(processes, step)).unwrap_or(end)
+    /// Lends the world those layers that somebody reads, and takes those that he writes.
+    pub(crate) fn lend_layers(
+        &mut self,
+        world: &mut World,
+        borrowed: &Borrowed,
+        work: &mut dyn FnMut(&mut World) -> eyot_core::Result<()>,
+    ) -> Result<()> {
+        self.finish()?;
+        let r = self.resident.as_mut().ok_or_else(|| GpuError::Fault("no world is on the card".into()))?;
+        r.hold(world, |spec| borrowed.is_borrowed(&spec.name))?;
+        r.download(&self.gpu, world, |spec| borrowed.is_read(&spec.name))?;
+        work(world)?;
+        for l in (0..r.world_layers).filter(|&l| borrowed.is_written(&r.specs[l].name)) {
+            let field = &world.layer(&r.specs[l].name)?.field;
+            r.arena.upload(&self.gpu, r.slots[&(l, r.current[l])], field)?;
+            r.stale[l] = false;
+        }
+        r.share(&self.gpu);
+        Ok(())
+    }
+
+    /// Finds values that are not finite without moving layers.
+    fn check_finite(&mut self, world: &mut World) -> Result<()> {
+        let Some(r) = &self.resident else { return Ok(()) };
+        let changed: Vec<usize> = (0..r.world_layers).filter(|&l| r.stale[l]).collect();
+        for l in changed {
+            let r = self.resident.as_ref().ok_or_else(|| GpuError::Fault("no world is on the card".into()))?;
+            let slot = r.slots[&(l, r.current[l])];
+            if self.gpu.complete(self.reducer.range(&self.gpu, &r.arena, slot))?.not_finite > 0 {
+                // Names the place.
+                return self.download(world);
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings the world to the card, with room for copies of layers that were needed before.
+    pub(crate) fn make_resident(
+        &mut self,
+        world: &mut World,
+        processes: &[Scheduled],
+        span: Span,
+        copies: &[(String, usize)],
+    ) -> Result<()> {
+        let resident = Resident::new(self, world, processes, span, copies)?;
+        self.resident = Some(resident);
+        // Another world's dispatches may take far longer.
+        self.pace.most = 1;
+        Ok(())
+    }
+
+    /// Downloads the world and brings it to the card anew, with room for what lies ahead. In the middle of a step the world as it was when it
+    /// was last downloaded is kept to fall back to.
+    pub(crate) fn rebuild(
+        &mut self,
+        world: &mut World,
+        processes: &[Scheduled],
+        span: Span,
+        within_step: bool,
+    ) -> Result<()> {
+        self.finish()?;
+        let mut kept = None;
+        if let Some(r) = self.resident.as_mut().filter(|_| within_step) {
+            r.hold(world, |_| true)?;
+            r.download(&self.gpu, world, |_| true)?;
+            kept = r.held.take().map(|held| (r.synced, held));
+        } else {
+            self.download(world)?;
+        }
+        let copies = self.resident.as_ref().map(Resident::copies).unwrap_or_default();
+        self.release();
+        let outcome = self.make_resident(world, processes, span, &copies);
+        match (kept, self.resident.as_mut()) {
+            (Some((synced, held)), Some(r)) => (r.synced, r.held) = (synced, Some(held)),
+            // Nothing is on the card that could fall back.
+            (Some((synced, held)), None) => {
+                held.put_back(world);
+                (world.step, world.sea_level_m) = synced;
+            }
+            (None, _) => {}
+        }
+        outcome
+    }
+
+    fn bounds(&self, grid: &Grid) -> Bounds {
+        let passes = match self.options.most_passes {
+            0 if grid.cells() <= SMALL => 8,
+            0 => 4,
+            n => n,
+        };
+        Bounds { shared: SHARED, passes }
+    }
+
+    fn read_timer(&mut self) -> Result<()> {
+        if let Some(timer) = &mut self.timer {
+            self.work.card_s += self.gpu.complete(timer.seconds(&self.gpu))?;
+        }
+        Ok(())
+    }
 }

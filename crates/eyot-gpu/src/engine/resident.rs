@@ -1,19 +1,42 @@
 //! A world whose layers are on the card.
 
-use super::{Account, Batch, Dispatch, GpuEngine, Kernel, Misfit, Resident, SMALL, block_end};
+use super::account::Account;
+use super::dispatch::Kernel;
+use super::{GpuEngine, SMALL};
 use crate::arena::Arena;
 use crate::device::Gpu;
 use crate::error::{GpuError, Result};
-use crate::group::{Group, JOB_WORDS, Layers, TILE, groups};
-use crate::shader;
+use crate::group::{Group, Layers, groups};
 use eyot_core::engine::Saved;
-use eyot_core::plan::{Pass, Plan};
-use eyot_core::process::{Moment, Scheduled, Span, plan_step};
-use eyot_core::rule::{Tally, TallyUnit};
-use eyot_core::{Edge, Field, Grid, LayerSpec, Ledger, Stagger, World};
+use eyot_core::graph::Graph;
+use eyot_core::plan::{Pass, Plan, RuleKind};
+use eyot_core::process::{Moment, Scheduled, Span, acts, plan_step};
+use eyot_core::rule::Tally;
+use eyot_core::{Edge, Field, Grid, LayerSpec, Stagger, World};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
+
+/// See the module.
+pub(super) struct Resident {
+    pub(super) arena: Arena,
+    pub(super) specs: Vec<LayerSpec>,
+    pub(super) world_layers: usize,
+    /// Which of its two copies holds each layer.
+    pub(super) current: Vec<usize>,
+    /// Slots by layer and copy.
+    pub(super) slots: HashMap<(usize, usize), usize>,
+    /// Layers that the world's own copies of are out of date.
+    pub(super) stale: Vec<bool>,
+    pub(super) accounts: Vec<Account>,
+    pub(super) seed: u64,
+    pub(super) kernels: HashMap<Group, Arc<Kernel>>,
+    pub(super) graphs: HashMap<RuleKind, Arc<Graph>>,
+    /// Step and sea level of the world's own copies.
+    pub(super) synced: (u64, f64),
+    /// What actions have changed since the world was downloaded as a whole, as it was then: so that a lost device leaves no mixture.
+    pub(super) held: Option<Saved>,
+}
 
 impl Resident {
     pub(super) fn new(
@@ -160,30 +183,8 @@ impl Resident {
         Ok(())
     }
 
-    /// Finds slots and accounts that the groups need and that are not there.
-    pub(super) fn check_room(&self, groups: &[Group], passes: &[Pass]) -> Result<(), Misfit> {
-        let mut current = self.current.clone();
-        for group in groups {
-            let there = |l: usize, copy: usize| self.slots.contains_key(&(l, copy));
-            let inputs = group.inputs.iter().all(|&l| there(l, current[l]));
-            for &(l, elsewhere) in &group.outputs {
-                if elsewhere {
-                    current[l] = 1 - current[l];
-                }
-            }
-            if !inputs || !group.outputs.iter().all(|&(l, _)| there(l, current[l])) {
-                return Err(Misfit::Rebuild);
-            }
-        }
-        let mut tallies = passes.iter().flat_map(|p| p.tallies());
-        if tallies.any(|t| self.account(t).is_none()) {
-            return Err(Misfit::Rebuild);
-        }
-        Ok(())
-    }
-
     /// Number of the account of a tally.
-    fn account(&self, tally: &Tally) -> Option<usize> {
+    pub(super) fn account(&self, tally: &Tally) -> Option<usize> {
         self.accounts.iter().position(|a| a.tally.account == tally.account)
     }
 
@@ -191,61 +192,13 @@ impl Resident {
     pub(super) fn copies(&self) -> Vec<(String, usize)> {
         self.slots.keys().map(|&(l, copy)| (self.specs[l].name.to_string(), copy)).collect()
     }
-
-    /// Adds the dispatches of a group, one a slab.
-    pub(super) fn dispatch(&self, group: &Group, passes: &[Pass], kernel: &Arc<Kernel>, batch: &mut Batch) {
-        let Batch { jobs, dispatches, .. } = batch;
-        let (a, g) = (&self.arena, &self.arena.grid);
-        for (n, slab) in a.slabs.iter().enumerate() {
-            let outer = [kernel.outer[0], if n == 0 { kernel.outer[1] } else { 0 }];
-            let (left, top) = (-(outer[0] as i32), slab.first as i32 - outer[1] as i32);
-            let start = jobs.len();
-            let end_row = slab.first + slab.rows;
-            // In the order of `shader::job_fields`.
-            let head = [g.width as i32, g.height as i32, left, top, a.first_row(slab), end_row as i32];
-            jobs.extend(head.map(|v| v as u32));
-            jobs.extend([a.stride, a.slots, slab.first_group, a.groups].map(|v| v as u32));
-            jobs.extend(group.inputs.iter().map(|&l| self.slots[&(l, self.current[l])] as u32));
-            jobs.extend(group.outputs.iter().map(|&(l, elsewhere)| {
-                let copy = if elsewhere { 1 - self.current[l] } else { self.current[l] };
-                self.slots[&(l, copy)] as u32
-            }));
-            for pass in passes {
-                if self.graphs.get(&pass.kind()).is_some_and(|g| shader::is_random(g)) {
-                    let key = pass.key(self.seed);
-                    jobs.extend([key.low, key.high]);
-                }
-                jobs.extend(pass.params().iter().map(|p| p.to_bits()));
-                jobs.extend(pass.tallies().iter().map(|t| self.account(t).unwrap_or_default() as u32));
-            }
-            jobs.resize(start + JOB_WORDS, 0);
-            let tiles =
-                [(g.width + outer[0]).div_ceil(TILE[0]) as u32, (slab.rows + outer[1]).div_ceil(TILE[1]) as u32];
-            dispatches.push(Dispatch {
-                kernel: Arc::clone(kernel),
-                slab: n,
-                job: 4 * start as u32,
-                tiles,
-                last_of_group: n + 1 == a.slabs.len(),
-            });
-        }
-    }
 }
 
-impl Account {
-    /// Makes the ledger's amount what there was before and the sum on the card. Written like this, and not as what the sum has grown
-    /// by since the last time, it does not depend on how often somebody has looked.
-    fn post(&mut self, ledger: &mut Ledger, total: f64, area: f64) {
-        let t = &self.tally;
-        let (scale, unit) = match t.unit {
-            TallyUnit::Thickness => (area, "m3"),
-            TallyUnit::Count => (1.0, "1"),
-        };
-        // Actions keep accounts, too.
-        self.before += ledger.amount(t.account) - self.written;
-        self.written = self.before + scale * total;
-        ledger.set(t.account, self.written, unit, t.meaning, t.sign);
-    }
+/// The step after the last one of the block that begins at `at`: it ends at a multiple of `block` and before each step in which
+/// some process acts.
+pub(crate) fn block_end(processes: &[Scheduled], at: u64, block: u64) -> u64 {
+    let end = at - at % block + block;
+    (at + 1..end).find(|&step| acts(processes, step)).unwrap_or(end)
 }
 
 /// The layer as rules must find it: shut on the faces of closed rims.

@@ -1,14 +1,52 @@
-//! From plans to dispatches, and from these to submissions.
+//! Plans as dispatches, and their submissions.
 
-use super::pace::MOST_TIMED;
-use super::{Batch, GpuEngine, IN_FLIGHT, Kernel, MOST_DISPATCHES, Misfit, Resident, SHARED, SMALL, Timer};
+use super::resident::Resident;
+use super::timer::{MOST_TIMED, Timer};
+use super::{GpuEngine, IN_FLIGHT, MOST_DISPATCHES};
 use crate::error::{GpuError, Result};
-use crate::group::{Bounds, Group, Layers, groups};
+use crate::group::{Group, JOB_WORDS, Layers, TILE, groups};
 use crate::shader::{self, Setting};
-use eyot_core::Grid;
 use eyot_core::graph::Graph;
 use eyot_core::plan::{Pass, Plan};
 use std::sync::Arc;
+
+/// A group that is ready to run.
+pub(super) struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    outer: [usize; 2],
+    bytes_per_cell: usize,
+}
+
+/// Dispatches that have not gone to the card yet.
+#[derive(Default)]
+pub(super) struct Batch {
+    jobs: Vec<u32>,
+    pub(super) dispatches: Vec<Dispatch>,
+    /// Steps that are complete with them.
+    pub(super) steps: u64,
+}
+
+/// One dispatch of a submission.
+pub(super) struct Dispatch {
+    kernel: Arc<Kernel>,
+    slab: usize,
+    job: u32,
+    tiles: [u32; 2],
+    last_of_group: bool,
+}
+
+/// Why a resident world cannot go on as it is.
+pub(crate) enum Misfit {
+    /// A layer, copy or account is needed that it was not made for.
+    Rebuild,
+    Failed(GpuError),
+}
+
+impl From<GpuError> for Misfit {
+    fn from(e: GpuError) -> Self {
+        Self::Failed(e)
+    }
+}
 
 impl GpuEngine {
     /// Adds a plan of whole steps, or a part of one step, to the batch, which goes to the card as often as the pace asks for.
@@ -61,17 +99,8 @@ impl GpuEngine {
         self.pace.wait(&self.gpu, 0, self.options.submission)
     }
 
-    pub(super) fn bounds(&self, grid: &Grid) -> Bounds {
-        let passes = match self.options.most_passes {
-            0 if grid.cells() <= SMALL => 8,
-            0 => 4,
-            n => n,
-        };
-        Bounds { shared: SHARED, passes }
-    }
-
     /// Submits the batch, and waits until one submission less than may be is under way.
-    pub(super) fn flush(&mut self, r: &Resident) -> Result<()> {
+    fn flush(&mut self, r: &Resident) -> Result<()> {
         let passes = if r.arena.split() { self.batch.dispatches.len() / r.arena.slabs.len() } else { 1 };
         if self.timer.as_ref().is_some_and(|t| t.used as usize + passes > MOST_TIMED as usize) {
             self.read_timer()?;
@@ -114,13 +143,6 @@ impl GpuEngine {
         dispatches.clear();
         self.gpu.check()?;
         self.pace.wait(&self.gpu, IN_FLIGHT - 1, self.options.submission)
-    }
-
-    pub(super) fn read_timer(&mut self) -> Result<()> {
-        if let Some(timer) = &mut self.timer {
-            self.work.card_s += self.gpu.complete(timer.seconds(&self.gpu))?;
-        }
-        Ok(())
     }
 
     /// The pipeline of a group, compiled when it is first needed.
@@ -172,6 +194,69 @@ impl GpuEngine {
         match error {
             Some(e) => Err(GpuError::Fault(format!("rule `{name}`: {e}"))),
             None => self.gpu.check().map(|()| pipeline),
+        }
+    }
+}
+
+impl Resident {
+    /// Finds slots and accounts that the groups need and that are not there.
+    fn check_room(&self, groups: &[Group], passes: &[Pass]) -> Result<(), Misfit> {
+        let mut current = self.current.clone();
+        for group in groups {
+            let there = |l: usize, copy: usize| self.slots.contains_key(&(l, copy));
+            let inputs = group.inputs.iter().all(|&l| there(l, current[l]));
+            for &(l, elsewhere) in &group.outputs {
+                if elsewhere {
+                    current[l] = 1 - current[l];
+                }
+            }
+            if !inputs || !group.outputs.iter().all(|&(l, _)| there(l, current[l])) {
+                return Err(Misfit::Rebuild);
+            }
+        }
+        let mut tallies = passes.iter().flat_map(|p| p.tallies());
+        if tallies.any(|t| self.account(t).is_none()) {
+            return Err(Misfit::Rebuild);
+        }
+        Ok(())
+    }
+
+    /// Adds the dispatches of a group, one a slab.
+    fn dispatch(&self, group: &Group, passes: &[Pass], kernel: &Arc<Kernel>, batch: &mut Batch) {
+        let Batch { jobs, dispatches, .. } = batch;
+        let (a, g) = (&self.arena, &self.arena.grid);
+        for (n, slab) in a.slabs.iter().enumerate() {
+            let outer = [kernel.outer[0], if n == 0 { kernel.outer[1] } else { 0 }];
+            let (left, top) = (-(outer[0] as i32), slab.first as i32 - outer[1] as i32);
+            let start = jobs.len();
+            let end_row = slab.first + slab.rows;
+            // In the order of `shader::job_fields`.
+            let head = [g.width as i32, g.height as i32, left, top, a.first_row(slab), end_row as i32];
+            jobs.extend(head.map(|v| v as u32));
+            jobs.extend([a.stride, a.slots, slab.first_group, a.groups].map(|v| v as u32));
+            jobs.extend(group.inputs.iter().map(|&l| self.slots[&(l, self.current[l])] as u32));
+            jobs.extend(group.outputs.iter().map(|&(l, elsewhere)| {
+                let copy = if elsewhere { 1 - self.current[l] } else { self.current[l] };
+                self.slots[&(l, copy)] as u32
+            }));
+            for pass in passes {
+                if self.graphs.get(&pass.kind()).is_some_and(|g| shader::is_random(g)) {
+                    let key = pass.key(self.seed);
+                    jobs.extend([key.low, key.high]);
+                }
+                jobs.extend(pass.params().iter().map(|p| p.to_bits()));
+                jobs.extend(pass.tallies().iter().map(|t| self.account(t).unwrap_or_default() as u32));
+            }
+            jobs.resize(start + JOB_WORDS, 0);
+            let tiles =
+                [(g.width + outer[0]).div_ceil(TILE[0]) as u32, (slab.rows + outer[1]).div_ceil(TILE[1]) as u32];
+            dispatches.push(Dispatch {
+                kernel: Arc::clone(kernel),
+                slab: n,
+                job: 4 * start as u32,
+                tiles,
+                last_of_group: n + 1 == a.slabs.len(),
+            });
         }
     }
 }
