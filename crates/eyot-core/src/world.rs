@@ -4,7 +4,7 @@ use crate::component::Components;
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::field::Field;
-use crate::grid::Grid;
+use crate::grid::{Edge, Grid};
 use crate::layer::{Layer, LayerSpec, Stagger};
 use crate::ledger::Ledger;
 use serde::{Deserialize, Serialize};
@@ -140,13 +140,17 @@ impl World {
     pub fn paste(&mut self, part: &Self) -> Result<()> {
         let domain = part.domain();
         self.is_whole_of(&domain)?;
-        let height = self.grid.height;
+        let (width, height) = (self.grid.width, self.grid.height);
+        let ring = self.grid.rim.x == Edge::Wrap;
         for layer in &part.layers {
             let Ok(own) = self.layer_mut(&layer.spec.name) else { continue };
             let (mut faces, theirs) = (own.field.outer_faces(), layer.field.outer_faces());
             for (y, held) in domain.rows().zip(domain.inside_rows()) {
                 own.field.row_mut(y)[domain.columns()].copy_from_slice(&layer.field.row(held)[domain.inside_columns()]);
-                if domain.columns().start == 0 {
+                // The face before the first column of a ring is that after the last one.
+                if ring && domain.columns().end == width {
+                    faces[y] = layer.field.get(domain.inside_columns().end - 1, held);
+                } else if !ring && domain.columns().start == 0 {
                     faces[y] = theirs[held];
                 }
             }
