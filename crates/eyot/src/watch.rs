@@ -2,6 +2,7 @@
 
 use crate::error::RunError;
 use crate::recipe::{Recipe, Step, Work};
+use eyot_core::Remedy;
 use eyot_core::{Cancel, Limits, World};
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -20,8 +21,8 @@ pub trait Watch: Send {
     /// The world as it is: after each step of the recipe, after so many steps of a simulation, and where it was set back.
     ///
     /// # Errors
-    /// What could not be seen, in words: a warning of the run, which goes on.
-    fn look(&mut self, look: &Look<'_>) -> Result<(), String>;
+    /// What could not be seen: a warning of the run, which goes on.
+    fn look(&mut self, look: &Look<'_>) -> Result<(), Remedy>;
 }
 
 /// A look.
@@ -100,7 +101,7 @@ impl Watching {
     }
 
     /// Says what to warn of.
-    pub(crate) fn look(&mut self, look: &Look<'_>) -> Option<String> {
+    pub(crate) fn look(&mut self, look: &Look<'_>) -> Option<Remedy> {
         self.is_seen = true;
         let failed = self.watcher.lock().look(look).err();
         let silent = std::mem::replace(&mut self.warned, failed.is_some());

@@ -7,7 +7,7 @@ use crate::recipe::{Recipe, Work};
 use crate::watch::{Look, Watch};
 use eyot_core::component::Table;
 use eyot_core::remedy;
-use eyot_core::remedy::Setting;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Cancel, Limits, Stagger, World};
 use eyot_export::corals;
 use eyot_reef::bodies::Shape;
@@ -39,7 +39,7 @@ impl Stage {
         Self { server, options, corals: None, next: None }
     }
 
-    fn scene(&self, look: &Look<'_>) -> Result<Scene, String> {
+    fn scene(&self, look: &Look<'_>) -> Result<Scene, Remedy> {
         let world = look.world;
         let mut scene = Scene {
             moment: Moment {
@@ -53,9 +53,9 @@ impl Stage {
             ..Scene::default()
         };
         // Before their first month there is nobody.
-        let population = world.components.get::<Population>(POPULATION).map_err(|e| e.to_string())?;
+        let population = world.components.get::<Population>(POPULATION)?;
         if let (Some(corals), Some(population)) = (&self.corals, population) {
-            let census = corals.census(world).map_err(|e| e.to_string())?;
+            let census = corals.census(world)?;
             add_reef(&mut scene, corals, population, &census, self.options.rays);
         }
         Ok(scene)
@@ -90,8 +90,9 @@ impl Watch for Stage {
         Ok(())
     }
 
-    fn look(&mut self, look: &Look<'_>) -> Result<(), String> {
-        let scene = self.scene(look).map_err(|e| format!("clients do not see step {}: {e}", look.world.step))?;
+    fn look(&mut self, look: &Look<'_>) -> Result<(), Remedy> {
+        let unseen = |e| remedy![format!("clients do not see step {}: ", look.world.step), e];
+        let scene = self.scene(look).map_err(unseen)?;
         // Generators have no pace.
         if look.total > 1 {
             self.pace(self.options.every, look.cancel);

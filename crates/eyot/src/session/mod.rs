@@ -487,11 +487,11 @@ pub(crate) fn check(
         }
     }
     for entry in &options.replay {
-        let misfit = |reason: String| RunError::Replay { set: entry.set.clone(), step: entry.recipe_step, reason };
+        let misfit = |reason: Remedy| RunError::Replay { set: entry.set.clone(), step: entry.recipe_step, reason };
         let Some((_, uses)) = steps.iter_mut().find(|(number, _)| *number == entry.recipe_step) else {
-            return Err(misfit("this recipe simulates nothing there".to_owned()));
+            return Err(misfit("this recipe simulates nothing there".into()));
         };
-        process_set::apply(uses, &entry.set, registry, &recipe.grid, &|_| true).map_err(|p| misfit(p.to_string()))?;
+        process_set::apply(uses, &entry.set, registry, &recipe.grid, &|_| true).map_err(|p| misfit(p.sentence()))?;
     }
     frames::check(recipe, options, has_storage)
 }
