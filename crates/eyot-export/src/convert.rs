@@ -4,7 +4,7 @@ use crate::error::ExportError;
 use crate::files::{self, Job, Layer};
 use crate::import::read_raster;
 use crate::open;
-use crate::source::Source;
+use eyot_io::Source;
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
 use eyot_recipe::{Export, ExportFormat, FirstRow, Preset};

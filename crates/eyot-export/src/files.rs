@@ -6,7 +6,7 @@ use eyot_core::{Control, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 
 use crate::materials::{self, Materials};
-use crate::source::Source;
+use eyot_io::Source;
 use crate::{corals, preset};
 use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, Preset};
 use eyot_reef::corals::Corals;

@@ -15,8 +15,16 @@ impl From<GpuError> for EngineError {
     fn from(e: GpuError) -> Self {
         match e {
             GpuError::Core(e) => Self::Core(e),
-            e => Self::Device(DeviceError { lost: e.is_lost(), source: Box::new(e) }),
+            e => Self::Device(e.into()),
         }
+    }
+}
+
+impl From<GpuError> for DeviceError {
+    fn from(e: GpuError) -> Self {
+        use GpuError::{Limits, NoAdapter, OutOfMemory, Picture};
+        let refused = matches!(e, NoAdapter { .. } | Picture { .. } | OutOfMemory { .. } | Limits { .. });
+        Self { lost: e.is_lost(), refused, source: Box::new(e) }
     }
 }
 

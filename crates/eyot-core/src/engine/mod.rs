@@ -46,6 +46,8 @@ impl EngineError {
 pub struct DeviceError {
     /// The device is gone, though the world may be continued on another.
     pub lost: bool,
+    /// What was asked for cannot be: there is no such device, or not enough of its memory.
+    pub refused: bool,
     /// The engine's own error.
     pub source: Box<dyn std::error::Error + Send + Sync>,
 }

@@ -1,7 +1,7 @@
 //! A video of a film's pictures, made by ffmpeg where it is installed.
 
-use crate::error::RunError;
 use eyot_core::Control;
+use eyot_session::RunError;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
