@@ -2,10 +2,11 @@
 
 use crate::args::{Draws, Look, size};
 use crate::progress::{bar, time};
+use crate::wording::CommandLine;
 use crate::{Failure, look, print, report};
 use clap::Args;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Subject, Video};
-use eyot::{Cancel, Control, Limits, RunError, Timeline, View, ViewRequest};
+use eyot::{Cancel, Control, Limits, Registry, RunError, Timeline, View, ViewRequest, host};
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -140,7 +141,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
         None if args.run => Subject::Run(&args.from),
         None => Subject::Recording(&args.from),
     };
-    let filmed = eyot::film::film(subject, &options, &out, &limits, &control, tell);
+    let filmed = eyot::film::film(subject, &options, &out, &host(&Registry::standard()), &limits, &control, tell);
     shown.end();
     let filmed = match filmed {
         Err(RunError::Stopped) => {
@@ -152,7 +153,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     if args.quiet {
         return Ok(());
     }
-    filmed.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+    filmed.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
     let there = filmed.frames - filmed.drawn;
     let kept = if there > 0 { format!(" ({there} were there)") } else { String::new() };
     print::line(&format!("{} pictures in {}{kept}", filmed.frames, out.display()))?;

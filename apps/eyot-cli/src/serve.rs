@@ -3,6 +3,7 @@
 use crate::args::{Change, Work, bytes};
 use crate::progress::Bars;
 use crate::runs::{Interrupts, folder_name, options};
+use crate::wording::CommandLine;
 use crate::{Failure, made, print, report};
 use clap::Args;
 use eyot::network;
@@ -109,16 +110,16 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
     };
     let run = RunOptions { limits: made::limits(args.change.max_memory), ..options(&args.work)? };
     let interrupts = Interrupts::install();
+    let host = eyot::host(&Registry::standard());
     let (serving, out) = match (&args.recipe, &args.out) {
         (_, Some(out)) if args.resume => {
-            let registry = Registry::standard();
-            (Serving::resume(out, &registry, run, serve).map_err(|e| report::run(&e))?, out.clone())
+            (Serving::resume(out, run, serve, &host).map_err(|e| report::run(&e))?, out.clone())
         }
         (Some(name), out) => {
             let recipe = made::read(name, &args.change, &[])?;
             let out = out.clone().unwrap_or_else(|| folder_name(name));
             let run = RunOptions { out: Some(out.clone()), restart: args.restart, ..run };
-            (Serving::start(recipe, run, serve).map_err(|e| report::run(&e))?, out)
+            (Serving::start(recipe, run, serve, &host).map_err(|e| report::run(&e))?, out)
         }
         // The command line asks for one of both.
         (None, _) => return Err(report::usage("nothing to serve", "give a recipe")),
@@ -138,7 +139,7 @@ fn attend(serving: Serving, interrupts: &Interrupts, args: &Serve, out: &Path) -
     let mut show = |event: &Event| {
         if args.work.json {
             // As with `eyot run`, a reader that has gone does not stop the run.
-            let text = serde_json::to_string(event).unwrap_or_default();
+            let text = serde_json::to_string(&event.worded(&CommandLine)).unwrap_or_default();
             if unheard.is_none() {
                 unheard = print::line(&text).err();
             }

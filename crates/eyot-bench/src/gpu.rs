@@ -8,6 +8,8 @@ use crate::cpu::{self, BenchSubject};
 use eyot::engines::{card, keep_pipelines};
 use eyot::{EngineOptions, Overrides, Recipe, RecipeSource, Registry, Run, RunError, RunOptions, Work as StepWork};
 use eyot_core::process::{Scheduled, Span};
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Setting};
 use eyot_core::{Control, Error, Limits, World};
 use eyot_gpu::{GpuEngine, GpuError, Options, Work, copy_bandwidth};
 use serde::Serialize;
@@ -102,19 +104,16 @@ struct Phase {
 /// If there is no adapter, the device fails, or the world does not fit it.
 pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
     if !(options.seconds > 0.0 && options.seconds <= 86_400.0) {
-        return Err(RunError::Input {
-            reason: format!("seconds: {} is not within 0..=86400", options.seconds),
-            help: None,
-        });
+        return Err(RunError::input(format!("seconds: {} is not within 0..=86400", options.seconds)));
     }
     let (world, phases) = case(options)?;
     let how = Options::default().timed(true).most_passes(options.most_passes);
-    let mut engine = card(&options.engine, how)?;
-    let copy_bandwidth = copy_bandwidth(engine.gpu())?;
+    let mut engine = card(&options.engine, how).map_err(device)?;
+    let copy_bandwidth = copy_bandwidth(engine.gpu()).map_err(device)?;
     let cells = world.grid.cells() as f64;
     let start = phases.iter().any(|p| p.steps.is_some()).then(|| world.clone());
     let mut bench = Bench { engine: &mut engine, phases: &phases, start, world, done: 0 };
-    let outcome = bench.measure(options.seconds).map_err(refused);
+    let outcome = bench.measure(options.seconds);
     keep_pipelines(&engine);
     let Timed { seconds, steps, work, repeats } = outcome?;
     let n: u64 = steps.iter().sum();
@@ -142,31 +141,32 @@ pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
 }
 
 /// What does not fit is refused before anything is measured.
-fn refused(e: RunError) -> RunError {
+fn device(e: GpuError) -> RunError {
     match e {
-        RunError::Gpu(GpuError::Core(e)) => input(e),
-        e => e,
+        GpuError::Core(e) => input(e),
+        e => RunError::Device(e.into()),
     }
 }
 
 fn input(e: Error) -> RunError {
-    const SMALLER: &str = "choose fewer cells with --size";
     match e {
-        // A benchmark has no --max-memory.
-        Error::Limit { what, needed, limit, .. } => RunError::Input {
-            reason: format!("too large: {what} needs {needed}, the limit is {limit}"),
-            help: Some(SMALLER),
-        },
-        e => RunError::Input { reason: e.to_string(), help: Some("see `eyot bench --help`") },
+        // A benchmark has no setting for the limit on memory.
+        Error::Limit { what, needed, limit, .. } => RunError::refused(
+            format!("too large: {what} needs {needed}, the limit is {limit}"),
+            remedy!["choose fewer cells with ", Setting::Size],
+        ),
+        e => RunError::refused(e, remedy!["see ", Action::BenchOptions]),
     }
 }
 
 /// The world at the start, and what is to be done to it.
 fn case(options: &GpuBenchOptions) -> Result<(World, Vec<Phase>), RunError> {
     let Some(what) = options.what else { return island(options.size) };
-    let none = || RunError::Input {
-        reason: format!("`{}` has no rules of cells and runs on the processor", what.name()),
-        help: Some("choose --engine cpu"),
+    let none = || {
+        RunError::refused(
+            format!("`{}` has no rules of cells and runs on the processor", what.name()),
+            remedy!["choose ", Setting::Engine.to("cpu")],
+        )
     };
     match what {
         BenchSubject::Noise | BenchSubject::Drainage | BenchSubject::Community | BenchSubject::Plates => {
@@ -184,7 +184,7 @@ fn case(options: &GpuBenchOptions) -> Result<(World, Vec<Phase>), RunError> {
 /// The recipe `island`: its generators have been at work, its simulations are the phases.
 fn island(size: usize) -> Result<(World, Vec<Phase>), RunError> {
     let source = RecipeSource::builtin("island").ok_or_else(|| RunError::Fault("there is no island".into()))?;
-    let side = u32::try_from(size).map_err(|e| RunError::Input { reason: e.to_string(), help: None })?;
+    let side = u32::try_from(size).map_err(|e| RunError::input(e.to_string()))?;
     let overrides = Overrides { size: Some((side, Some(side))), ..Overrides::default() };
     let mut recipe = Recipe::parse(source, overrides, &Registry::standard(), &Limits::default())?;
     let mut phases = Vec::new();
@@ -279,7 +279,7 @@ impl Bench<'_> {
                     self.begin_anew();
                 } else {
                     // As runs do between two steps of a recipe.
-                    self.engine.download(&mut self.world)?;
+                    self.engine.download(&mut self.world).map_err(device)?;
                     self.engine.release();
                     self.done = 0;
                 }
@@ -293,7 +293,7 @@ impl Bench<'_> {
     fn stretch(&mut self, phase: &Phase, steps: u64) -> Result<f64, RunError> {
         let begun = Instant::now();
         let span = Span { from: self.done, steps };
-        self.engine.simulate(&mut self.world, &phase.processes, span, &Control::none())?;
+        self.engine.simulate(&mut self.world, &phase.processes, span, &Control::none()).map_err(device)?;
         if let Some(pending) = self.engine.request("height")? {
             std::hint::black_box(pending.take(self.engine.gpu())?.get(0, 0));
         }
@@ -320,7 +320,7 @@ mod tests {
     /// `None` where there is no adapter and none is required.
     fn measured(options: &GpuBenchOptions) -> Option<GpuBenchReport> {
         match run(options) {
-            Err(RunError::Gpu(GpuError::NoAdapter { .. })) if std::env::var_os("EYOT_REQUIRE_GPU").is_none() => None,
+            Err(RunError::Device(e)) if e.refused && std::env::var_os("EYOT_REQUIRE_GPU").is_none() => None,
             outcome => Some(outcome.unwrap()),
         }
     }
@@ -328,15 +328,15 @@ mod tests {
     #[test]
     fn what_cannot_be_measured_is_refused_with_what_to_do() {
         for (options, remedy) in [
-            (options(Some(BenchSubject::Drainage), 64), "--engine cpu"),
-            (options(Some(BenchSubject::Noise), 64), "--engine cpu"),
-            (options(Some(BenchSubject::Streampower), 64), "--engine cpu"),
-            (options(Some(BenchSubject::Hydraulic), 200_000), "--size"),
+            (options(Some(BenchSubject::Drainage), 64), "the engine `cpu`"),
+            (options(Some(BenchSubject::Noise), 64), "the engine `cpu`"),
+            (options(Some(BenchSubject::Streampower), 64), "the engine `cpu`"),
+            (options(Some(BenchSubject::Hydraulic), 200_000), "`size`"),
         ] {
             let e = run(&options).unwrap_err();
             assert!(e.is_refusal(), "{e}");
-            assert!(e.help().unwrap().contains(remedy), "{e}: {:?}", e.help());
-            assert!(!e.to_string().contains("--max-memory"), "{e}");
+            assert!(e.help().unwrap().to_string().contains(remedy), "{e}: {:?}", e.help());
+            assert!(!e.to_string().contains("max_memory"), "{e}");
         }
         let forever = GpuBenchOptions { seconds: f64::INFINITY, ..options(Some(BenchSubject::Thermal), 64) };
         assert!(run(&forever).unwrap_err().to_string().contains("seconds"));

@@ -8,6 +8,8 @@ use crate::files::write_text;
 use crate::plots::{self, Curve, Story};
 use eyot_core::component::Attribute;
 use eyot_core::process::parameters_from;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Field, Limits, Result, World};
 use eyot_recipe::ExportFormat;
 use eyot_recipe::{Actor, Recipe, Work};
@@ -22,7 +24,9 @@ use std::path::Path;
 use {eyot_io as io, eyot_mesh as mesh};
 
 /// What to do about a reef that is too large.
-const REMEDY: &str = "export a smaller plot, leave out `corals`, or raise --max-memory";
+fn remedy() -> Remedy {
+    remedy!["export a smaller plot, leave out `corals`, or raise ", Setting::MaxMemory]
+}
 /// Linear colour of macroalgae.
 pub(crate) const ALGAE: [u8; 4] = [52, 60, 14, 255];
 
@@ -305,13 +309,13 @@ fn write_bodies(
         return Ok(());
     }
     if reef.plot.colonies().is_empty() && reef.algae().next().is_none() {
-        (job.note)(format!("`{}` is not written: nothing lives on the plot any more", files[0]));
+        job.tell(format!("`{}` is not written: nothing lives on the plot any more", files[0]));
         return Ok(());
     }
     // Arrays are written as they are; names and numbers of the nodes take room of their own.
     let nodes = 2048 * (reef.plot.colonies().len() + reef.plot.algae().len()) as u128;
     let needed = Bodies::bytes(&reef.plot, Detail::default()) + nodes;
-    estimate::check("the bodies of corals", job.world, needed, job.limits, REMEDY).map_err(ExportError::file)?;
+    estimate::check("the bodies of corals", job.world, needed, job.limits, remedy()).map_err(ExportError::file)?;
     let mut bodies = Bodies::new(reef.plot.community(), reef.seed, Detail::default()).map_err(ExportError::file)?;
     bodies.update(&reef.plot).map_err(ExportError::file)?;
     let (name, path) = (job.name, job.file(&files[0])?);

@@ -1,12 +1,13 @@
 //! How much memory the files of a run need, so that it is refused before the work and not in it.
 
 use crate::pictures::{self, Subject};
+use eyot_core::remedy::Remedy;
 use eyot_core::{Grid, Limits, Result, World};
 use eyot_recipe::memory::check_bytes;
 use eyot_recipe::{Estimator, Export, ExportFormat, Preset, Step, Streamed, View};
 use {eyot_mesh as mesh, eyot_render as render};
 
-pub use eyot_recipe::memory::{EXPORT_REMEDY, PICTURE_REMEDY};
+pub use eyot_recipe::memory::{export_remedy, picture_remedy};
 
 /// What the outputs of a recipe cost that this crate makes, for registries.
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,7 +66,7 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
 ///
 /// # Errors
 /// [`eyot_core::Error::Limit`] with this remedy.
-pub fn check(what: &str, world: &World, bytes: u128, limits: &Limits, remedy: &'static str) -> Result<()> {
+pub fn check(what: &str, world: &World, bytes: u128, limits: &Limits, remedy: Remedy) -> Result<()> {
     let held: usize = world.layers().iter().map(|l| l.field.bytes()).sum();
     check_bytes(what, (held + world.components.bytes()) as u128 + bytes, limits, remedy)
 }

@@ -2,12 +2,13 @@
 
 use crate::error::ExportError;
 use crate::import::row_order;
+use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 
 use crate::materials::{self, Materials};
-use eyot_io::Source;
 use crate::{corals, preset};
+use eyot_io::Source;
 use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, Preset};
 use eyot_reef::corals::Corals;
 use serde_json::{Map, Value};
@@ -36,7 +37,7 @@ pub struct Job<'a> {
     /// Called before each file with its path; may refuse to go on.
     pub begin: &'a mut dyn FnMut(PathBuf) -> Result<PathBuf, ExportError>,
     /// Called with what a user should know.
-    pub note: &'a dyn Fn(String),
+    pub note: &'a dyn Fn(Remedy),
 }
 
 impl Job<'_> {
@@ -59,6 +60,11 @@ impl Job<'_> {
             begin: self.begin,
             note: self.note,
         }
+    }
+
+    /// Says what a user should know.
+    pub(crate) fn tell(&self, note: impl Into<Remedy>) {
+        (self.note)(note.into());
     }
 }
 
@@ -112,7 +118,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         }
         format if format.is_of_corals() => {
             let Some(reef) = job.corals.clone() else {
-                (job.note)(format!("`{}` is not written: no step with `corals` is switched on", files[0]));
+                job.tell(format!("`{}` is not written: no step with `corals` is switched on", files[0]));
                 return Ok(());
             };
             corals::write(job, &reef, format, &files)
@@ -131,7 +137,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
                 if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, true) {
                     let path = job.file(name)?;
                     if let Some((low, high)) = about.range.filter(|(low, high)| *low < 0.0 || *high > 1.0) {
-                        (job.note)(format!(
+                        job.tell(format!(
                             "layer `{layer}` holds values from {low} to {high}; in a mask those below 0 are 0 and those above 1 are 1"
                         ));
                     }
@@ -158,7 +164,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
 pub(crate) fn say_place(job: &Job<'_>, format: Option<RasterFormat>) {
     let place = job.world.georeference.as_ref();
     if let Some(lost) = place.zip(format).and_then(|(g, format)| io::unsaid(g, format)) {
-        (job.note)(lost.to_owned());
+        job.tell(lost);
     }
 }
 
@@ -202,7 +208,7 @@ pub(crate) fn write_layer(
 
 /// A refusal of the system may pass; values that do not fit a format will not, however often one tries.
 fn unmade(e: io::Error) -> ExportError {
-    if matches!(e, io::Error::Io { .. }) { ExportError::file(e) } else { ExportError::Values(e.to_string()) }
+    if matches!(e, io::Error::Io { .. }) { ExportError::file(e) } else { ExportError::Values(e.into()) }
 }
 
 /// The terrain as a mesh, in the job's folder under the name at the end of `name`.

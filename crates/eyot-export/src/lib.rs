@@ -22,9 +22,9 @@ mod plots;
 mod preset;
 
 pub use error::ExportError;
-pub use files::{Job, write, write_text};
 pub use estimate::Costs;
 pub use eyot_io::Source;
+pub use files::{Job, write, write_text};
 pub use import::{Files, IMPORT, Import, read_raster};
 pub use outputs::RunFiles;
 pub use pictures::Subject;

@@ -5,6 +5,7 @@ use crate::files::{Job, write, write_text};
 use crate::pictures::{Subject, draw};
 use crate::{corals, estimate};
 use eyot_core::Error;
+use eyot_core::remedy::Remedy;
 use eyot_io::run_folder::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_io::{self as io, Origin, checkpoint};
 use eyot_recipe::Export;
@@ -39,7 +40,7 @@ impl Outputs<'_> {
     fn write(&self, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
         let Results { recipe, state, world, limits, control, .. } = *self.results;
         let mut written = Vec::new();
-        let mut unmade: Vec<String> = Vec::new();
+        let mut unmade: Vec<Remedy> = Vec::new();
         let former = former_outputs(self.out);
         self.replace_world(&mut written)?;
         for (i, export) in recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
@@ -78,7 +79,7 @@ impl Outputs<'_> {
             self.remove(CHECKPOINT_FILE)?;
         }
         self.warn_of(former, &written);
-        if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(unmade.join("; "))) }
+        if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(Remedy::joined(unmade, "; "))) }
     }
 
     /// Writes the world and ends what an older run left. Until the new world is whole on the disk, an older run's results
@@ -113,7 +114,7 @@ impl Outputs<'_> {
                 self.out.display(),
                 stale.join(", ")
             );
-            (self.results.tell)(Event::Warning { message });
+            (self.results.tell)(Event::Warning { message: message.into() });
         }
     }
 
@@ -137,11 +138,11 @@ impl Outputs<'_> {
         let known = |l: &str| world.get(l).is_some() || export.knows(l);
         for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
             let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
-            (self.results.tell)(Event::Warning { message });
+            (self.results.tell)(Event::Warning { message: message.into() });
         }
         let what = format!("`{}`", export.files()[0]);
         let bytes = estimate::export(&world.grid, export, limits);
-        estimate::check(&what, world, bytes, limits, estimate::EXPORT_REMEDY).map_err(RunError::file)?;
+        estimate::check(&what, world, bytes, limits, estimate::export_remedy()).map_err(RunError::file)?;
         let mut job = Job {
             world,
             source: self.results.source,
@@ -158,7 +159,7 @@ impl Outputs<'_> {
             limits,
             control: self.results.control,
             begin: &mut |path| self.begin(path, written),
-            note: &|message| (self.results.tell)(Event::Warning { message }),
+            note: &|message| (self.results.tell)(Event::Warning { message: message.into() }),
         };
         write(&mut job, export).map_err(RunError::from)
     }

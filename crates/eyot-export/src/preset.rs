@@ -38,7 +38,7 @@ fn fitted(job: &Job<'_>, export: &Export, preset: Preset) -> Result<(World, usiz
     let nearest = preset.sizes().iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)));
     let n = export.size.map_or(nearest.unwrap_or(g.width), |n| n as usize);
     if (g.width, g.height) != (n, n) {
-        (job.note)(format!(
+        job.tell(format!(
             "{} takes {n} x {n} vertices: the {} x {} cells are resampled",
             preset.name(),
             g.width,
@@ -141,7 +141,7 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let count = |n: usize, cell: f64| (((n - 1) as f64 * cell / spacing).round() as usize + 1).max(2);
     let size = [count(g.width, g.cell_x_m), count(g.height, g.cell_y_m)];
     if size != [g.width, g.height] {
-        (job.note)(format!(
+        job.tell(format!(
             "godot takes square cells: the {} x {} cells are resampled to {} x {} of {spacing} m",
             g.width, g.height, size[0], size[1]
         ));

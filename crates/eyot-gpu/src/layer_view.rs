@@ -4,6 +4,7 @@ use wgpu::Buffer;
 
 /// A layer on the card, as it was after the last call of the engine. Shaders that are submitted before the next call read it; nothing
 /// is copied.
+#[non_exhaustive]
 pub struct LayerView<'a> {
     /// Columns of the grid.
     pub width: usize,
@@ -15,6 +16,7 @@ pub struct LayerView<'a> {
 
 /// Rows of a layer in one buffer of numbers of 32 bits.
 #[derive(Clone, Copy)]
+#[non_exhaustive]
 pub struct LayerPart<'a> {
     /// Holds them, among others. Can be bound as storage.
     pub buffer: &'a Buffer,

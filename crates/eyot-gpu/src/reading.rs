@@ -54,7 +54,10 @@ impl Reading {
             Some(true) => Ok(true),
             Some(false) => Err(GpuError::Lost("it gave back no memory".into())),
             None => {
-                told.waker = waker.cloned();
+                // Whoever only looks takes nobody's place.
+                if waker.is_some() {
+                    told.waker = waker.cloned();
+                }
                 Ok(false)
             }
         }

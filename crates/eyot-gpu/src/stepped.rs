@@ -8,6 +8,7 @@ use crate::error::{GpuError, Result as GpuResult};
 use eyot_core::engine::{Ahead, Borrowed, CpuEngine, DeviceError, Engine, EngineError, Saved};
 use eyot_core::plan::Plan;
 use eyot_core::process::acts;
+use eyot_core::remedy::Worded;
 use eyot_core::{Grid, Limits, World};
 use std::borrow::Cow;
 
@@ -24,7 +25,7 @@ impl From<GpuError> for DeviceError {
     fn from(e: GpuError) -> Self {
         use GpuError::{Limits, NoAdapter, OutOfMemory, Picture};
         let refused = matches!(e, NoAdapter { .. } | Picture { .. } | OutOfMemory { .. } | Limits { .. });
-        Self { lost: e.is_lost(), refused, source: Box::new(e) }
+        Self { lost: e.is_lost(), refused, sentence: e.sentence(), source: Box::new(e) }
     }
 }
 

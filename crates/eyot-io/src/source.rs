@@ -1,8 +1,8 @@
 //! Where the values of exports come from: a world in memory, or one that is made while it is written.
 
-use eyot_core::World;
 use crate::about::About;
 use crate::rows::Rows;
+use eyot_core::World;
 
 /// Layers whose rows can be read one band after the other.
 pub trait Source {

@@ -328,7 +328,7 @@ mod tests {
         let node = Node::parse(text, 0).unwrap();
         let mut out = Vec::new();
         table(&schema, &node, "p", &[], &mut out);
-        out.into_iter().map(|d| d.message).collect()
+        out.into_iter().map(|d| d.message.to_string()).collect()
     }
 
     #[test]

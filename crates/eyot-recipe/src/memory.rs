@@ -4,14 +4,25 @@ use crate::host::Estimator;
 use crate::keys::{Export, View};
 use crate::recipe::{Step, Work};
 use eyot_core::process::Reach;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Error, Field, Grid, Limits, Result, engine};
 
 /// What helps where a picture does not fit.
-pub const PICTURE_REMEDY: &str =
-    "make it smaller with `size`, leave it out with view.enabled=false, or raise the limit with --max-memory";
+pub fn picture_remedy() -> Remedy {
+    remedy![
+        "make it smaller with `size`, leave it out with view.enabled=false, or raise the limit with ",
+        Setting::MaxMemory,
+    ]
+}
+
 /// What helps where an export does not fit.
-pub const EXPORT_REMEDY: &str =
-    "leave out this export with its enabled=false, choose a smaller grid, or raise the limit with --max-memory";
+pub fn export_remedy() -> Remedy {
+    remedy![
+        "leave out this export with its enabled=false, choose a smaller grid, or raise the limit with ",
+        Setting::MaxMemory,
+    ]
+}
 
 /// The step of a run in one piece that needs most memory, and how much that is.
 pub struct Peak<'a> {
@@ -83,7 +94,7 @@ pub fn whole(
 ///
 /// # Errors
 /// [`Error::Limit`] with this remedy.
-pub fn check_bytes(what: &str, bytes: u128, limits: &Limits, remedy: &'static str) -> Result<()> {
+pub fn check_bytes(what: &str, bytes: u128, limits: &Limits, remedy: Remedy) -> Result<()> {
     limits.check_bytes(what, bytes).map_err(|e| match e {
         Error::Limit { what, needed, limit, .. } => Error::Limit { what, needed, limit, remedy },
         other => other,

@@ -66,7 +66,7 @@ pub use camera::Camera;
 pub use colour_map::ColourMap;
 pub use drawing::{Anchor, Drawing, Ink, Place, Shape, Stroke};
 pub use light::PENUMBRA_DEG;
-pub use map::{LayerColours, MapOptions, layer_map};
+pub use map::{ColourTable, LayerColours, MapOptions, layer_map};
 pub use memory::{layer_map_bytes, mesh_view_bytes, perspective_bytes, relief_bytes, terrain_colours_bytes};
 pub use mesh_view::{Haze, MeshPart, MeshViewOptions, mesh_view};
 pub use path::{CameraPath, Key, Pose};

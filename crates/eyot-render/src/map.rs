@@ -155,10 +155,38 @@ impl LayerColours {
         self.colours = values.par_iter().map(|v| one(v).map(linear)).collect();
     }
 
+    /// The colours along the scale, at `count` places at the same distance, for those who look them up.
+    pub fn table(&self, count: usize) -> ColourTable {
+        let last = count.max(2) - 1;
+        let colours = (0..=last).map(|i| self.map.at(i as f32 / last as f32).map(linear)).collect();
+        let (from, middle, to, log) = match self.scale {
+            Scale::Linear { from, to } => (from, None, to, false),
+            Scale::Middle { from, middle, to } => (from, Some(middle), to, false),
+            Scale::Log { from, to } => (from, None, to, true),
+        };
+        ColourTable { colours, from, middle, to, log }
+    }
+
     /// `picture` with the legend below it.
     pub fn with_legend(&self, picture: &Picture) -> Picture {
         legend::below(picture, &self.spec, self.map, &self.scale)
     }
+}
+
+/// What [`LayerColours::table`] gives.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ColourTable {
+    /// Linear colours, from the begin of the scale to its end.
+    pub colours: Vec<[f32; 3]>,
+    /// The value at the begin.
+    pub from: f32,
+    /// The value in the middle of the table; values on both sides of it are scaled on their own.
+    pub middle: Option<f32>,
+    /// The value at the end.
+    pub to: f32,
+    /// Places go by the logarithm.
+    pub log: bool,
 }
 
 /// Encoded value to linear light.

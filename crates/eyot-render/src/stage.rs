@@ -105,6 +105,11 @@ impl Stage {
         };
     }
 
+    /// What stands at height 0, m above the world's own zero: the sea, or that zero itself if the world has none.
+    pub fn datum(&self) -> f32 {
+        -self.ground.zero
+    }
+
     /// Columns and rows of cells.
     pub fn cells(&self) -> [usize; 2] {
         [self.ground.width, self.ground.height]

@@ -2,6 +2,7 @@
 
 use eyot_core::Limits;
 use eyot_core::engine::{CpuEngine, CpuRunner, DeviceError, Engine};
+use eyot_core::remedy::Remedy;
 use serde::{Deserialize, Serialize};
 
 /// Which engine a run wants.
@@ -56,12 +57,12 @@ pub struct Opened {
     /// The engine.
     pub engine: Box<dyn OpenEngine>,
     /// One sentence.
-    pub warning: Option<String>,
+    pub warning: Option<Remedy>,
 }
 
 impl Opened {
     /// The processor.
-    pub fn processor(limits: Limits, warning: Option<String>) -> Self {
+    pub fn processor(limits: Limits, warning: Option<Remedy>) -> Self {
         Self { engine: processor(limits), warning }
     }
 }
@@ -82,8 +83,8 @@ pub struct Processor;
 impl Engines for Processor {
     fn open(&self, options: &EngineOptions, limits: Limits) -> Result<Opened, DeviceError> {
         if options.choice == EngineChoice::Gpu {
-            let source = "this program works with the processor alone".into();
-            return Err(DeviceError { lost: false, refused: true, source });
+            let reason = "this program works with the processor alone";
+            return Err(DeviceError { lost: false, refused: true, sentence: reason.into(), source: reason.into() });
         }
         Ok(Opened::processor(limits, None))
     }

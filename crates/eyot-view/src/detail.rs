@@ -26,8 +26,7 @@ struct Row {
 impl Bounds {
     /// Bounds of the surface that the B-spline makes of `tops` (cells), `factor` nodes a cell.
     pub(crate) fn new(levels: &Levels, tops: &[f32], cells: [usize; 2], factor: usize) -> Self {
-        let count = |l: usize, k: usize| (levels.places[l][2 + k].max(1)).div_ceil(PATCH) as usize;
-        let [columns, rows] = [count(0, 0), count(0, 1)];
+        let [columns, rows] = Self::patches(levels);
         // A node depends on the cells around it, two to each side; a vertex of the next level on one node more.
         let range = |i: usize, n: usize| {
             let (a, b) = (i * PATCH as usize / factor, (i + 1) * PATCH as usize / factor);
@@ -42,11 +41,20 @@ impl Bounds {
             }
             s
         };
-        let spans = (0..columns * rows).map(|i| span(i % columns, i / columns)).collect();
-        let mut all = vec![Row { columns, spans }];
+        Self::over(levels, (0..columns * rows).map(|i| span(i % columns, i / columns)).collect())
+    }
+
+    /// Columns and rows of patches of the finest level.
+    pub(crate) fn patches(levels: &Levels) -> [usize; 2] {
+        [0, 1].map(|k| patches(levels, 0, k))
+    }
+
+    /// Bounds over those of the patches of the finest level.
+    pub(crate) fn over(levels: &Levels, spans: Vec<[f32; 2]>) -> Self {
+        let mut all = vec![Row { columns: patches(levels, 0, 0), spans }];
         for l in 1..=levels.top() {
             let below = &all[l - 1];
-            let (columns, rows) = (count(l, 0), count(l, 1));
+            let (columns, rows) = (patches(levels, l, 0), patches(levels, l, 1));
             let below_rows = below.spans.len() / below.columns;
             let span = |x: usize, y: usize| {
                 let mut s = [f32::INFINITY, f32::NEG_INFINITY];
@@ -79,6 +87,11 @@ impl Bounds {
         let row = &self.levels[level];
         [row.columns, row.spans.len() / row.columns]
     }
+}
+
+/// Patches along an axis of a level.
+fn patches(levels: &Levels, level: usize, axis: usize) -> usize {
+    levels.places[level][2 + axis].max(1).div_ceil(PATCH) as usize
 }
 
 /// What a picture draws of the ground.

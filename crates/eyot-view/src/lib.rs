@@ -20,6 +20,11 @@
 //! # }
 //! ```
 //!
+//! # Worlds that change
+//! [`Scene::update`] takes a world's new layers. A simulation on the same card needs no copy: [`Scene::follow`] reads the engine's layers where
+//! they lie, and [`Renderer::paint`] draws into any texture's view, such as a window's. Both can be guests of the window's device
+//! ([`Gpu::from_parts`](eyot_gpu::Gpu::from_parts)); nothing waits.
+//!
 //! # How a picture is made
 //! 1. Cells become **maps** (`maps.rs`): a smooth surface on nodes with coarser levels, slopes, colours, and a light map with the
 //!    sun's horizon and the open share of the sky. This happens when a world changes.
@@ -27,6 +32,7 @@
 //! 3. One pass draws patches, the walls of a relief model, the sea and what stands behind, with four samples a pixel. Everything is
 //!    opaque: the sea's shader looks up the bottom itself.
 
+mod card;
 mod detail;
 mod flow;
 mod frame;

@@ -78,9 +78,9 @@ pub(crate) struct Maps {
     factor: u32,
     job: wgpu::Buffer,
     turns: wgpu::Buffer,
-    cells_top: wgpu::Texture,
-    cells_fresh: wgpu::Texture,
-    cells_ground: wgpu::Texture,
+    pub(crate) cells_top: wgpu::Texture,
+    pub(crate) cells_fresh: wgpu::Texture,
+    pub(crate) cells_ground: wgpu::Texture,
     pub(crate) heights: wgpu::Texture,
     pub(crate) ground: wgpu::Texture,
     pub(crate) relief: wgpu::Texture,
@@ -102,6 +102,8 @@ impl Maps {
         let light_size = levels.nodes.map(|n| (n - 1).div_ceil(light_stride) + 1);
         let read = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
         let made = TextureUsages::TEXTURE_BINDING | TextureUsages::STORAGE_BINDING;
+        // Written by the processor or, where the layers lie on the card, by a compute pass.
+        let cell = read | TextureUsages::STORAGE_BINDING;
         let fresh = if stage.fresh().is_some() { cells } else { [1, 1] };
         let flow = if has_flow { cells } else { [1, 1] };
         let half = TextureFormat::Rgba16Float;
@@ -121,8 +123,8 @@ impl Maps {
             factor: factor as u32,
             job: gpu.buffer("job of maps", size_of::<Job>() as u64, uniform)?,
             turns,
-            cells_top: Kind::new("heights of cells", cells, TextureFormat::R32Float, read).make(gpu)?,
-            cells_fresh: Kind::new("water of cells", fresh, TextureFormat::R32Float, read).make(gpu)?,
+            cells_top: Kind::new("heights of cells", cells, TextureFormat::R32Float, cell).make(gpu)?,
+            cells_fresh: Kind::new("water of cells", fresh, TextureFormat::R32Float, cell).make(gpu)?,
             cells_ground: Kind::new("colours of cells", cells, TextureFormat::Rgba8UnormSrgb, read).make(gpu)?,
             heights: Kind::new("the surface", levels.texture, TextureFormat::R32Float, made).make(gpu)?,
             ground: map("colours")?,

@@ -1,5 +1,6 @@
 //! The pipelines that draw, and pictures.
 
+use crate::card::CardMaker;
 use crate::detail::Look;
 use crate::frame::Parts;
 use crate::levels::PATCH;
@@ -11,6 +12,7 @@ use crate::texture::Kind;
 use eyot_gpu::{Gpu, GpuError, Result};
 use eyot_render::{Camera, Picture};
 use std::collections::HashMap;
+use std::sync::OnceLock;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 /// Samples a pixel: what every device offers.
@@ -22,6 +24,8 @@ const PICTURE: TextureFormat = TextureFormat::Rgba8Unorm;
 /// Draws scenes on one device.
 pub struct Renderer {
     maker: MapMaker,
+    /// Made when a scene first follows a simulation.
+    card: OnceLock<CardMaker>,
     module: wgpu::ShaderModule,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
@@ -47,6 +51,7 @@ struct Targets {
 }
 
 /// What a picture is drawn on: a texture's view of any format that can be drawn to, with one sample.
+#[non_exhaustive]
 pub struct Canvas<'a> {
     /// The view.
     pub view: &'a wgpu::TextureView,
@@ -54,6 +59,13 @@ pub struct Canvas<'a> {
     pub format: TextureFormat,
     /// Columns and rows.
     pub size: [u32; 2],
+}
+
+impl<'a> Canvas<'a> {
+    /// A view of that format and size (columns, rows).
+    pub fn new(view: &'a wgpu::TextureView, format: TextureFormat, size: [u32; 2]) -> Self {
+        Self { view, format, size }
+    }
 }
 
 impl Renderer {
@@ -107,11 +119,24 @@ impl Renderer {
         gpu.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(&quads));
         let maker = MapMaker::new(gpu);
         gpu.check()?;
-        Ok(Self { maker, module, layout, sampler, quads: buffer, pipelines: HashMap::new(), canvas: None })
+        Ok(Self {
+            maker,
+            card: OnceLock::new(),
+            module,
+            layout,
+            sampler,
+            quads: buffer,
+            pipelines: HashMap::new(),
+            canvas: None,
+        })
     }
 
     pub(crate) fn maker(&self) -> &MapMaker {
         &self.maker
+    }
+
+    pub(crate) fn card(&self, gpu: &Gpu) -> &CardMaker {
+        self.card.get_or_init(|| CardMaker::new(gpu))
     }
 
     pub(crate) fn bind(&self, gpu: &Gpu, frame: &wgpu::Buffer, maps: &Maps) -> wgpu::BindGroup {

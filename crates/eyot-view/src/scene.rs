@@ -1,5 +1,6 @@
 //! A world on the device, ready to be drawn.
 
+use crate::card::{self, Card, CardColours, Spans};
 use crate::detail::Bounds;
 use crate::flow::flow;
 use crate::frame::Frame;
@@ -8,9 +9,14 @@ use crate::renderer::Renderer;
 use crate::shrink::shrunk;
 use crate::texture;
 use eyot_core::World;
-use eyot_gpu::{Gpu, Result};
+use eyot_core::layer::known;
+use eyot_gpu::{Gpu, GpuEngine, Result};
 use eyot_render::{LayerColours, MapOptions, Picture, Stage, ViewOptions, colour_bytes};
+use std::collections::VecDeque;
 use wgpu::BufferUsages;
+
+/// Heights of patches that may be on their way back at a time: more than pictures that a host has under way.
+const MOST_SPANS: usize = 4;
 
 /// A world's surface, colours and light on the device.
 pub struct Scene {
@@ -21,6 +27,8 @@ pub struct Scene {
     pub(crate) flows: bool,
     pub(crate) maps: Maps,
     pub(crate) bounds: Bounds,
+    /// On their way back from the card, the oldest first.
+    spans: VecDeque<Spans>,
     pub(crate) frame: wgpu::Buffer,
     pub(crate) bind: wgpu::BindGroup,
 }
@@ -29,6 +37,7 @@ pub struct Scene {
 struct Paint {
     layer: String,
     colours: LayerColours,
+    on_card: CardColours,
 }
 
 impl Scene {
@@ -66,7 +75,11 @@ impl Scene {
         let world = shrunk(world, coarser, wears.map(|w| w.0))?;
         let stage = Stage::new(&world, options)?;
         let paint = match wears {
-            Some((layer, o)) => Some(Paint { layer: layer.to_owned(), colours: LayerColours::new(&world, layer, o)? }),
+            Some((layer, o)) => {
+                let colours = LayerColours::new(&world, layer, o)?;
+                let on_card = CardColours::new(gpu, &colours);
+                Some(Paint { layer: layer.to_owned(), colours, on_card })
+            }
             None => None,
         };
         let flow = stage.fresh().and_then(|_| flow(&world));
@@ -75,7 +88,8 @@ impl Scene {
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = gpu.buffer("frame", size_of::<Frame>() as u64, uniform)?;
         let bind = renderer.bind(gpu, &frame, &maps);
-        let mut scene = Self { stage, paint, coarser, flows: flow.is_some(), maps, bounds, frame, bind };
+        let mut scene =
+            Self { stage, paint, coarser, flows: flow.is_some(), maps, bounds, spans: VecDeque::new(), frame, bind };
         scene.send(gpu, renderer, &world, [true, true]);
         if let Some(flow) = flow {
             scene.maps.write_flow(gpu, &flow);
@@ -110,6 +124,7 @@ impl Scene {
         let mut heights = changed(&["height", "water"]);
         if heights {
             self.stage.follow(&world)?;
+            self.spans.clear();
             self.bounds = bounds(&self.maps, &self.stage);
         }
         let mut colours = match &mut self.paint {
@@ -135,6 +150,70 @@ impl Scene {
             self.maps.write_flow(gpu, &flow);
         }
         gpu.check()
+    }
+
+    /// Takes over the state of a simulation whose world this is, from where it lies on the card: no layer is copied over the bus, and
+    /// nothing waits. Heights, fresh water and the layer that the ground wears are followed. What the processor makes stays as it was at the last
+    /// [`Scene::update`]: natural colours, foam, the flow of rivers, scales, and heights that [`Stage`] places cameras over. Water that
+    /// comes to a world that had no layer of it needs an update, too.
+    ///
+    /// How far patches reach up and down comes back meanwhile; see [`Scene::settle`].
+    ///
+    /// # Errors
+    /// If the engine holds no such layers, or a world of another size, or the device is lost.
+    pub fn follow(&mut self, renderer: &Renderer, engine: &GpuEngine) -> Result<()> {
+        let (gpu, coarser) = (engine.gpu(), self.coarser);
+        let of = |name: &str| card::layer(engine, name, &self.stage, coarser);
+        let water = self.stage.fresh().map(|_| of(&known::WATER.name)).transpose()?;
+        let height = of(&known::HEIGHT.name)?;
+        let worn = self.paint.as_ref().map(|p| of(&p.layer).map(|view| (view, &p.on_card))).transpose()?;
+        let card =
+            Card { gpu, maker: renderer.card(gpu), maps: &self.maps, stage: &self.stage, coarser, height, water };
+        let spans = card.heights()?;
+        if let Some((worn, colours)) = &worn {
+            card.colours(worn, colours)?;
+        }
+        // Light looks for what stands between a place and the sun, however high that is.
+        self.maps.remake(gpu, renderer.maker(), &self.stage, f32::MAX, true, worn.is_some());
+        if self.spans.len() == MOST_SPANS {
+            // The oldest ones are about to arrive.
+            self.spans.pop_back();
+        }
+        self.spans.push_back(spans);
+        gpu.check()
+    }
+
+    /// True once pictures show exactly what [`Scene::follow`] took over. Until then patches are selected by the heights before, which is as
+    /// good while they differ little. Does not wait; to be called before each picture.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn settle(&mut self, gpu: &Gpu) -> Result<bool> {
+        while let Some(spans) = self.spans.front() {
+            if !spans.is_ready()? {
+                return Ok(false);
+            }
+            let ready = self.spans.pop_front();
+            self.adopt(gpu, ready)?;
+        }
+        Ok(true)
+    }
+
+    /// As [`Scene::settle`], but waits.
+    ///
+    /// # Errors
+    /// If the device is lost, and in a browser, which does not wait, if there is something to wait for.
+    pub fn settled(&mut self, gpu: &Gpu) -> Result<()> {
+        let last = self.spans.pop_back();
+        self.spans.clear();
+        self.adopt(gpu, last)
+    }
+
+    fn adopt(&mut self, gpu: &Gpu, spans: Option<Spans>) -> Result<()> {
+        if let Some(spans) = spans {
+            self.bounds = Bounds::over(&self.maps.levels, gpu.complete(spans)?);
+        }
+        Ok(())
     }
 
     /// Sends heights and colours, as asked, and makes their maps again.

@@ -19,5 +19,8 @@ pub fn picture() -> String {
 /// From cells to the maps that pictures read.
 pub const MAPS: &str = include_str!("shaders/maps.wgsl");
 
+/// From layers on the card to cells.
+pub const CARD: &str = include_str!("shaders/card.wgsl");
+
 /// From a map to its next smaller level.
 pub const MIPS: &str = include_str!("shaders/mips.wgsl");

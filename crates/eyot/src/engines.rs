@@ -3,6 +3,7 @@
 use eyot_core::Limits;
 use eyot_core::engine::{CpuEngine, DeviceError, Engine};
 use eyot_core::isa::Isa;
+use eyot_core::remedy;
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_session::{EngineChoice, EngineOptions, OpenEngine, Opened};
 use std::io::Write;
@@ -21,7 +22,7 @@ impl eyot_session::Engines for Engines {
         match card(options, Options::default().limits(limits).timed(true)) {
             Ok(engine) => Ok(Opened { engine: Box::new(Card(engine)), warning: None }),
             Err(e) if options.choice == EngineChoice::Auto => {
-                Ok(Opened::processor(limits, Some(format!("{e}; the processor works instead"))))
+                Ok(Opened::processor(limits, Some(remedy![e, "; the processor works instead"])))
             }
             Err(e) => Err(e.into()),
         }

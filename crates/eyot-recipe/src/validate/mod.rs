@@ -10,6 +10,8 @@ use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
 use crate::registry::Registry;
 use crate::set;
 use eyot_core::process::{Parameters, schema_of};
+use eyot_core::remedy;
+use eyot_core::remedy::{Setting, Worded};
 use eyot_core::{Error, Georeference, Grid, LayerSpec, Limits, Rim};
 use serde_json::Value;
 use std::collections::HashSet;
@@ -186,9 +188,11 @@ impl Validator<'_> {
                 (Some(grid), georeference)
             }
             Err(e) => {
-                let help =
-                    "choose a size such as [512, 512] and a cell size in metres, or raise the limit with --max-memory";
-                self.out.push(Diagnostic::at(place("size"), e.to_string(), "this grid").help(help));
+                let help = remedy![
+                    "choose a size such as [512, 512] and a cell size in metres, or raise the limit with ",
+                    Setting::MaxMemory,
+                ];
+                self.out.push(Diagnostic::at(place("size"), e, "this grid").help(help));
                 (None, None)
             }
         }
@@ -371,7 +375,7 @@ impl Validator<'_> {
             Some(obstacle) if self.out.is_empty() => {
                 let peak = match memory::working(steps, &grid) {
                     Ok(peak) => peak,
-                    Err(e) => return self.out.push(Diagnostic::at(size, e.to_string(), "this grid")),
+                    Err(e) => return self.out.push(Diagnostic::at(size, e, "this grid")),
                 };
                 let what =
                     peak.step.map_or_else(|| what.clone(), |s| format!("step {} ({}) of {what}", s.number, s.name));
@@ -384,7 +388,7 @@ impl Validator<'_> {
                 let whole = match memory::whole(steps, exports, view, &grid, outputs, self.limits) {
                     Ok(bytes) if bytes <= u128::from(self.limits.max_bytes) => return,
                     Ok(bytes) => bytes,
-                    Err(e) => return self.out.push(Diagnostic::at(size, e.to_string(), "this grid")),
+                    Err(e) => return self.out.push(Diagnostic::at(size, e, "this grid")),
                 };
                 // A program that cannot stream needs all of it.
                 let needed = outputs.streamed(steps, &grid).and_then(|streamed| match streamed {
@@ -397,8 +401,8 @@ impl Validator<'_> {
                 match needed {
                     Ok((coarse, held)) => self.output_memory(doc, &coarse, held, exports, view),
                     Err(e) => {
-                        let help = "choose fewer cells, or raise the limit with --max-memory";
-                        self.out.push(Diagnostic::at(size, e.to_string(), "this grid").help(help));
+                        let help = remedy!["choose fewer cells, or raise the limit with ", Setting::MaxMemory];
+                        self.out.push(Diagnostic::at(size, e, "this grid").help(help));
                     }
                 }
             }
@@ -412,9 +416,13 @@ impl Validator<'_> {
             Place::Export(i) => doc.get("export").and_then(|n| n.elements().get(i)),
         };
         let span = item.map_or(size, |n| n.span.clone());
-        let message = format!("{}, and there is not enough: {e}", obstacle.reason);
-        let help = "choose fewer cells, raise the limit with --max-memory, or switch this off: \
-                    a world that is only generated and written as rasters, masks, splat maps or maps is streamed";
+        let message = remedy![format!("{}, and there is not enough: ", obstacle.reason), e.sentence()];
+        let help = remedy![
+            "choose fewer cells, raise the limit with ",
+            Setting::MaxMemory,
+            ", or switch this off: a world that is only generated and written as rasters, masks, splat maps or maps is \
+             streamed",
+        ];
         self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
     }
 
@@ -430,17 +438,17 @@ impl Validator<'_> {
                 "drawing the pictures of this world",
                 held + outputs.pictures(grid, view),
                 self.limits,
-                memory::PICTURE_REMEDY,
+                memory::picture_remedy(),
             )
         {
-            self.out.push(Diagnostic::at(place(doc.get("view")), e.to_string(), "these pictures"));
+            self.out.push(Diagnostic::at(place(doc.get("view")), e, "these pictures"));
         }
         for (i, export) in exports.iter().enumerate().filter(|(_, e)| e.enabled) {
             let what = format!("making `{}`", export.files()[0]);
             let bytes = held + outputs.export(grid, export, self.limits);
-            if let Err(e) = memory::check_bytes(&what, bytes, self.limits, memory::EXPORT_REMEDY) {
+            if let Err(e) = memory::check_bytes(&what, bytes, self.limits, memory::export_remedy()) {
                 let item = doc.get("export").and_then(|x| x.elements().get(i));
-                self.out.push(Diagnostic::at(place(item), e.to_string(), "this export"));
+                self.out.push(Diagnostic::at(place(item), e, "this export"));
             }
         }
     }

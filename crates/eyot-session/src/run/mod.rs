@@ -5,17 +5,19 @@ mod streamed;
 
 use crate::error::RunError;
 use crate::event::{Command, Event};
-use crate::lock::FolderLock;
 use crate::files::{REPORT_FILE, TIMELINE_STORE, unfinished};
 use crate::frames::{self, stopped};
 use crate::host::{Branches, Events, Host, NewBranch};
+use crate::lock::FolderLock;
 use crate::session::{self, Budget, Outcome, Session, Status};
 use crate::state::State;
 use crate::stream::Stream;
 use crate::timeline;
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy};
 use eyot_core::{Cancel, World};
-use eyot_io::storage::{Folder, Storage};
 use eyot_io as io;
+use eyot_io::storage::{Folder, Storage};
 use eyot_recipe::{Recipe, Registry};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -122,7 +124,7 @@ impl Run {
         }
         let mut warnings = Vec::new();
         if let Some(out) = &options.out {
-            warnings.extend(remove_recording(out, options.record.is_some())?);
+            warnings.extend(remove_recording(out, options.record.is_some())?.map(Remedy::from));
         }
         let mut world = World::new(recipe.grid, recipe.seed);
         world.sea_level_m = recipe.sea_level_m;
@@ -148,10 +150,10 @@ impl Run {
         let mut warnings = Vec::new();
         let (recipe, world, state) = stopped(&storage, name, &options.limits, &host.registry, &mut warnings)?;
         if state.streamed && options.watch.is_some() {
-            return Err(RunError::Input {
-                reason: format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
-                help: Some("continue it with `eyot resume`"),
-            });
+            return Err(RunError::refused(
+                format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
+                remedy!["continue it with ", Action::Resume(None)],
+            ));
         }
         let stream = if state.streamed { Stream::Always } else { options.stream };
         let options = RunOptions { out: Some(folder.to_owned()), stream, ..options };
@@ -187,7 +189,7 @@ fn launch(
     world: World,
     state: State,
     lock: Option<FolderLock>,
-    warnings: Vec<String>,
+    warnings: Vec<Remedy>,
 ) -> Result<Handle, RunError> {
     let threads = options.threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new()

@@ -1,13 +1,15 @@
 //! A run whose world is made while its files are written. It is no session: its writers ask for the rows that they need.
 
+use super::{LOOK, RunOptions};
 use crate::error::RunError;
 use crate::event::{Command, Event, Progress};
 use crate::files::CHECKPOINT_FILE;
 use crate::host::{Host, Results};
-use super::{LOOK, RunOptions};
 use crate::session::{Asked, Outcome, PROGRESS_TIME, Requests};
 use crate::state::State;
 use crate::stream::{StreamedWorld, Survey};
+use eyot_core::remedy;
+use eyot_core::remedy::Worded;
 use eyot_core::{Cancel, Control, Limits, World};
 use eyot_io::checkpoint;
 use eyot_recipe::Recipe;
@@ -65,7 +67,7 @@ pub(super) fn run(
             seconds: run.seconds(),
         },
         Ok(o) => Event::Stopped { checkpoint: o.outputs.first().cloned() },
-        Err(e) => Event::Failed { message: e.to_string(), help: e.help() },
+        Err(e) => Event::Failed { message: e.sentence(), help: e.help() },
     });
     done
 }
@@ -136,7 +138,7 @@ impl Streamed {
                 self.state.done_exports = done_exports;
                 // Without it, going on would make this export again.
                 if let Err(e) = self.checkpoint() {
-                    tell(Event::Warning { message: format!("no checkpoint: {e}; the run goes on") });
+                    tell(Event::Warning { message: remedy!["no checkpoint: ", e, "; the run goes on"] });
                 }
             })?;
         }
@@ -215,7 +217,7 @@ impl Watch {
                 }
                 Asked::Snapshot => "a streamed run has no world to show before its end".to_owned(),
             };
-            self.tell(Event::Warning { message: refused });
+            self.tell(Event::Warning { message: refused.into() });
         }
     }
 

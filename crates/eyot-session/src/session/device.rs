@@ -6,6 +6,7 @@ use crate::error::RunError;
 use crate::event::{Event, JournalEntry};
 use eyot_core::Error;
 use eyot_core::engine::{DeviceError, EngineError};
+use eyot_core::remedy;
 use eyot_recipe::Step;
 
 /// A device that is lost more often than this is not tried again.
@@ -24,7 +25,12 @@ impl From<EngineError> for Failure {
         match e {
             EngineError::Core(e) => Self::Work(e),
             EngineError::Device(e) => Self::Device(e),
-            other => Self::Device(DeviceError { lost: false, refused: false, source: Box::new(other) }),
+            other => Self::Device(DeviceError {
+                lost: false,
+                refused: false,
+                sentence: other.to_string().into(),
+                source: Box::new(other),
+            }),
         }
     }
 }
@@ -41,9 +47,8 @@ impl Session {
     /// what it was before, and so is the count of its steps.
     pub(super) fn settle(&mut self) {
         if let Err(Failure::Device(e)) = self.download() {
-            let message =
-                format!("{e}; {} steps since the world was last saved are lost", self.state.done - self.settled);
-            self.tell(Event::Warning { message });
+            let lost = format!("; {} steps since the world was last saved are lost", self.state.done - self.settled);
+            self.tell(Event::Warning { message: remedy![e, lost] });
             self.unwind();
         }
     }
@@ -77,13 +82,9 @@ impl Session {
             return Err(RunError::Device(error));
         };
         self.engine = engine;
-        let message = format!(
-            "{error}; step {} goes on after {} steps with {}",
-            step.number,
-            self.state.done,
-            self.engine.engine().name()
-        );
-        self.tell(Event::Warning { message });
+        let (number, done) = (step.number, self.state.done);
+        let on = format!("; step {number} goes on after {done} steps with {}", self.engine.engine().name());
+        self.tell(Event::Warning { message: remedy![error.sentence, on] });
         Ok(())
     }
 }

@@ -1,11 +1,11 @@
 //! The end of a session: results, or a checkpoint.
 
-use crate::files::{CHECKPOINT_FILE, REPORT_FILE, WORLD_FILE, unfinished};
-use crate::host::Results;
 use super::{Outcome, Phase, Session, Status};
 use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
+use crate::files::{CHECKPOINT_FILE, REPORT_FILE, WORLD_FILE, unfinished};
+use crate::host::Results;
 use crate::state::State;
 use eyot_core::Control;
 use eyot_io::checkpoint;

@@ -41,6 +41,8 @@ use crate::event::{Command, Event};
 use crate::host::Host;
 use crate::state::State;
 use crate::watch::Watching;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::{Cancel, World};
 use eyot_recipe::{ProcessUse, Recipe, Step, Work};
 use std::sync::Arc;
@@ -142,7 +144,8 @@ impl Session {
         let name = crate::files::unfinished(&**storage)
             .ok_or_else(|| RunError::NothingToResume { folder: folder.clone(), finished })?;
         let mut warnings = Vec::new();
-        let (recipe, world, state) = crate::frames::stopped(storage, name, &options.limits, &host.registry, &mut warnings)?;
+        let (recipe, world, state) =
+            crate::frames::stopped(storage, name, &options.limits, &host.registry, &mut warnings)?;
         if state.streamed {
             return Err(RunError::input("a streamed run is no session"));
         }
@@ -237,7 +240,7 @@ impl Session {
                 Err(e) => {
                     self.phase = Phase::Over(Status::Failed);
                     self.forget_beginning();
-                    self.tell(Event::Failed { message: e.to_string(), help: e.help() });
+                    self.tell(Event::Failed { message: e.sentence(), help: e.help() });
                     return Err(e);
                 }
             }
@@ -290,7 +293,7 @@ impl Session {
             let now = self.engine.engine().kind();
             format!("{last} has simulated so far and {now} goes on: not to the bytes of a run in one piece")
         });
-        for message in warning.into_iter().chain(other) {
+        for message in warning.into_iter().chain(other.map(Remedy::from)) {
             self.tell(Event::Warning { message });
         }
         self.begin_recording();
@@ -365,11 +368,13 @@ impl Session {
                 }
                 Asked::Rewind(to, forget) => match self.rewind_to(to, forget) {
                     Ok(()) => return Ok(Heard::Back),
-                    Err(e) => self.tell(Event::Warning { message: format!("the run was not set back: {e}") }),
+                    Err(e) => self.tell(Event::Warning { message: remedy!["the run was not set back: ", e] }),
                 },
                 Asked::Branch(from, out) => {
                     if let Err(e) = self.branch(from, &out) {
-                        self.tell(Event::Warning { message: format!("`{}` was not made: {e}", out.display()) });
+                        self.tell(Event::Warning {
+                            message: remedy![format!("`{}` was not made: ", out.display()), e],
+                        });
                     }
                 }
             }

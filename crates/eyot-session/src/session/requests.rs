@@ -1,7 +1,7 @@
 //! What a client asks of a session while it is at work.
 
-use crate::host::Events;
 use crate::event::{Command, Event};
+use crate::host::Events;
 use eyot_recipe::Change;
 use std::collections::VecDeque;
 use std::path::PathBuf;

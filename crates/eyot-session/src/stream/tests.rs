@@ -99,7 +99,8 @@ fn bands_of_any_height_make_the_world_of_one_piece() {
     for rim in ["\"closed\"", "\"open\"", "\"wrap\"", "[\"closed\", \"wrap\"]"] {
         let recipe = recipe(rim);
         let options = RunOptions { stream: Stream::Never, ..RunOptions::default() };
-        let whole = Run::start(recipe.clone(), options, &Host::new(&standard(), Clock::system())).unwrap().join().unwrap();
+        let whole =
+            Run::start(recipe.clone(), options, &Host::new(&standard(), Clock::system())).unwrap().join().unwrap();
         for band in [1, 13, 64, 189, 190] {
             let control = Control::none();
             let mut world = StreamedWorld::new(&recipe, 0, &Cancel::default(), &control).unwrap();

@@ -64,7 +64,7 @@ fn draw(gpu: &Gpu, r: &mut Renderer, world: &World, o: &ViewOptions, time_s: f32
 }
 
 /// Leaves pictures in the folder that `EYOT_PICTURES` names, for the eye.
-fn keep(p: &Picture) {
+pub(crate) fn keep(p: &Picture) {
     static COUNT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
     let Some(folder) = std::env::var_os("EYOT_PICTURES") else { return };
     let i = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
@@ -76,7 +76,7 @@ fn keep(p: &Picture) {
 }
 
 /// Mean of the absolute differences of all bytes, of 255.
-fn difference(a: &Picture, b: &Picture) -> f64 {
+pub(crate) fn difference(a: &Picture, b: &Picture) -> f64 {
     assert_eq!((a.width, a.height), (b.width, b.height));
     let sum: f64 = a.bytes().iter().zip(b.bytes()).map(|(a, b)| f64::from(a.abs_diff(*b))).sum();
     sum / a.bytes().len() as f64
@@ -293,7 +293,7 @@ fn pictures_beyond_the_limits_are_refused() {
     let camera = scene.stage().camera(&o);
     for size in [[1_000_000, 64], [64, 1_000_000], [0, 5]] {
         let Err(e) = r.draw(&gpu, &scene, &camera, size, 0.0) else { panic!("drawn") };
-        assert!(matches!(e, GpuError::Picture { .. }) && e.to_string().contains("--size"), "{e}");
+        assert!(matches!(e, GpuError::Picture { .. }) && e.to_string().contains("`size`"), "{e}");
     }
     // Eight samples of four bytes a pixel, far more than a software renderer lends; a large card may have as much.
     let most = gpu.report.max_picture;

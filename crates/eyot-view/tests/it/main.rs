@@ -1,5 +1,6 @@
 //! All tests of this crate that see it from outside, in one binary.
 
+mod card;
 mod common;
 mod draw;
 mod noise;

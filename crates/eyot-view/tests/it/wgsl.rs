@@ -19,6 +19,7 @@ fn shaders_validate_and_keep_to_webgpu_limits() {
     assert_eq!(storage_bindings("picture", &shaders::picture()), 0);
     // WebGPU promises four storage textures a stage.
     assert_eq!(storage_bindings("maps", shaders::MAPS), 4);
+    assert_eq!(storage_bindings("card", shaders::CARD), 2);
     assert_eq!(storage_bindings("mips", shaders::MIPS), 1);
 }
 

@@ -1,6 +1,8 @@
 //! A recording that is played for a film.
 
 use super::MOST_FRAMES;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::{ComponentKinds, Limits, World};
 use eyot_session::RunError;
 use eyot_session::timeline::{Damaged, Timeline};
@@ -10,6 +12,7 @@ use std::sync::Arc;
 /// A recording with its last state.
 pub(super) struct Reel {
     timeline: Timeline,
+    kinds: ComponentKinds,
     /// The world of its last frame that can be read.
     pub(super) last: World,
     /// The moments of its first and last frame that can be read, in steps.
@@ -30,18 +33,19 @@ impl Reel {
             match timeline.load(frame.frame, kinds) {
                 Ok(last) => {
                     let span = (timeline.frames()[0].steps_done, frame.steps_done);
-                    return Ok(Self { last, span, damaged, timeline });
+                    return Ok(Self { last, span, damaged, kinds: kinds.clone(), timeline });
                 }
-                Err(e) => {
-                    damaged.push(Damaged { frame: frame.frame, steps_done: frame.steps_done, reason: e.to_string() })
-                }
+                Err(e) => damaged.push(Damaged { frame: frame.frame, steps_done: frame.steps_done, reason: e.into() }),
             }
         }
         let reason = match damaged.first() {
-            Some(d) => format!("the recording in `{}` holds no frame that can be read: {d}", folder.display()),
-            None => format!("the recording in `{}` holds no frame", folder.display()),
+            Some(d) => remedy![
+                format!("the recording in `{}` holds no frame that can be read: ", folder.display()),
+                d.sentence(),
+            ],
+            None => format!("the recording in `{}` holds no frame", folder.display()).into(),
         };
-        Err(RunError::Input { reason, help: Some("resume its run, or film another one") })
+        Err(RunError::refused(reason, "resume its run, or film another one"))
     }
 
     /// Pictures: one for each frame that there would be if none had been dropped.
@@ -84,23 +88,21 @@ impl Playing<'_> {
             if self.shown == Some(frame.frame) {
                 return Ok(None);
             }
-            match self.reel.timeline.load(frame.frame, kinds) {
+            match self.reel.timeline.load(frame.frame, &self.reel.kinds) {
                 Ok(world) => {
                     self.shown = Some(frame.frame);
                     return Ok(Some(Arc::new(world)));
                 }
-                Err(e) => self.damaged.push(Damaged {
-                    frame: frame.frame,
-                    steps_done: frame.steps_done,
-                    reason: e.to_string(),
-                }),
+                Err(e) => {
+                    self.damaged.push(Damaged { frame: frame.frame, steps_done: frame.steps_done, reason: e.into() })
+                }
             }
         }
-        Err(RunError::File("no frame of the recording can be read any more".to_owned()))
+        Err(RunError::file("no frame of the recording can be read any more"))
     }
 
-    pub(super) fn notes(mut self) -> Vec<String> {
+    pub(super) fn notes(mut self) -> Vec<Remedy> {
         self.damaged.sort_by_key(|d| d.frame);
-        self.damaged.iter().map(|d| format!("{d}; another frame is shown in its place")).collect()
+        self.damaged.iter().map(|d| remedy![d.sentence(), "; another frame is shown in its place"]).collect()
     }
 }

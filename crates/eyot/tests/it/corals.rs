@@ -87,7 +87,7 @@ fn exports_of_corals_without_corals_are_told_and_left_out() {
     let warnings: Vec<String> = handle
         .events()
         .iter()
-        .filter_map(|e| if let Event::Warning { message } = e { Some(message) } else { None })
+        .filter_map(|e| if let Event::Warning { message } = e { Some(message.to_string()) } else { None })
         .collect();
     handle.join().unwrap();
     assert!(warnings.iter().any(|w| w.contains("census.csv")), "{warnings:?}");

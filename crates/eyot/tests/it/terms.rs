@@ -306,7 +306,7 @@ fn expressions_set_by_hand_are_those_of_the_recipe() {
     ] {
         handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
         let told = std::cell::RefCell::new(String::new());
-        wait(&|e| matches!(e, Event::Warning { message } if { told.replace(message.clone()); true }));
+        wait(&|e| matches!(e, Event::Warning { message } if { told.replace(message.to_string()); true }));
         let told = told.into_inner();
         assert!(told.contains(place) && told.contains(words), "{set}:\n{told}");
     }
@@ -350,7 +350,7 @@ fn graphics_cards_give_the_same_within_rounding() {
         let o_gpu = || RunOptions { engine: Some(engine.clone()), ..options(2, None) };
         let gpu = match Run::start(parse(text, set).unwrap(), o_gpu()).unwrap().join() {
             Ok(outcome) => outcome.world,
-            Err(RunError::Gpu(e))
+            Err(RunError::Device(e))
                 if std::env::var_os("EYOT_REQUIRE_GPU").is_none() && e.to_string().contains("no graphics") =>
             {
                 eprintln!("skipped: {e}");

@@ -1,0 +1,52 @@
+//! The card's own time.
+
+use crate::device::Gpu;
+use crate::error::Result;
+
+/// Most passes that are timed between two readings: twice as many time stamps are what one set of queries may hold.
+pub(super) const MOST_TIMED: u32 = 2048;
+
+/// Time stamps of compute passes.
+pub(super) struct Timer {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    /// Submissions timed since the last reading.
+    pub(super) used: u32,
+}
+
+impl Timer {
+    pub(super) fn new(gpu: &Gpu) -> Result<Self> {
+        let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("timer"),
+            ty: wgpu::QueryType::Timestamp,
+            count: 2 * MOST_TIMED,
+        });
+        let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
+        let resolved = gpu.buffer("timer", 16 * u64::from(MOST_TIMED), usage)?;
+        Ok(Self { queries, resolved, used: 0 })
+    }
+
+    /// Where the next pass is to write its times, if there is room.
+    pub(super) fn writes(&self) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        (self.used < MOST_TIMED).then(|| wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(2 * self.used),
+            end_of_pass_write_index: Some(2 * self.used + 1),
+        })
+    }
+
+    /// The card's time since the last reading, s.
+    pub(super) async fn seconds(&mut self, gpu: &Gpu) -> Result<f64> {
+        if self.used == 0 {
+            return Ok(0.0);
+        }
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.resolve_query_set(&self.queries, 0..2 * self.used, &self.resolved, 0);
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = gpu.read(&self.resolved, 0, 16 * u64::from(self.used))?.await?;
+        self.used = 0;
+        let ticks: Vec<[u64; 2]> = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect();
+        let ticks: u64 = ticks.iter().map(|[begin, end]| end.saturating_sub(*begin)).sum();
+        Ok(ticks as f64 * f64::from(gpu.queue.get_timestamp_period()) * 1e-9)
+    }
+}
