@@ -294,8 +294,8 @@ impl Bench<'_> {
         let begun = Instant::now();
         let span = Span { from: self.done, steps };
         self.engine.simulate(&mut self.world, &phase.processes, span, &Control::none()).map_err(device)?;
-        if let Some(pending) = self.engine.request("height")? {
-            std::hint::black_box(pending.take(self.engine.gpu())?.get(0, 0));
+        if let Some(pending) = self.engine.request("height").map_err(device)? {
+            std::hint::black_box(pending.take(self.engine.gpu()).map_err(device)?.get(0, 0));
         }
         self.done += steps;
         Ok(begun.elapsed().as_secs_f64())

@@ -399,7 +399,16 @@ fn a_film_from_above_is_of_reliefs() {
         [("still", Subject::World(&world)), ("run", Subject::Run(&run)), ("recording", Subject::Recording(&run))]
     {
         let out = dir.path().join(name);
-        let filmed = film(subject, &o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        let filmed = film(
+            subject,
+            &o,
+            &out,
+            &eyot::host(&eyot::Registry::standard()),
+            &Limits::default(),
+            &Control::none(),
+            &mut |_| {},
+        )
+        .unwrap();
         assert!(filmed.notes.iter().any(|n| n.to_string().contains("96 x 48 pixels")), "{:?}", filmed.notes);
         assert!(filmed.notes.iter().any(|n| n.to_string().contains("by the processor")), "{:?}", filmed.notes);
         let pictures = frames(&out);
