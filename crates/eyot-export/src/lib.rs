@@ -20,6 +20,7 @@ mod outputs;
 pub mod pictures;
 mod plots;
 mod preset;
+mod views;
 
 pub use error::ExportError;
 pub use estimate::Costs;

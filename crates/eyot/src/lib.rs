@@ -53,8 +53,8 @@ pub use eyot_export::Import;
 pub use eyot_recipe::{
     Actor, BuiltIn, Bytes, Change, Choice, Citation, Citations, Description, Diagnostic, Export, ExportFormat,
     Expression, FirstRow, GenerateStep, Merge, Overrides, ParameterInfo, Preset, Problems, ProcessUse, RECIPES, Recipe,
-    RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, Work, all_citations, cite, describe,
-    keys, merge, nearest, recipe_schema,
+    RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, What, Work, all_citations, cite,
+    describe, keys, merge, nearest, recipe_schema,
 };
 pub use eyot_session as session;
 pub use eyot_session::{
