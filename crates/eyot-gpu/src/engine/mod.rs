@@ -170,8 +170,10 @@ impl GpuEngine {
     /// # Errors
     /// If the device was lost; `world` is then what it was when it was last downloaded.
     pub fn download(&mut self, world: &mut World) -> Result<()> {
-        let Some(r) = &mut self.resident else { return Ok(()) };
-        let outcome = r.download_all(&self.gpu, world);
+        // What still waits in the batch has marked its layers as changed already.
+        let finished = self.finish();
+        let Some(r) = &mut self.resident else { return finished };
+        let outcome = finished.and_then(|()| r.download_all(&self.gpu, world));
         if outcome.is_err() {
             self.fall_back(world);
         }
