@@ -6,8 +6,7 @@ use crate::runs::{Interrupts, folder_name, options};
 use crate::wording::CommandLine;
 use crate::{Failure, made, print, report};
 use clap::Args;
-use eyot::network;
-use eyot::serve::{ServeOptions, Serving};
+use eyot::live::{self, ServeOptions, Serving};
 use eyot::{Event, Registry, RunOptions};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
@@ -93,14 +92,14 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
         return Err(report::usage(&message, "wait for fewer, or allow more with --clients"));
     }
     let serve = ServeOptions {
-        server: network::Options {
+        server: live::Options {
             listen: args.listen,
             public: args.public,
             max_clients: args.clients.into(),
             allow_origins: args.allow_origin.clone(),
             queue_bytes: usize::try_from(args.queue).unwrap_or(usize::MAX),
             orders: !args.read_only,
-            ..network::Options::default()
+            ..live::Options::default()
         },
         layers: args.layers.clone(),
         every: args.every,

@@ -27,27 +27,21 @@
 
 pub use eyot_climate as climate;
 pub use eyot_core as core;
-pub use eyot_gpu as gpu;
 pub use eyot_io as io;
 pub use eyot_land as land;
-pub use eyot_mesh as mesh;
 pub use eyot_plates as plates;
 pub use eyot_reef as reef;
 pub use eyot_render as render;
 pub use eyot_rules as rules;
-pub use eyot_stream as network;
-pub use eyot_view as view;
 
-mod artist;
+#[cfg(feature = "gpu")]
+mod card;
 pub mod convert;
 pub mod engines;
-pub mod film;
 mod registry;
 mod run;
-pub mod serve;
 pub mod store;
 
-pub use artist::{Drawn, ViewRequest, draw_view};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
 pub use eyot_export::Import;
 pub use eyot_recipe::{
@@ -61,6 +55,24 @@ pub use eyot_session::{
     Command, EngineChoice, EngineOptions, Event, Handle, JournalEntry, Look, OVERVIEW, Outcome, Progress, Record,
     Remote, RunError, RunOptions, Stream, Timeline, Watch, Watcher, shell_word, timeline,
 };
+/// Films of worlds, runs and recordings.
+#[cfg(feature = "film")]
+pub mod film {
+    pub use eyot_film::{FilmOptions, FilmPath, FilmProgress, Filmed, MOST_FRAMES, Subject, Video, film};
+}
+
+/// Worlds over the network as they change: a server and its clients, and runs that are served.
+#[cfg(feature = "live")]
+pub mod live {
+    pub use eyot_live::serve::{ServeOptions, Serving};
+    pub use eyot_live::{
+        Alga, Body, Client, Colony, Ending, Error, Gone, HEADER, Hello, LayerInfo, Mirror, Moment, Notice, Options,
+        Order, Raster, Record, Scene, Server, SpeciesInfo, Status, Tile, Why,
+    };
+}
+
+#[cfg(feature = "film")]
+pub use eyot_film::{Drawn, ViewRequest, draw_view};
 pub use registry::{Registry, component_kinds};
 pub use run::{Run, host};
 

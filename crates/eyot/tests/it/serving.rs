@@ -1,7 +1,7 @@
 //! Runs that are served: clients know what the run knows, and cannot hold it up.
 
-use eyot::network::{Client, Ending, Gone, Options, Order, Scene, Status};
-use eyot::serve::{ServeOptions, Serving};
+use eyot::live::{Client, Ending, Gone, Options, Order, Scene, Status};
+use eyot::live::{ServeOptions, Serving};
 use eyot::{Command, Event, Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World, host};
 use eyot_reef::corals::Corals;
 use std::time::Duration;

@@ -10,12 +10,12 @@ use eyot_render::{Picture, ReliefOptions, relief_controlled};
 use eyot_session::{EngineChoice, RunError};
 
 /// A world from above, whose last state scales all pictures.
-pub(super) struct Map {
+pub(crate) struct Map {
     options: ReliefOptions,
     /// What was drawn last.
     drawn: Option<Picture>,
     /// Things to know.
-    pub(super) notes: Vec<Remedy>,
+    pub(crate) notes: Vec<Remedy>,
 }
 
 impl Map {
@@ -23,7 +23,7 @@ impl Map {
     ///
     /// # Errors
     /// If the world has no height, or there is not enough memory.
-    pub(super) fn of(world: &World, moves: bool, request: &ViewRequest, limits: &Limits) -> Result<Self, RunError> {
+    pub(crate) fn of(world: &World, moves: bool, request: &ViewRequest, limits: &Limits) -> Result<Self, RunError> {
         let view = &request.view;
         let size = best_fit(&world.grid, view.size);
         let longer = size[0].max(size[1]);
@@ -53,7 +53,7 @@ impl Map {
     ///
     /// # Errors
     /// If it has no height, and on a request to stop.
-    pub(super) fn draw(&mut self, world: &World, control: &Control<'_>) -> Result<(), RunError> {
+    pub(crate) fn draw(&mut self, world: &World, control: &Control<'_>) -> Result<(), RunError> {
         self.drawn = Some(relief_controlled(world, &self.options, control).map_err(stopped)?);
         Ok(())
     }
@@ -62,7 +62,7 @@ impl Map {
     ///
     /// # Errors
     /// As [`Map::draw`].
-    pub(super) fn picture(&mut self, world: &World, control: &Control<'_>) -> Result<&Picture, RunError> {
+    pub(crate) fn picture(&mut self, world: &World, control: &Control<'_>) -> Result<&Picture, RunError> {
         if self.drawn.is_none() {
             self.draw(world, control)?;
         }

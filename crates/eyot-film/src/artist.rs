@@ -1,16 +1,15 @@
 //! Who draws views of a world: the processor's rays, or a graphics card.
 
-use crate::engines::adapter;
+use crate::card::Card;
+use eyot_core::engine::EngineError;
 use eyot_core::remedy;
 use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Limits, World};
 use eyot_export::pictures::{check_picture_name, view_options};
 use eyot_export::{ExportError, Subject, estimate};
-use eyot_gpu::{Gpu, GpuError, blocking};
 use eyot_recipe::View;
 use eyot_render::{self as render, Camera, LayerColours, MapOptions, Picture, Stage};
 use eyot_session::{EngineChoice, EngineOptions, RunError};
-use eyot_view::{Renderer, Scene};
 use std::path::Path;
 
 /// What is drawn.
@@ -33,7 +32,7 @@ pub(crate) struct ViewRenderer {
 
 enum Backend {
     Cpu { scene: Box<render::Scene>, worn: Option<LayerColours> },
-    Gpu { gpu: Box<Gpu>, renderer: Box<Renderer>, scene: Box<Scene> },
+    Card(Card),
 }
 
 impl ViewRenderer {
@@ -53,11 +52,12 @@ impl ViewRenderer {
         let auto = request.engine.choice == EngineChoice::Auto;
         let mut notes = Vec::new();
         if request.engine.choice != EngineChoice::Cpu {
-            match Backend::gpu(world, request, limits) {
-                Ok(backend) => return Ok(Self { backend, notes }),
-                Err(GpuError::Core(e)) => return Err(stopped(e)),
-                Err(e) if auto => notes.push(remedy![e, "; the processor draws instead"]),
-                Err(e) => return Err(device(e)),
+            match Card::open(world, request, limits) {
+                Ok(card) => return Ok(Self { backend: Backend::Card(card), notes }),
+                Err(EngineError::Core(e)) => return Err(stopped(e)),
+                Err(EngineError::Device(e)) if auto => notes.push(remedy![e, "; the processor draws instead"]),
+                Err(EngineError::Device(e)) => return Err(RunError::Device(e)),
+                Err(e) => return Err(RunError::file(e.to_string())),
             }
         }
         Ok(Self { backend: Backend::cpu(world, request, limits, control)?, notes })
@@ -67,7 +67,7 @@ impl ViewRenderer {
     pub(crate) fn name(&self) -> String {
         match &self.backend {
             Backend::Cpu { .. } => "cpu".to_owned(),
-            Backend::Gpu { gpu, .. } => format!("gpu ({})", gpu.name()),
+            Backend::Card(card) => card.name(),
         }
     }
 
@@ -75,7 +75,7 @@ impl ViewRenderer {
     pub(crate) fn stage(&self) -> &Stage {
         match &self.backend {
             Backend::Cpu { scene, .. } => &scene.stage,
-            Backend::Gpu { scene, .. } => scene.stage(),
+            Backend::Card(card) => card.stage(),
         }
     }
 
@@ -91,10 +91,7 @@ impl ViewRenderer {
                 }
                 scene.follow(world, worn.as_ref(), control).map_err(stopped)
             }
-            Backend::Gpu { gpu, renderer, scene } => {
-                let layers: Vec<&str> = world.layers().iter().map(|l| &*l.spec.name).collect();
-                scene.update(gpu, renderer, world, &layers).map_err(device)
-            }
+            Backend::Card(card) => Ok(card.follow(world)?),
         }
     }
 
@@ -114,11 +111,9 @@ impl ViewRenderer {
                 let picture = scene.picture(camera, size.map(|n| n as usize), control).map_err(stopped)?;
                 Ok(worn.as_ref().map_or(picture.clone(), |w| w.with_legend(&picture)))
             }
-            Backend::Gpu { gpu, renderer, scene } => {
+            Backend::Card(card) => {
                 control.check().map_err(stopped)?;
-                let picture =
-                    renderer.draw(gpu, scene, camera, size, time_s).and_then(|shot| shot.take(gpu)).map_err(device)?;
-                Ok(scene.with_legend(picture))
+                Ok(card.draw(camera, size, time_s)?)
             }
         }
     }
@@ -140,26 +135,6 @@ impl Backend {
         };
         Ok(Self::Cpu { scene: Box::new(scene.map_err(fail)?), worn })
     }
-
-    fn gpu(world: &World, s: &ViewRequest, limits: &Limits) -> Result<Self, GpuError> {
-        let gpu = blocking::open(&adapter(&s.engine))?;
-        // Cells and nodes take less than for rays; a pixel has four samples of colour and depth, and is read back.
-        let pixels = s.view.size.iter().map(|n| u128::from(*n)).product::<u128>();
-        let bytes = estimate::picture(&world.grid, &s.view, Subject::View) + 47 * pixels;
-        estimate::check("this picture", world, bytes, limits, estimate::picture_remedy())?;
-        let mut renderer = Renderer::new(&gpu)?;
-        renderer.reserve(&gpu, s.view.size)?;
-        let options = view_options(&s.view);
-        let scene = match &s.drape {
-            Some(layer) => Scene::of_layer(&gpu, &renderer, world, layer, &options, &MapOptions::default())?,
-            None => Scene::from_world(&gpu, &renderer, world, &options)?,
-        };
-        Ok(Self::Gpu { gpu: Box::new(gpu), renderer: Box::new(renderer), scene: Box::new(scene) })
-    }
-}
-
-fn device(e: GpuError) -> RunError {
-    RunError::Device(e.into())
 }
 
 pub(crate) fn stopped(e: eyot_core::Error) -> RunError {

@@ -1,22 +1,22 @@
 //! What clients of a run see: its world as the scene of a stream.
 
 use super::ServeOptions;
+use crate::{Alga, Colony, Hello, LayerInfo, Moment, Raster, Scene, Server, SpeciesInfo};
 use eyot_core::component::Table;
+use eyot_core::process::parameters_from;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Cancel, Limits, Stagger, World};
-use eyot_export::corals;
 use eyot_recipe::{Recipe, Work, layers};
 use eyot_reef::bodies::Shape;
 use eyot_reef::community::{Form, Population, RAYS};
-use eyot_reef::corals::{Corals, POPULATION};
+use eyot_reef::corals::{CORALS, Corals, POPULATION};
 use eyot_session::{Look, RunError, Watch};
-use eyot_stream::{Alga, Colony, Hello, LayerInfo, Moment, Raster, Scene, Server, SpeciesInfo};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 // The protocol's colonies are those of the reef.
-const _: () = assert!(RAYS == eyot_stream::RAYS);
+const _: () = assert!(RAYS == crate::RAYS);
 
 /// A run that waits for its pace looks so often whether it is to stop.
 const LOOK: Duration = Duration::from_millis(50);
@@ -83,7 +83,7 @@ impl Watch for Stage {
 
     fn begin(&mut self, recipe: &Recipe, limits: &Limits) -> Result<(), RunError> {
         let hello = hello(recipe, &self.options, limits)?;
-        self.corals = corals::of(recipe);
+        self.corals = corals(recipe);
         self.server.hello(hello);
         Ok(())
     }
@@ -100,12 +100,17 @@ impl Watch for Stage {
     }
 }
 
+/// The corals of a recipe, as its last step has them.
+fn corals(recipe: &Recipe) -> Option<Corals> {
+    parameters_from(recipe.last_use(CORALS.name)?.parameters.clone()).ok()
+}
+
 /// What a stream of this recipe is about.
 ///
 /// # Errors
 /// If it makes no such layers, or they do not fit into memory.
 pub(super) fn hello(recipe: &Recipe, options: &ServeOptions, limits: &Limits) -> Result<Hello, RunError> {
-    let corals = corals::of(recipe);
+    let corals = corals(recipe);
     let grid = &recipe.grid;
     let made = made(recipe);
     let mut infos = Vec::new();

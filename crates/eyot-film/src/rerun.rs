@@ -17,9 +17,9 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(100);
 
 /// What the folder of a finished run says about it.
-pub(super) struct Made {
+pub(crate) struct Made {
     /// The world that it ended with.
-    pub(super) world: World,
+    pub(crate) world: World,
     recipe: Recipe,
     state: State,
     host: Host,
@@ -30,7 +30,7 @@ impl Made {
     ///
     /// # Errors
     /// If it holds none, or one that simulates nothing, or the run does not fit into memory beside its film.
-    pub(super) fn open(folder: &Path, host: &Host, limits: &Limits) -> Result<Self, RunError> {
+    pub(crate) fn open(folder: &Path, host: &Host, limits: &Limits) -> Result<Self, RunError> {
         let refuse = |reason: Remedy| {
             let simulate = " films runs that simulate something and that ";
             RunError::refused(reason, remedy![Setting::Run, simulate, Action::Run, " finished in one piece"])
@@ -65,7 +65,7 @@ impl Made {
     }
 
     /// The moment that a picture of a film shows: evenly from the first to the last; a single picture shows the end.
-    pub(super) fn moment(&self, picture: u32, frames: u32) -> u64 {
+    pub(crate) fn moment(&self, picture: u32, frames: u32) -> u64 {
         let (first, last) = self.span();
         if frames <= 1 {
             return last;
@@ -78,7 +78,7 @@ impl Made {
     ///
     /// # Errors
     /// As [`Run::start`].
-    pub(super) fn start(&self, limits: &Limits, control: &Control<'_>) -> Result<Rerun, RunError> {
+    pub(crate) fn start(&self, limits: &Limits, control: &Control<'_>) -> Result<Rerun, RunError> {
         let options = RunOptions {
             limits: *limits,
             stream: Stream::Never,
@@ -98,13 +98,13 @@ fn remedy() -> Remedy {
 }
 
 /// A run at work, waiting at a moment.
-pub(super) struct Rerun {
+pub(crate) struct Rerun {
     handle: Option<Handle>,
     done: u64,
     last: u64,
     end: Option<Arc<World>>,
     /// What the run had to say.
-    pub(super) notes: Vec<Remedy>,
+    pub(crate) notes: Vec<Remedy>,
 }
 
 impl Rerun {
@@ -112,7 +112,7 @@ impl Rerun {
     ///
     /// # Errors
     /// If the run fails, and [`RunError::Stopped`] on a request to stop.
-    pub(super) fn world_at(&mut self, moment: u64, control: &Control<'_>) -> Result<Arc<World>, RunError> {
+    pub(crate) fn world_at(&mut self, moment: u64, control: &Control<'_>) -> Result<Arc<World>, RunError> {
         if moment > self.done {
             self.send(Command::Step(moment - self.done));
             self.done = moment;

@@ -1,6 +1,6 @@
 //! A server and its clients: whole states, changes, late ones, slow ones, rude ones.
 
-use eyot_stream::{
+use eyot_live::{
     Alga, Body, Client, Colony, Ending, Gone, Hello, LayerInfo, Message, Mirror, Moment, Notice, Options, Order,
     Raster, Record, Scene, Server, SpeciesInfo, Status,
 };

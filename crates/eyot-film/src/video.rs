@@ -40,7 +40,7 @@ impl Video {
 ///
 /// # Errors
 /// If the video cannot be put in its place, and [`RunError::Stopped`] on a request to stop.
-pub(super) fn make(
+pub(crate) fn make(
     out: &Path,
     video: Video,
     fps: f32,

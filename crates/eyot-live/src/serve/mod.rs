@@ -5,12 +5,12 @@
 
 mod stage;
 
+use crate::{Ending, Notice, Order, Server, Status};
 use eyot_core::Limits;
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
 use eyot_recipe::Recipe;
 use eyot_session::{Command, Event, Handle, Host, Outcome, Remote, Run, RunError, RunOptions, Stream, Watcher};
-use eyot_stream::{Ending, Notice, Order, Server, Status};
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -25,7 +25,7 @@ use stage::Stage;
 #[derive(Clone, Debug)]
 pub struct ServeOptions {
     /// Where the server listens, and its limits.
-    pub server: eyot_stream::Options,
+    pub server: crate::Options,
     /// Layers that are sent.
     pub layers: Vec<String>,
     /// Steps of simulation from one moment to the next.
@@ -40,7 +40,7 @@ pub struct ServeOptions {
 
 impl Default for ServeOptions {
     fn default() -> Self {
-        Self { server: eyot_stream::Options::default(), layers: Vec::new(), every: 1, rays: true, rate: None, wait: 0 }
+        Self { server: crate::Options::default(), layers: Vec::new(), every: 1, rays: true, rate: None, wait: 0 }
     }
 }
 
@@ -111,8 +111,8 @@ impl Serving {
         let theirs = desk.clone();
         let server = Server::bind(options.server.clone(), move |notice| theirs.hear(notice)).map_err(|e| {
             let help = match e {
-                eyot_stream::Error::Public(_) => remedy!["to let other machines connect, add ", Setting::Public],
-                eyot_stream::Error::Listen { .. } => remedy![
+                crate::Error::Public(_) => remedy!["to let other machines connect, add ", Setting::Public],
+                crate::Error::Listen { .. } => remedy![
                     "choose another port with ",
                     Setting::Listen.to("127.0.0.1:PORT"),
                     "; 0 is any that is free",

@@ -28,7 +28,7 @@ const MOST_KEYS: usize = 10_000;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Keys {
+pub(crate) struct Keys {
     #[serde(default)]
     closed: bool,
     #[serde(default)]
@@ -48,7 +48,7 @@ struct KeyFrame {
 }
 
 /// Reads and checks a file.
-pub(super) fn read(file: &Path) -> Result<Keys, RunError> {
+pub(crate) fn read(file: &Path) -> Result<Keys, RunError> {
     let refuse = |reason: String| {
         RunError::refused(
             format!("the camera's path `{}`: {reason}", file.display()),
@@ -100,7 +100,7 @@ fn parse(text: &str) -> Result<Keys, String> {
 
 impl Keys {
     /// The path; `start` is what the first key leaves out.
-    pub(super) fn path(&self, start: Pose) -> CameraPath {
+    pub(crate) fn path(&self, start: Pose) -> CameraPath {
         let mut pose = start;
         let key = |(i, k): (usize, &KeyFrame)| {
             pose = Pose {
@@ -117,7 +117,7 @@ impl Keys {
     }
 
     /// True if the keys say when they come.
-    pub(super) fn is_timed(&self) -> bool {
+    pub(crate) fn is_timed(&self) -> bool {
         self.key.iter().all(|k| k.time.is_some())
     }
 }

@@ -1,11 +1,12 @@
-//! The network stream of Eyot: what changes in a world, step by step, to any number of clients.
+//! Eyot live: what changes in a world, step by step, to any number of clients.
 //!
 //! A [`Server`] knows the last [`Scene`] that was published and speaks WebSocket. Whoever connects gets a [`Hello`], the whole
 //! state, and then the changes of each moment, as length-checked binary [`Record`]s; a [`Mirror`] puts the state together again,
-//! exactly. Clients may pause, resume and step ([`Order`]), and nothing else. The crate knows no recipe and no process.
+//! exactly. Clients may pause, resume and step ([`Order`]), and nothing else. None of that knows a recipe or a
+//! process; what serves runs of recipes is the feature `serve`.
 //!
 //! ```
-//! use eyot_stream::{Client, Hello, Options, Scene, Server};
+//! use eyot_live::{Client, Hello, Options, Scene, Server};
 //!
 //! let server = Server::bind(Options::default(), |_| {})?;
 //! server.hello(Hello { recipe: "Reef".into(), ..Hello::default() });
@@ -30,6 +31,8 @@ mod mirror;
 mod origin;
 mod record;
 mod scene;
+#[cfg(feature = "serve")]
+pub mod serve;
 mod server;
 mod visit;
 

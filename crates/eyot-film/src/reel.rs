@@ -1,6 +1,6 @@
 //! A recording that is played for a film.
 
-use super::MOST_FRAMES;
+use crate::options::MOST_FRAMES;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::{ComponentKinds, Limits, World};
@@ -10,11 +10,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A recording with its last state.
-pub(super) struct Reel {
+pub(crate) struct Reel {
     timeline: Timeline,
     kinds: ComponentKinds,
     /// The world of its last frame that can be read.
-    pub(super) last: World,
+    pub(crate) last: World,
     /// The moments of its first and last frame that can be read, in steps.
     span: (u64, u64),
     /// Frames that can not, as far as that is known.
@@ -26,7 +26,7 @@ impl Reel {
     ///
     /// # Errors
     /// If there is none, or none of its frames can be read.
-    pub(super) fn open(folder: &Path, kinds: &ComponentKinds, limits: &Limits) -> Result<Self, RunError> {
+    pub(crate) fn open(folder: &Path, kinds: &ComponentKinds, limits: &Limits) -> Result<Self, RunError> {
         let timeline = Timeline::open(folder, limits)?;
         let mut damaged = timeline.damaged().to_vec();
         for frame in timeline.frames().iter().rev() {
@@ -49,12 +49,12 @@ impl Reel {
     }
 
     /// Pictures: one for each frame that there would be if none had been dropped.
-    pub(super) fn usual_frames(&self) -> u32 {
+    pub(crate) fn usual_frames(&self) -> u32 {
         let (first, last) = self.span;
         ((last - first) / self.timeline.record().every + 1).min(u64::from(MOST_FRAMES)) as u32
     }
 
-    pub(super) fn play(&self) -> Playing<'_> {
+    pub(crate) fn play(&self) -> Playing<'_> {
         Playing { reel: self, shown: None, damaged: self.damaged.clone() }
     }
 
@@ -68,7 +68,7 @@ impl Reel {
 }
 
 /// A recording while it is played.
-pub(super) struct Playing<'a> {
+pub(crate) struct Playing<'a> {
     reel: &'a Reel,
     /// The number of the frame that was shown last.
     shown: Option<usize>,
@@ -78,7 +78,7 @@ pub(super) struct Playing<'a> {
 impl Playing<'_> {
     /// The world that a picture shows, unless it is that of the picture before. An earlier frame takes the place of one that cannot be
     /// read, or a later one at the beginning.
-    pub(super) fn world_at(&mut self, picture: u32, frames: u32) -> Result<Option<Arc<World>>, RunError> {
+    pub(crate) fn world_at(&mut self, picture: u32, frames: u32) -> Result<Option<Arc<World>>, RunError> {
         let there = self.reel.timeline.frames();
         let at = self.reel.frame_at(picture, frames);
         for frame in there[..=at].iter().rev().chain(&there[at + 1..]) {
@@ -101,7 +101,7 @@ impl Playing<'_> {
         Err(RunError::file("no frame of the recording can be read any more"))
     }
 
-    pub(super) fn notes(mut self) -> Vec<Remedy> {
+    pub(crate) fn notes(mut self) -> Vec<Remedy> {
         self.damaged.sort_by_key(|d| d.frame);
         self.damaged.iter().map(|d| remedy![d.sentence(), "; another frame is shown in its place"]).collect()
     }

@@ -1,15 +1,13 @@
-//! Films: pictures along a camera's path, of a run at work or of a recording, and a video of them.
-//!
-//! A film is a folder of numbered PNG files and a `film.json` that says what they show. Each picture appears whole or not at all, so
-//! a film that was stopped goes on with the first one that is missing.
+//! How a film is made: picture by picture, each of the state of the land that it shows.
 
-mod map;
-mod path_file;
-mod reel;
-mod rerun;
-mod video;
-
-use crate::artist::{ViewRenderer, ViewRequest};
+use crate::artist::ViewRenderer;
+use crate::folder::{is_picture, prepare};
+use crate::map::Map;
+use crate::options::{FilmOptions, FilmPath, FilmProgress, Filmed, MOST_FRAMES, Subject};
+use crate::path_file;
+use crate::reel::{Playing, Reel};
+use crate::rerun::{Made, Rerun};
+use crate::video;
 use eyot_core::layer::known::ARIDITY;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
@@ -18,101 +16,15 @@ use eyot_export::pictures::view_options;
 use eyot_io as io;
 use eyot_recipe::View;
 use eyot_render::{CameraPath, Picture};
-use eyot_session::{Host, RunError, shell_word};
-use map::Map;
-use reel::{Playing, Reel};
-use rerun::{Made, Rerun};
+use eyot_session::{Host, RunError};
 use serde_json::{Value, json};
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub use video::Video;
-
 /// How long a film takes if nothing says so.
 const USUAL_SECONDS: f32 = 10.0;
-
-/// What the pictures of a folder show.
-const MANIFEST: &str = "film.json";
-
-/// The way of the camera.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FilmPath {
-    /// Once around the land.
-    Orbit,
-    /// A flight around and over the land.
-    Fly,
-    /// The camera stands where the view puts it.
-    Still,
-    /// No camera: reliefs of the land from above, north up, drawn by the processor. They are as large as the view's size allows in the
-    /// map's own shape, with even sides.
-    Above,
-    /// Key frames from a TOML file.
-    File(PathBuf),
-}
-
-/// How a film is made.
-#[derive(Clone, Debug)]
-pub struct FilmOptions {
-    /// Camera at the start, sun, size, colours and engine.
-    pub request: ViewRequest,
-    /// The way of the camera.
-    pub path: FilmPath,
-    /// Pictures; 1 to [`MOST_FRAMES`]. `None` takes ten seconds, or the time that a file of key frames names; of a recording,
-    /// as many as it would have frames if none had been dropped.
-    pub frames: Option<u32>,
-    /// Pictures a second, 1 to 240.
-    pub fps: f32,
-    /// Which video is made of the pictures if ffmpeg is there.
-    pub video: Video,
-    /// Whether a film of something else in the folder may be overwritten.
-    pub restart: bool,
-}
-
-/// Most pictures of a film.
-pub const MOST_FRAMES: u32 = 100_000;
-
-/// How far a film is.
-#[derive(Clone, Debug)]
-pub struct FilmProgress {
-    /// Pictures that are there.
-    pub done: u32,
-    /// Pictures in all.
-    pub frames: u32,
-    /// Seconds that the rest will take, once there is something to tell it from.
-    pub seconds_left: Option<f64>,
-    /// The engine that draws.
-    pub engine: String,
-}
-
-/// A finished film.
-#[derive(Clone, Debug)]
-pub struct Filmed {
-    /// Pictures that were drawn now; the others were there.
-    pub drawn: u32,
-    /// Pictures in all.
-    pub frames: u32,
-    /// The video, if one was made.
-    pub video: Option<PathBuf>,
-    /// Things to know.
-    pub notes: Vec<Remedy>,
-}
-
-/// What a film shows.
-#[derive(Clone, Copy, Debug)]
-pub enum Subject<'a> {
-    /// A world, which stands still.
-    World(&'a World),
-    /// The finished run in a folder: its recipe is carried out again, by the processor, and the pictures show the land from the
-    /// first step of its simulations to the last.
-    Run(&'a Path),
-    /// The recording in the folder of a run, which may be at work or have ended early: each picture shows the last frame that can be
-    /// read and is no later than its moment.
-    Recording(&'a Path),
-}
 
 /// Films a world, a run or a recording into the folder `out`. Runs are carried out again with registry and engines of the `host`.
 ///
@@ -386,60 +298,5 @@ fn manifest(land: &Land<'_>, o: &FilmOptions, eye: &Eye, frames: u32) -> Value {
         "drape": o.request.drape,
         "closed": path.is_some_and(|p| p.closed),
         "keys": keys,
-    })
-}
-
-/// Makes the folder ready: for a new film, or for more of the same.
-fn prepare(out: &Path, manifest: &Value, restart: bool) -> Result<(), RunError> {
-    let fail = |source| RunError::Folder { path: out.to_owned(), source };
-    std::fs::create_dir_all(out).map_err(fail)?;
-    let file = out.join(MANIFEST);
-    let text = format!("{manifest:#}\n");
-    let there = std::fs::read_to_string(&file).ok();
-    if there.as_deref() == Some(&*text) {
-        return Ok(());
-    }
-    let mut former: Vec<PathBuf> = Vec::new();
-    for entry in std::fs::read_dir(out).map_err(fail)? {
-        let path = entry.map_err(fail)?.path();
-        if is_frame(&path) {
-            former.push(path);
-        }
-    }
-    if !restart && (there.is_some() || !former.is_empty()) {
-        let reason = remedy![
-            format!("`{}` holds pictures of another film; remove them with ", out.display()),
-            Setting::Restart,
-            format!(", or choose another folder than {}", shell_word(out)),
-        ];
-        return Err(RunError::refused(reason, "the same world, path, size and engine go on where they stopped"));
-    }
-    for path in former {
-        std::fs::remove_file(&path).map_err(|source| RunError::Folder { path, source })?;
-    }
-    eyot_export::write_text(&file, &text).map_err(RunError::file)
-}
-
-/// True for a PNG with its beginning and its end: pictures appear whole, but others may have written over them.
-fn is_picture(path: &Path) -> bool {
-    const BEGINNING: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
-    const END: [u8; 8] = *b"IEND\xae\x42\x60\x82";
-    let ends = || {
-        let mut file = File::open(path)?;
-        let (mut first, mut last) = ([0; 8], [0; 8]);
-        file.read_exact(&mut first)?;
-        file.seek(SeekFrom::End(-8))?;
-        file.read_exact(&mut last)?;
-        Ok::<_, std::io::Error>((first, last))
-    };
-    ends().is_ok_and(|found| found == (BEGINNING, END))
-}
-
-/// True for the names that films give to their pictures.
-fn is_frame(path: &Path) -> bool {
-    path.file_name().and_then(|n| n.to_str()).is_some_and(|n| {
-        n.strip_prefix("frame_")
-            .and_then(|n| n.strip_suffix(".png"))
-            .is_some_and(|n| n.len() == 5 && n.bytes().all(|b| b.is_ascii_digit()))
     })
 }
