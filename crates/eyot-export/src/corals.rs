@@ -12,7 +12,7 @@ use eyot_core::process::parameters_from;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Field, Limits, Result, World};
-use eyot_recipe::{Actor, ExportFormat, Recipe, What, Work};
+use eyot_recipe::{ExportFormat, Recipe, What};
 use eyot_reef::bodies::{Bodies, Body, Detail};
 use eyot_reef::community::{Alga, Colony, Heat, Plot, Species};
 use eyot_reef::corals::{CORALS, Corals};
@@ -32,10 +32,7 @@ pub(crate) const ALGAE: [u8; 4] = [52, 60, 14, 255];
 
 /// The corals of a recipe, as its last step has them.
 pub fn of(recipe: &Recipe) -> Option<Corals> {
-    let steps = recipe.steps.iter().rev().filter(|s| s.enabled);
-    let uses = steps.filter_map(|s| if let Work::Simulate(w) = &s.work { Some(&w.processes) } else { None });
-    let corals =
-        uses.flatten().find(|u| u.enabled && matches!(&u.actor, Actor::Process(e) if e.name == CORALS.name))?;
+    let corals = recipe.last_use(CORALS.name)?;
     parameters_from(corals.parameters.clone()).ok()
 }
 
