@@ -159,25 +159,19 @@ fn only_the_gpu_crates_name_wgpu_and_one_file_waits() {
 #[test]
 fn front_ends_use_the_facade() {
     let manifest = fs::read_to_string(root().join("apps/eyot-cli/Cargo.toml")).unwrap();
-    for below in [
-        "eyot-core",
-        "eyot-climate",
-        "eyot-land",
-        "eyot-gpu",
-        "eyot-io",
-        "eyot-mesh",
-        "eyot-noise",
-        "eyot-plates",
-        "eyot-reef",
-        "eyot-render",
-        "eyot-rules",
-        "eyot-session",
-        "eyot-film",
-        "eyot-live",
-        "eyot-view",
-    ] {
-        assert!(!manifest.lines().any(|l| l.starts_with(below)), "the command line depends on {below}");
+    let below = |l: &&str| l.starts_with("eyot-") && !l.starts_with("eyot-bench");
+    assert_eq!(manifest.lines().find(below), None, "the command line depends on a crate below the facade");
+}
+
+#[test]
+fn the_facade_is_one() {
+    let mut lines = 0;
+    for (path, text) in rust_files("crates/eyot/src") {
+        lines += text.lines().count();
+        let whole = |l: &&str| l.starts_with("pub use eyot_") && l.contains(" as ") && !l.contains("::");
+        assert_eq!(text.lines().find(whole), None, "{} hands a whole crate on", path.display());
     }
+    assert!(lines <= 600, "the facade has {lines} lines");
 }
 
 #[test]
