@@ -1,0 +1,5 @@
+//! What must hold of the repository as a whole.
+
+mod architecture;
+mod crates;
+mod gallery;
