@@ -82,8 +82,18 @@ fn the_core_names_no_process_and_does_no_io() {
 
 /// Types of parameters that no word of the core could be mistaken for.
 const TYPES: &[&str] = &[
-    "Hydraulic", "Thermal", "Streampower", "Seabed", "Wetness", "Temperature", "Humidity", "Weathering", "Wind", "Corals",
-    "Tectonics", "Fbm",
+    "Hydraulic",
+    "Thermal",
+    "Streampower",
+    "Seabed",
+    "Wetness",
+    "Temperature",
+    "Humidity",
+    "Weathering",
+    "Wind",
+    "Corals",
+    "Tectonics",
+    "Fbm",
 ];
 
 #[test]
