@@ -3,3 +3,4 @@
 mod architecture;
 mod crates;
 mod gallery;
+mod how_to;
