@@ -1,6 +1,6 @@
 //! Records of the network stream, and what clients send.
 
-use eyot::network::{
+use eyot::live::{
     Alga, Body, Colony, Ending, HEADER, Hello, LayerInfo, Mirror, Moment, Order, Record, SpeciesInfo, Status, Tile, Why,
 };
 

@@ -6,8 +6,7 @@ use crate::runs::{Interrupts, folder_name, options};
 use crate::wording::CommandLine;
 use crate::{Failure, made, print, report};
 use clap::Args;
-use eyot::network;
-use eyot::serve::{ServeOptions, Serving};
+use eyot::live::{self, ServeOptions, Serving};
 use eyot::{Event, Registry, RunOptions};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
@@ -93,14 +92,14 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
         return Err(report::usage(&message, "wait for fewer, or allow more with --clients"));
     }
     let serve = ServeOptions {
-        server: network::Options {
+        server: live::Options {
             listen: args.listen,
             public: args.public,
             max_clients: args.clients.into(),
             allow_origins: args.allow_origin.clone(),
             queue_bytes: usize::try_from(args.queue).unwrap_or(usize::MAX),
             orders: !args.read_only,
-            ..network::Options::default()
+            ..live::Options::default()
         },
         layers: args.layers.clone(),
         every: args.every,
@@ -110,16 +109,16 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
     };
     let run = RunOptions { limits: made::limits(args.change.max_memory), ..options(&args.work)? };
     let interrupts = Interrupts::install();
+    let host = eyot::host(&Registry::standard());
     let (serving, out) = match (&args.recipe, &args.out) {
         (_, Some(out)) if args.resume => {
-            let registry = Registry::standard();
-            (Serving::resume(out, &registry, run, serve).map_err(|e| report::run(&e))?, out.clone())
+            (Serving::resume(out, run, serve, &host).map_err(|e| report::run(&e))?, out.clone())
         }
         (Some(name), out) => {
             let recipe = made::read(name, &args.change, &[])?;
             let out = out.clone().unwrap_or_else(|| folder_name(name));
             let run = RunOptions { out: Some(out.clone()), restart: args.restart, ..run };
-            (Serving::start(recipe, run, serve).map_err(|e| report::run(&e))?, out)
+            (Serving::start(recipe, run, serve, &host).map_err(|e| report::run(&e))?, out)
         }
         // The command line asks for one of both.
         (None, _) => return Err(report::usage("nothing to serve", "give a recipe")),

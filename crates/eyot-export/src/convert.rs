@@ -4,12 +4,12 @@ use crate::error::ExportError;
 use crate::files::{self, Job, Layer};
 use crate::import::read_raster;
 use crate::open;
-use crate::source::Source;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
+use eyot_io::Source;
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
-use eyot_recipe::{Export, ExportFormat, FirstRow, Preset};
+use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, What};
 use serde_json::{Map, Value};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -308,7 +308,7 @@ impl Conversion<'_> {
             RowOrder::SouthFirst => FirstRow::South,
         });
         let export = match self.to {
-            Output::Mesh(format) => Export { format, ..Export::default() },
+            Output::Mesh(format) => Export { what: Some(What::Terrain), format: Some(format), ..Export::default() },
             _ => Export { preset, size: self.options.size, layers, first_row, ..Export::default() },
         };
         if export.needs_two_cells() && (world.grid.width < 2 || world.grid.height < 2) {

@@ -4,10 +4,28 @@ use crate::pictures::{self, Subject};
 use eyot_core::remedy::Remedy;
 use eyot_core::{Grid, Limits, Result, World};
 use eyot_recipe::memory::check_bytes;
-use eyot_recipe::{Export, ExportFormat, Preset, View};
+use eyot_recipe::{Estimator, Export, Preset, Step, Streamed, View, What};
 use {eyot_mesh as mesh, eyot_render as render};
 
 pub use eyot_recipe::memory::{export_remedy, picture_remedy};
+
+/// What the outputs of a recipe cost that this crate makes, for registries.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Costs;
+
+impl Estimator for Costs {
+    fn pictures(&self, grid: &Grid, view: &View) -> u128 {
+        pictures(grid, view)
+    }
+
+    fn export(&self, grid: &Grid, what: &Export, limits: &Limits) -> u128 {
+        export(grid, what, limits)
+    }
+
+    fn streamed(&self, steps: &[Step], grid: &Grid) -> Result<Option<Streamed>> {
+        eyot_session::streamed_memory(steps, grid).map(Some)
+    }
+}
 
 /// Bytes that the pictures of a run take while they are drawn, beside the world.
 pub fn pictures(grid: &Grid, view: &View) -> u128 {
@@ -32,14 +50,14 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
         render::terrain_colours_bytes(cells)
             + mesh::terrain_bytes(grid.width, grid.height, &mesh::MeshOptions::default(), limits)
     };
-    match (export.preset, export.format) {
+    match (export.preset, export.shows()) {
         (Some(Preset::Gis), _) => 0,
         // The mesh, and the shares of a material on their way to its vertices.
         (Some(Preset::Blender), _) => mesh() + 24 * grid.cells() as u128,
         // Heights on other vertices, rows on their way there, and one band of shares.
         (Some(_), _) => 16 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
-        (None, ExportFormat::Glb | ExportFormat::Obj) => mesh(),
-        (None, ExportFormat::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
+        (None, What::Terrain) => mesh(),
+        (None, What::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
         _ => 0,
     }
 }

@@ -139,6 +139,15 @@ pub enum Choice {
 }
 
 impl Choice {
+    /// The adapter of that name; without one the best, or the best that is `hardware`.
+    pub fn of(name: Option<&str>, hardware: bool) -> Self {
+        match name {
+            Some(name) => Self::Named(name.to_owned()),
+            None if hardware => Self::Hardware,
+            None => Self::Best,
+        }
+    }
+
     pub(crate) fn fits(&self, adapter: &AdapterReport) -> bool {
         match self {
             Self::Best => true,

@@ -1,6 +1,6 @@
 //! What a generator or process takes, from its schema: for people and for programs.
 
-use crate::check::{choices, expects, shown};
+use crate::check::{expects, shown};
 use crate::diagnostic::{alternatives, nearest};
 use crate::keys;
 use crate::registry::Registry;
@@ -153,7 +153,7 @@ fn from_schema(
         takes: expects(p),
         minimum: bound(p, "minimum", "exclusiveMinimum"),
         maximum: bound(p, "maximum", "exclusiveMaximum"),
-        choices: if choices(p).is_some() { choice_list(p) } else { Vec::new() },
+        choices: choice_list(p),
         default: match defaults.get(key) {
             Some(d) => tidy(d),
             None => tidy(&p["default"]),

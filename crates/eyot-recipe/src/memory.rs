@@ -1,7 +1,7 @@
 //! How much memory the steps of a recipe need, and what keeps a recipe from being streamed.
 
 use crate::host::Estimator;
-use crate::keys::{Export, View};
+use crate::keys::{Export, View, What};
 use crate::recipe::{Step, Work};
 use eyot_core::process::Reach;
 use eyot_core::remedy;
@@ -133,7 +133,11 @@ pub fn obstacle(steps: &[Step], exports: &[Export], grid: &Grid) -> Option<Obsta
     };
     let of_export = |(i, export): (usize, &Export)| {
         let file = export.files().into_iter().next().unwrap_or_default();
-        let what = if export.preset.is_some() { "presets other than `gis` resample it" } else { "so does every mesh" };
+        let what = match (export.preset, export.shows()) {
+            (Some(_), _) => "presets other than `gis` resample it",
+            (None, What::Terrain | What::Corals) => "so does every mesh",
+            _ => "so does all that simulations leave beside layers",
+        };
         let reason = format!("the export `{file}` needs the whole grid in memory ({what})");
         (!export.streams()).then_some(Obstacle { place: Place::Export(i), reason })
     };

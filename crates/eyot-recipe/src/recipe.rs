@@ -305,6 +305,13 @@ impl Recipe {
     pub fn enabled_steps(&self) -> impl Iterator<Item = &Step> {
         self.steps.iter().filter(|s| s.enabled)
     }
+
+    /// A process as the last step has it that uses it.
+    pub fn last_use(&self, process: &str) -> Option<&ProcessUse> {
+        let steps = self.steps.iter().rev().filter(|s| s.enabled);
+        let uses = steps.filter_map(|s| if let Work::Simulate(w) = &s.work { Some(&w.processes) } else { None });
+        uses.flatten().find(|u| u.enabled && matches!(&u.actor, Actor::Process(e) if e.name == process))
+    }
 }
 
 impl RecipeSource {

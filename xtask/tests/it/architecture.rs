@@ -136,6 +136,16 @@ fn recipes_open_files_in_one_place_and_need_nothing_heavy() {
 }
 
 #[test]
+fn sessions_know_no_card_exporter_or_process() {
+    let manifest = fs::read_to_string(root().join("crates/eyot-session/Cargo.toml")).unwrap();
+    let needed = manifest.split("[dev-dependencies]").next().unwrap();
+    for line in needed.lines().filter(|l| l.starts_with("eyot")) {
+        let below = ["eyot-core.", "eyot-io.", "eyot-recipe."];
+        assert!(below.iter().any(|b| line.starts_with(b)), "eyot-session depends on {line}");
+    }
+}
+
+#[test]
 fn only_io_opens_files() {
     for folder in ["crates/eyot-mesh/src", "crates/eyot-render/src"] {
         assert_absent(folder, &["std::fs", "File::"], &[]);
@@ -146,11 +156,12 @@ fn only_io_opens_files() {
 fn only_the_stream_crate_opens_connections() {
     for folder in ["crates", "apps", "fuzz"] {
         // The facade and the command know addresses; they open nothing.
-        assert_absent(folder, &["TcpStream", "TcpListener", "UdpSocket"], &["eyot-stream"]);
+        assert_absent(folder, &["TcpStream", "TcpListener", "UdpSocket"], &["eyot-live"]);
     }
-    let manifest = fs::read_to_string(root().join("crates/eyot-stream/Cargo.toml")).unwrap();
-    assert!(!manifest.lines().any(|l| l.starts_with("eyot")), "eyot-stream depends on another crate of the workspace");
-    assert_absent("crates/eyot-stream/src", &["std::fs", "File::"], &[]);
+    let manifest = fs::read_to_string(root().join("crates/eyot-live/Cargo.toml")).unwrap();
+    let own = |l: &&str| l.starts_with("eyot") && !l.contains("optional = true");
+    assert!(!manifest.lines().any(|l| own(&l)), "a client of eyot-live needs another crate of the workspace");
+    assert_absent("crates/eyot-live/src", &["std::fs", "File::"], &[]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, Problems, Source, alternatives, nearest};
 use crate::host::{RasterInfo, Refusal};
-use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View};
+use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View, What};
 use crate::memory::{self, Obstacle, Place};
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
@@ -42,6 +42,7 @@ pub(crate) fn recipe(
         layers: Vec::new(),
         specs: Vec::new(),
         resting: Vec::new(),
+        views: Vec::new(),
         own: Vec::new(),
         sources: &sources,
         grid: None,
@@ -92,6 +93,8 @@ struct Validator<'a> {
     sources: &'a [Source],
     /// Layers that steps and processes would make that are switched off.
     resting: Vec<String>,
+    /// Tables, points and lines that processes keep, also those that are switched off.
+    views: Vec<String>,
     /// The grid, once it has been checked and is sound.
     grid: Option<Grid>,
     /// Text files that the recipe names.
@@ -246,7 +249,12 @@ impl Validator<'_> {
             if self.out.len() >= ENOUGH {
                 break;
             }
+            let before = self.out.len();
             let export: Export = self.keys_of(item, "export", &[]);
+            if self.out.len() > before {
+                // Nobody knows what it was meant to be.
+                continue;
+            }
             let place = |key: &str| item.get(key).map_or_else(|| item.span.clone(), |n| n.span.clone());
             if !export.prefix.chars().all(|c| c.is_alphanumeric() || "_-. ".contains(c))
                 || export.prefix.starts_with('.')
@@ -267,11 +275,18 @@ impl Validator<'_> {
                     self.out.push(problem);
                 }
             }
+            if let (What::View(name), true, None) = (export.shows(), sure && export.enabled, export.preset)
+                && !self.views.contains(&name)
+            {
+                let problem = self.no_view(&name, place("what"));
+                self.out.push(problem);
+            }
             let narrow = self.grid.is_some_and(|g| g.width < 2 || g.height < 2);
             if narrow && export.enabled && export.needs_two_cells() {
                 let (key, what) = match export.preset {
                     Some(preset) => ("preset", format!("the preset `{}`", preset.name())),
-                    None => ("format", "a mesh".to_owned()),
+                    None if export.what.is_none() => ("format", "a mesh".to_owned()),
+                    None => ("what", "a mesh".to_owned()),
                 };
                 let message = format!("{what} needs at least 2 x 2 cells");
                 self.out.push(
@@ -311,9 +326,16 @@ impl Validator<'_> {
     /// Keys that do not go together.
     fn export_keys(&mut self, item: &Node, export: &Export) {
         let span = |key: &str| item.get(key).map(|n| n.span.clone());
-        if let (Some(at), Some(_)) = (span("format"), export.preset) {
-            let help = "keep one of them: a preset chooses its formats itself";
-            self.out.push(Diagnostic::at(at, "both `format` and `preset` are given", "one too many").help(help));
+        for key in ["what", "format"].into_iter().filter(|_| export.preset.is_some()) {
+            if let Some(at) = span(key) {
+                let help = "keep one of them: a preset chooses its files and their formats itself";
+                let message = format!("both `{key}` and `preset` are given");
+                self.out.push(Diagnostic::at(at, message, "one too many").help(help));
+            }
+        }
+        if let (Some((message, help)), None) = (export.format_problem(), export.preset) {
+            let at = span("format").unwrap_or_else(|| item.span.clone());
+            self.out.push(Diagnostic::at(at, message, "this format").help(help));
         }
         if let Some(preset) = export.preset {
             let layers = if preset == Preset::Gis { None } else { Some("layers") };
@@ -345,6 +367,16 @@ impl Validator<'_> {
             let message = format!("`range` goes from {low} to {high}");
             self.out.push(Diagnostic::at(at, message, "this range").help("give the lower number first"));
         }
+    }
+
+    fn no_view(&self, name: &str, span: Span) -> Diagnostic {
+        let views = self.views.iter().map(String::as_str);
+        let known: Vec<&str> = What::ALL.iter().map(What::name).chain(views).collect();
+        let help = match nearest(name, known.iter().copied()) {
+            Some(n) => format!("did you mean \"{n}\"?"),
+            None => format!("`what` may be {}", alternatives(known)),
+        };
+        Diagnostic::at(span, format!("no step leaves something that is called `{name}`"), "unknown").help(help)
     }
 
     fn no_layer(&self, name: &str, span: Span) -> Diagnostic {

@@ -383,6 +383,7 @@ impl Validator<'_> {
                     let help = format!("make it before with a generate step that has layer = \"{layer}\"");
                     self.out.push(problem.help(help));
                 }
+                self.views.extend(process.views().into_iter().map(|(name, _)| name.to_owned()));
                 for spec in process.layers().into_iter().map(|l| l.spec) {
                     if !self.specs.iter().any(|s| s.name == spec.name) {
                         self.specs.push(spec.clone());

@@ -321,7 +321,7 @@ fn plants_spread_where_nitrogen_is() {
 fn own_layers_are_exported() {
     let folder = tempfile::tempdir().unwrap();
     let export = "format = \"npy\"\nlayers = [\"soil\", \"damp\"]";
-    let maps = "format = \"map\"\nlayers = [\"soil\"]";
+    let maps = "what = \"map\"\nlayers = [\"soil\"]";
     let world = common::run(recipe(OWN, &[export, maps]), folder.path());
     let (low, high) = common::raster(&folder.path().join("soil.npy")).field.min_max();
     assert_eq!((low, high), world.layer("soil").unwrap().field.min_max());

@@ -39,8 +39,8 @@ const EXPORTS: [&str; 11] = [
     "format = \"png16\"",
     "format = \"npy\"",
     "preset = \"gis\"\nprefix = \"gis_\"",
-    "format = \"mask\"\nlayers = [\"share\", \"rock\"]",
-    "format = \"splat\"\nrock_slope = 10.0",
+    "what = \"mask\"\nlayers = [\"share\", \"rock\"]",
+    "what = \"splat\"\nrock_slope = 10.0",
     "format = \"npy\"\nlayers = [\"sand\"]",
 ];
 
@@ -96,7 +96,7 @@ fn pictures_of_small_worlds_are_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["streamed", "whole"].map(|n| folder.path().join(n));
     let text = WIDE.replace("[20000, 430]", "[300, 200]");
-    let exports = ["format = \"map\"\nlayers = [\"height\", \"share\"]"];
+    let exports = ["what = \"map\"\nlayers = [\"height\", \"share\"]"];
     Run::start(recipe(&text, &exports), options(&a, Stream::Always)).unwrap().join().unwrap();
     Run::start(recipe(&text, &exports), options(&b, Stream::Never)).unwrap().join().unwrap();
     assert_same(files(&a), files(&b), &[]);

@@ -1,0 +1,47 @@
+//! Eyot live: what changes in a world, step by step, to any number of clients.
+//!
+//! A [`Server`] knows the last [`Scene`] that was published and speaks WebSocket. Whoever connects gets a [`Hello`], the whole
+//! state, and then the changes of each moment, as length-checked binary [`Record`]s; a [`Mirror`] puts the state together again,
+//! exactly. Clients may pause, resume and step ([`Order`]), and nothing else. None of that knows a recipe or a
+//! process; what serves runs of recipes is the feature `serve`.
+//!
+//! ```
+//! use eyot_live::{Client, Hello, Options, Scene, Server};
+//!
+//! let server = Server::bind(Options::default(), |_| {})?;
+//! server.hello(Hello { recipe: "Reef".into(), ..Hello::default() });
+//! server.publish(Scene::default());
+//! let mut client = Client::connect(server.address())?;
+//! while client.follow()?.is_none() {}
+//! assert_eq!(client.mirror().hello().unwrap().recipe, "Reef");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # How nobody gets in the way
+//! A moment is encoded once, and its frames are put into a bounded queue for each client ([`Options::queue_bytes`]). Each client has a
+//! thread that sends and one that reads. Where a queue is full, its moments are dropped, and when the client has read
+//! what was under way it gets the state of that time as a whole. A client that takes nothing at all for [`Options::stall`] is
+//! cut off. [`Server::publish`] never waits.
+
+mod bytes;
+mod client;
+mod frame;
+mod line;
+mod mirror;
+mod origin;
+mod record;
+mod scene;
+#[cfg(feature = "serve")]
+pub mod serve;
+mod server;
+mod visit;
+
+pub use client::{Client, Gone};
+pub use mirror::Mirror;
+pub use record::{
+    Alga, Body, Colony, Ending, HEADER, Hello, LayerInfo, MAGIC, MOST_RECORD, MOST_STEPS, Malformed, Moment, Order,
+    PART, RAYS, Record, SpeciesInfo, Status, Tile, VERSION, Why,
+};
+pub use scene::{Raster, Scene};
+pub use server::{Error, Notice, Options, Server};
+pub use tungstenite::Message;
