@@ -54,7 +54,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
         if opened.world.components.contains(eyot::reef::corals::POPULATION) {
             print::note(
-                "note: a view shows the sea and its floor; single corals are in the pictures of the export `dive`",
+                "note: a view shows the sea and its floor; single corals are in the pictures of an export with what = \"dive\"",
             );
         }
         return print::line(&format!("wrote {}, drawn by {}", out.display(), drawn.engine));

@@ -107,7 +107,7 @@ fn choice(choices: &[&str], node: &Node, path: &str, whole: &Value, out: &mut Ve
     if choices.contains(&text) {
         return;
     }
-    if let Some(lines) = whole["former"][text].as_str() {
+    if let Some(lines) = whole["$former"][text].as_str() {
         let message = format!("`{path}` is no longer \"{text}\"");
         out.push(Diagnostic::at(node.span.clone(), message, "former form").help(format!("write\n{lines}")));
         return;

@@ -5,6 +5,7 @@
 
 use crate::node::Span;
 use eyot_core::Remedy;
+use eyot_core::remedy::{Part, Worded};
 use std::fmt;
 use std::sync::Arc;
 
@@ -103,31 +104,39 @@ impl Problems {
     }
 }
 
-impl fmt::Display for Problems {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Worded for Problems {
+    fn sentence(&self) -> Remedy {
+        let mut parts = Vec::new();
+        let words = |text: String| Part::Words(text.into());
         for (i, d) in self.diagnostics.iter().enumerate() {
-            if i > 0 {
-                writeln!(f)?;
-            }
+            let between = if i > 0 { "\n" } else { "" };
             let place = d.span.as_ref().and_then(|s| Some((s, self.source(s)?)));
             if let Some((span, source)) = place {
                 let (line, column) = self.line_column(span);
-                write!(f, "{}:{line}:{column}: ", source.name)?;
+                parts.push(words(format!("{between}{}:{line}:{column}: ", source.name)));
             } else if let Some(first) = self.sources.first() {
-                write!(f, "{}: ", first.name)?;
+                parts.push(words(format!("{between}{}: ", first.name)));
             }
-            write!(f, "{}", d.message)?;
+            parts.extend(d.message.parts().iter().cloned());
             if !d.label.is_empty() {
-                write!(f, " ({})", d.label)?;
+                parts.push(words(format!(" ({})", d.label)));
             }
             if let Some(help) = &d.help {
-                write!(f, "\n  help: {}", help.to_string().replace('\n', "\n        "))?;
+                parts.push(Part::Words("\n  help: ".into()));
+                parts.extend(help.parts().iter().map(|part| match part {
+                    Part::Words(text) => words(text.replace('\n', "\n        ")),
+                    other => other.clone(),
+                }));
             }
         }
-        if let Some(rest) = self.rest() {
-            write!(f, "\n{rest}")?;
-        }
-        Ok(())
+        parts.extend(self.rest().map(|rest| words(format!("\n{rest}"))));
+        parts.into_iter().collect()
+    }
+}
+
+impl fmt::Display for Problems {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.sentence().fmt(f)
     }
 }
 

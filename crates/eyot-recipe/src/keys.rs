@@ -354,7 +354,7 @@ pub struct Export {
     /// What the files show. If not given, what the format is for: `terrain` of `glb` and `obj`, `corals` of `ply`, `plots` of `svg`, and otherwise `layers`.
     pub what: Option<What>,
     /// How it is written. If not given: `layers` as `geotiff`, `terrain` and `corals` as `glb`, tables, points and lines as `csv`, `plots` as `svg` and `png`, all else as `png`.
-    #[schemars(extend("former" = former_formats()))]
+    #[schemars(extend("$former" = former_formats()))]
     pub format: Option<ExportFormat>,
     /// All files for a program instead of one kind: sizes are resampled, scales and orders are the program's.
     pub preset: Option<Preset>,

@@ -11,6 +11,8 @@ use crate::texts;
 use crate::validate::{rules, terms};
 use eyot_core::Grid;
 use eyot_core::process::schema_of;
+use eyot_core::remedy;
+use eyot_core::remedy::Remedy;
 use eyot_rules::Mistake;
 use serde_json::Value;
 
@@ -92,13 +94,13 @@ pub fn apply(
         u.parameters = parameters;
     }
     for u in &changed {
-        let refuse = |e: String| fail(vec![Diagnostic::whole(format!("{}: {e}", u.actor.name()))]);
-        let process = u.make().map_err(|e| refuse(e.to_string()))?;
+        let refuse = |e: Remedy| fail(vec![Diagnostic::whole(remedy![format!("{}: ", u.actor.name()), e])]);
+        let process = u.make().map_err(|e| refuse(e.to_string().into()))?;
         if u.enabled {
             // Whatever would end the run at its next step.
-            process.check(grid).map_err(|e| refuse(e.to_string()))?;
+            process.check(grid).map_err(|e| refuse(e.into()))?;
             if let Some(name) = process.needs().into_iter().find(|name| !has(name)) {
-                return Err(refuse(format!("this needs the layer `{name}`, which no step has made")));
+                return Err(refuse(format!("this needs the layer `{name}`, which no step has made").into()));
             }
         }
     }

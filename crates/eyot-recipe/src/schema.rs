@@ -92,7 +92,7 @@ fn finish(mut schema: Value) -> Value {
 fn strip(schema: &mut Value) {
     if let Some(map) = schema.as_object_mut() {
         map.remove("$schema");
-        map.remove("former");
+        map.remove("$former");
         if map.get("default").is_some_and(Value::is_null) {
             map.remove("default");
         }

@@ -84,7 +84,7 @@ pub enum RunError {
         /// Number of the recipe's step.
         step: usize,
         /// Why not.
-        reason: String,
+        reason: Remedy,
     },
     /// The run cannot be streamed, which was asked for.
     #[error("the run cannot be streamed: {0}")]
@@ -230,6 +230,10 @@ impl Worded for RunError {
             | Self::Checkpoint { reason: sentence, .. }
             | Self::File(sentence)
             | Self::Export(sentence) => sentence.clone(),
+            Self::Recipe(problems) => problems.sentence(),
+            Self::Replay { set, step, reason } => {
+                remedy![format!("`{set}` cannot be given again in step {step}: "), reason.clone()]
+            }
             Self::Device(e) => e.sentence.clone(),
             other => other.to_string().into(),
         }

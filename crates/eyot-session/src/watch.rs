@@ -1,6 +1,7 @@
 //! Looks at the world between the steps of a run, by the run's own thread: for those who must see it often, and whole.
 
 use crate::error::RunError;
+use eyot_core::Remedy;
 use eyot_core::{Cancel, Limits, World};
 use eyot_recipe::{Recipe, Step, Work};
 use std::fmt;
@@ -20,8 +21,8 @@ pub trait Watch: Send {
     /// The world as it is: after each step of the recipe, after so many steps of a simulation, and where it was set back.
     ///
     /// # Errors
-    /// What could not be seen, in words: a warning of the run, which goes on.
-    fn look(&mut self, look: &Look<'_>) -> Result<(), String>;
+    /// What could not be seen: a warning of the run, which goes on.
+    fn look(&mut self, look: &Look<'_>) -> Result<(), Remedy>;
 }
 
 /// A look.
@@ -100,7 +101,7 @@ impl Watching {
     }
 
     /// Says what to warn of.
-    pub(crate) fn look(&mut self, look: &Look<'_>) -> Option<String> {
+    pub(crate) fn look(&mut self, look: &Look<'_>) -> Option<Remedy> {
         self.is_seen = true;
         let failed = self.watcher.lock().look(look).err();
         let silent = std::mem::replace(&mut self.warned, failed.is_some());

@@ -5,7 +5,7 @@ use crate::{Alga, Colony, Hello, LayerInfo, Moment, Raster, Scene, Server, Speci
 use eyot_core::component::Table;
 use eyot_core::process::parameters_from;
 use eyot_core::remedy;
-use eyot_core::remedy::Setting;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Cancel, Limits, Stagger, World};
 use eyot_recipe::{Recipe, Work, layers};
 use eyot_reef::bodies::Shape;
@@ -37,7 +37,7 @@ impl Stage {
         Self { server, options, corals: None, next: None }
     }
 
-    fn scene(&self, look: &Look<'_>) -> Result<Scene, String> {
+    fn scene(&self, look: &Look<'_>) -> Result<Scene, Remedy> {
         let world = look.world;
         let mut scene = Scene {
             moment: Moment {
@@ -51,9 +51,9 @@ impl Stage {
             ..Scene::default()
         };
         // Before their first month there is nobody.
-        let population = world.components.get::<Population>(POPULATION).map_err(|e| e.to_string())?;
+        let population = world.components.get::<Population>(POPULATION)?;
         if let (Some(corals), Some(population)) = (&self.corals, population) {
-            let census = corals.census(world).map_err(|e| e.to_string())?;
+            let census = corals.census(world)?;
             add_reef(&mut scene, corals, population, &census, self.options.rays);
         }
         Ok(scene)
@@ -88,8 +88,9 @@ impl Watch for Stage {
         Ok(())
     }
 
-    fn look(&mut self, look: &Look<'_>) -> Result<(), String> {
-        let scene = self.scene(look).map_err(|e| format!("clients do not see step {}: {e}", look.world.step))?;
+    fn look(&mut self, look: &Look<'_>) -> Result<(), Remedy> {
+        let unseen = |e| remedy![format!("clients do not see step {}: ", look.world.step), e];
+        let scene = self.scene(look).map_err(unseen)?;
         // Generators have no pace.
         if look.total > 1 {
             self.pace(self.options.every, look.cancel);

@@ -12,7 +12,7 @@ use crate::texts;
 use eyot_core::LayerSpec;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use eyot_core::remedy;
-use eyot_core::remedy::{Action, Setting};
+use eyot_core::remedy::{Action, Setting, Worded};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -432,7 +432,7 @@ fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
     };
     let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
     let help = remedy![Action::Describe(owner.to_owned()), " says what its parameters mean"];
-    Diagnostic::at(span, e.to_string(), "this does not work").help(help)
+    Diagnostic::at(span, e.sentence(), "this does not work").help(help)
 }
 
 fn suggestion(name: &str, known: Vec<&str>, command: &str) -> String {

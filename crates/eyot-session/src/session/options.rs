@@ -5,6 +5,7 @@ use crate::error::RunError;
 use crate::event::JournalEntry;
 use crate::frames;
 use crate::watch::Watcher;
+use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::{Limits, World};
 use eyot_io::timeline::Record;
 use eyot_recipe::{ProcessUse, Recipe, Registry, Work, process_set};
@@ -103,11 +104,11 @@ pub(crate) fn check(
         }
     }
     for entry in &options.replay {
-        let misfit = |reason: String| RunError::Replay { set: entry.set.clone(), step: entry.recipe_step, reason };
+        let misfit = |reason: Remedy| RunError::Replay { set: entry.set.clone(), step: entry.recipe_step, reason };
         let Some((_, uses)) = steps.iter_mut().find(|(number, _)| *number == entry.recipe_step) else {
-            return Err(misfit("this recipe simulates nothing there".to_owned()));
+            return Err(misfit("this recipe simulates nothing there".into()));
         };
-        process_set::apply(uses, &entry.set, registry, &recipe.grid, &|_| true).map_err(|p| misfit(p.to_string()))?;
+        process_set::apply(uses, &entry.set, registry, &recipe.grid, &|_| true).map_err(|p| misfit(p.sentence()))?;
     }
     frames::check(recipe, options.record, has_storage)
 }

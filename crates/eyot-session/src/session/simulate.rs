@@ -5,6 +5,8 @@ use super::{Heard, Phase, Session, label, overall};
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry, Progress};
 use eyot_core::process::Span;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::stepper;
 use eyot_core::{Control, Error};
 use eyot_recipe::{Change, Problems, ProcessUse, SimulateStep, Step, Work, process_set, schedule};
@@ -212,7 +214,7 @@ impl Session {
     pub(super) fn change(&mut self, step: &Step, uses: Option<&mut Vec<ProcessUse>>, change: &Change) {
         let set = change.to_string();
         let refused = match uses {
-            None => "no simulation is under way".to_owned(),
+            None => Remedy::from("no simulation is under way"),
             Some(uses) => match self.apply(uses, &set) {
                 Ok(()) => {
                     self.go_on_from_here();
@@ -221,9 +223,9 @@ impl Session {
                     self.state.journal.push(entry.clone());
                     return self.tell(Event::Changed(entry));
                 }
-                Err(problems) => problems.to_string(),
+                Err(problems) => problems.sentence(),
             },
         };
-        self.tell(Event::Warning { message: format!("`{set}` was not set: {refused}").into() });
+        self.tell(Event::Warning { message: remedy![format!("`{set}` was not set: "), refused] });
     }
 }
