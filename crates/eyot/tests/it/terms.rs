@@ -298,11 +298,11 @@ fn expressions_set_by_hand_are_those_of_the_recipe() {
     wait(&|e| matches!(e, Event::Paused { .. }));
     wait(&|e| matches!(e, Event::Paused { .. }));
     for (set, place, words) in [
-        ("hydraulic.rain=\"0.002 * mos\"", "1:25", "did you mean `moss`?"),
-        ("hydraulic.rain=\"0.002 + height\"", "1:17", "the parameter `rain` in m/s"),
-        ("hydraulic.rain=\"0.002 *\"", "1:24", "the text ends"),
-        ("hydraulic.time_step=\"0.1 + 0.1 * moss\"", "1:21", "cannot differ from cell to cell"),
-        ("thermal.talus=\"30 + 5 * moss\"", "1:15", "between two cells"),
+        ("hydraulic.rain=\"0.002 * mos\"", "1:27", "did you mean `moss`?"),
+        ("hydraulic.rain=\"0.002 + height\"", "1:19", "the parameter `rain` in m/s"),
+        ("hydraulic.rain=\"0.002 *\"", "1:26", "the text ends"),
+        ("hydraulic.time_step=\"0.1 + 0.1 * moss\"", "1:23", "cannot differ from cell to cell"),
+        ("thermal.talus=\"30 + 5 * moss\"", "1:17", "between two cells"),
     ] {
         handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
         let told = std::cell::RefCell::new(String::new());
