@@ -1,9 +1,9 @@
 //! Components of worlds, as checkpoints hold them behind their checksums.
 
 use crate::limits;
-use eyot::core::component::{Columns, Decoder, Encoder, Graph, Numbers, Points, Run, Table, Type};
-use eyot::core::{Component, ComponentKind};
 use eyot::{Grid, Limits, Rim, component_kinds};
+use eyot_core::component::{Columns, Decoder, Encoder, Graph, Numbers, Points, Run, Table, Type};
+use eyot_core::{Component, ComponentKind};
 use std::sync::Arc;
 
 /// A byte that says which kind, one for the version, and the component's own.
@@ -23,7 +23,7 @@ pub(crate) fn read(bytes: &[u8]) -> bool {
     true
 }
 
-fn decode(kind: &str, version: u32, mut bytes: &[u8]) -> eyot::core::Result<Arc<dyn Component>> {
+fn decode(kind: &str, version: u32, mut bytes: &[u8]) -> eyot_core::Result<Arc<dyn Component>> {
     let (grid, limits, length) = (grid(), limits(), bytes.len() as u64);
     component_kinds().decode(kind, version, &mut Decoder::new("input", &mut bytes, length, &grid, &limits))
 }

@@ -1,10 +1,10 @@
 //! Expressions of layers and rules.
 
-use eyot::core::conformance::random_world;
-use eyot::core::engine::CpuEngine;
-use eyot::core::process::{Scheduled, Span};
-use eyot::core::{Control, LayerSpec, Rim};
-use eyot::rules::{Acting, Known, LayerDefinition, Part, RuleDefinition, Scope, layer, rule};
+use eyot_core::conformance::random_world;
+use eyot_core::engine::CpuEngine;
+use eyot_core::process::{Scheduled, Span};
+use eyot_core::{Control, LayerSpec, Rim};
+use eyot_rules::{Acting, Known, LayerDefinition, Part, RuleDefinition, Scope, layer, rule};
 
 pub(crate) const WORDS: &[&str] = &[
     "a",

@@ -1,9 +1,9 @@
 //! Height maps from files.
 
 use crate::{BETWEEN, limits, parts, scratch};
-use eyot::core::layer::known;
-use eyot::io::{RasterFormat, ReadOptions, RowOrder, Sample, read_raster, write_layer};
 use eyot::{Field, Georeference, Grid, Limits, Rim, World};
+use eyot_core::layer::known;
+use eyot_io::{RasterFormat, ReadOptions, RowOrder, Sample, read_raster, write_layer};
 use std::path::Path;
 
 pub(crate) const PNG_WORDS: &[&str] = &["IHDR", "IDAT", "IEND", "tEXt", "iTXt", "PLTE", "tRNS", "acTL", "fcTL"];

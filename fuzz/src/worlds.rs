@@ -1,10 +1,10 @@
 //! Saved worlds.
 
 use crate::{limits, scratch};
-use eyot::core::layer::known;
-use eyot::core::{LayerSpec, Stagger};
-use eyot::io::checkpoint;
 use eyot::{Grid, Limits, Rim, World};
+use eyot_core::layer::known;
+use eyot_core::{LayerSpec, Stagger};
+use eyot_io::checkpoint;
 
 pub(crate) const WORDS: &[&str] =
     &["width", "height", "layers", "Cell", "FaceX", "FaceY", "null", "-1", "1e999", "18446744073709551615", "{", "["];

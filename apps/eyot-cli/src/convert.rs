@@ -3,8 +3,8 @@
 use crate::args::Convert;
 use crate::wording::CommandLine;
 use crate::{Failure, made, print, report};
-use eyot::convert::{ConvertOptions, convert as run};
-use eyot::io::ReadOptions;
+use eyot::formats::ReadOptions;
+use eyot::formats::{ConvertOptions, convert as run};
 
 /// Converts a file.
 pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {

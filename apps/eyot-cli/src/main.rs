@@ -21,7 +21,7 @@ mod words;
 
 use args::{Cli, Verb};
 use clap::Parser;
-use eyot::core::isa::Isa;
+use eyot::engines::Isa;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 

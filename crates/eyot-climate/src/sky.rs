@@ -1,11 +1,9 @@
 //! Sun, seasons and latitudes: what depends on the row and the hour alone.
 
 use crate::units::hours_per_step;
-use eyot_core::given::Given;
-use eyot_core::plan::Plan;
 use eyot_core::process::Moment;
 use eyot_core::real::Real;
-use eyot_core::{Grid, given, math};
+use eyot_core::{Grid, math};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -37,8 +35,9 @@ impl Seasons {
     }
 
     /// Latitude at which the noon sun stands overhead, rad.
-    pub fn declination(&self, moment: &Moment, plan: &Plan) -> Given {
-        given!(plan, self.tilt).to_radians() * math::sin(self.phase(moment))
+    pub fn declination(&self, moment: &Moment) -> f32 {
+        // All processes of a world share the tilt, so that it is a number and no expression.
+        self.tilt.to_radians() * math::sin(self.phase(moment))
     }
 }
 

@@ -144,7 +144,7 @@ impl Process for Temperature {
         let (rows, half_row) = rows(&moment.grid);
         let (share_x, share_y) = shares(&moment.grid);
         let hours_a_step = hours_per_step(&moment.grid) as f32;
-        let declination = self.seasons.declination(moment, plan);
+        let declination = self.seasons.declination(moment);
         let rate = |response: Given| 1.0 - math::exp(-hours_a_step / response);
         let (response, lapse) = (given!(plan, self.response), 1e-3 * given!(plan, self.lapse));
         plan.push_given::<Warm>(WarmParams {
@@ -153,8 +153,8 @@ impl Process for Temperature {
             column: ((std::f64::consts::TAU / moment.grid.width as f64) as f32).into(),
             clock: turned(hours(moment), f64::from(self.rotation_speed)).into(),
             sun: declination + given!(plan, self.sun_angle).to_radians(),
-            sin_sun: math::sin(declination),
-            cos_sun: math::cos(declination),
+            sin_sun: math::sin(declination).into(),
+            cos_sun: math::cos(declination).into(),
             warmth: CELSIUS_AT_ZERO + CELSIUS_PER_UNIT * (1.0 + given!(plan, self.sun_strength)),
             contrast: CELSIUS_PER_UNIT * given!(plan, self.contrast),
             night: CELSIUS_PER_UNIT * given!(plan, self.day_night),

@@ -212,7 +212,7 @@ impl Process for Wind {
                 plan.push::<Drift>(DriftParams { rows, east });
             }
         }
-        let turn = given!(plan, self.follow) * self.seasons.declination(moment, plan);
+        let turn = given!(plan, self.follow) * self.seasons.declination(moment);
         let full = FULL_WIND * given!(plan, self.global_wind);
         let (x, x_turn, x_start, y, y_turn) = match self.cells {
             Cells::Earth => (BELTS.0 * full, 3.3, 0.0, BELTS.1 * full, 6.0),

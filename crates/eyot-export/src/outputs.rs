@@ -159,7 +159,7 @@ impl Outputs<'_> {
             limits,
             control: self.results.control,
             begin: &mut |path| self.begin(path, written),
-            note: &|message| (self.results.tell)(Event::Warning { message: message.into() }),
+            note: &|message| (self.results.tell)(Event::Warning { message }),
         };
         write(&mut job, export).map_err(RunError::from)
     }

@@ -45,7 +45,7 @@ impl Card {
 
     pub(crate) fn follow(&mut self, world: &World) -> Result<(), DeviceError> {
         let layers: Vec<&str> = world.layers().iter().map(|l| &*l.spec.name).collect();
-        Ok(self.scene.update(&self.gpu, &mut self.renderer, world, &layers)?)
+        Ok(self.scene.update(&self.gpu, &self.renderer, world, &layers)?)
     }
 
     pub(crate) fn draw(&mut self, camera: &Camera, size: [u32; 2], time_s: f32) -> Result<Picture, DeviceError> {

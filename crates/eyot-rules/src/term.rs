@@ -524,7 +524,7 @@ impl Process for Replaced {
     fn layers(&self) -> Vec<LayerUse> {
         let mut layers = self.plain.layers();
         // What the process writes alone is read now if a term names it.
-        let named = |name: &str| self.terms.list.iter().any(|t| t.needs.iter().any(|n| *n == name));
+        let named = |name: &str| self.terms.list.iter().any(|t| t.needs.contains(&name));
         layers.iter_mut().filter(|l| named(&l.spec.name)).for_each(|l| {
             if l.access == Access::Write {
                 l.access = Access::Change;

@@ -5,13 +5,16 @@ use std::pin::Pin;
 use std::task::{Context, Poll};
 use wgpu::BufferUsages;
 
+/// What becomes of rows of pixels.
+type Make<T> = Box<dyn Fn(&[u8]) -> T + Send>;
+
 /// A picture, or another thing made of pixels, on its way back from the card: a future, or something to look at with
 /// [`Shot::is_ready`].
 pub struct Shot<T> {
     bytes: Reading,
     /// Bytes of a row as it arrives, and without its padding.
     rows: [usize; 2],
-    make: Box<dyn Fn(&[u8]) -> T + Send>,
+    make: Make<T>,
 }
 
 impl<T> Shot<T> {

@@ -21,7 +21,7 @@ impl Numbers {
     /// # Errors
     /// If those are no whole numbers of eight bytes.
     pub fn decode(from: &mut Decoder<'_>) -> crate::Result<Self> {
-        if from.left() % 8 != 0 {
+        if !from.left().is_multiple_of(8) {
             return Err(from.wrong(format!("{} bytes are no list of numbers", from.left())));
         }
         from.f64s((from.left() / 8) as usize).map(Self)

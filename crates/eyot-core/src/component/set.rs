@@ -13,10 +13,7 @@ pub struct Components(BTreeMap<String, Arc<dyn Component>>);
 
 impl PartialEq for Components {
     fn eq(&self, other: &Self) -> bool {
-        let same = |((a, x), (b, y)): ((&String, &Arc<dyn Component>), (&String, &Arc<dyn Component>))| {
-            a == b && x.equals(&**y)
-        };
-        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(same)
+        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|((a, x), (b, y))| a == b && x.equals(&**y))
     }
 }
 

@@ -2,11 +2,11 @@
 
 use crate::common;
 
-use eyot::core::layer::known;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Subject, Video, film};
 use eyot::{
     Cancel, Control, Field, Grid, Limits, Record, Rim, Run, RunError, RunOptions, Timeline, View, ViewRequest, World,
 };
+use eyot_core::layer::known;
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -3,12 +3,12 @@
 use crate::common;
 
 use common::recipe;
-use eyot::core::engine::CpuEngine;
-use eyot::core::process::{Scheduled, Span};
 use eyot::{
     Command, Control, Edge, Event, Field, Grid, JournalEntry, Limits, Overrides, RECIPES, Recipe, RecipeSource,
     Registry, Rim, Run, RunOptions, Work, World, store,
 };
+use eyot_core::engine::CpuEngine;
+use eyot_core::process::{Scheduled, Span};
 use std::path::Path;
 use std::time::Duration;
 

@@ -1,0 +1,6 @@
+//! What must hold of the repository as a whole.
+
+mod architecture;
+mod crates;
+mod gallery;
+mod how_to;
