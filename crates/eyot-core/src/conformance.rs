@@ -183,11 +183,16 @@ pub fn check_access_in(world: &World, processes: &[Scheduled]) -> Result<()> {
             crate::engine::EngineError::Core(e) => e,
             crate::engine::EngineError::Device(e) => unreachable!("{e}"),
         })?;
+        // Engines shut the faces of closed rims, whoever runs.
+        let settle =
+            |world: &mut World| CpuEngine::default().simulate(world, &[], Span { from: 0, steps: 0 }, &Control::none());
+        settle(&mut before)?;
         let mut other = before.clone();
         let unread: Vec<String> = before.layers().iter().map(|l| l.spec.name.to_string()).collect();
         for name in unread.iter().filter(|n| !reads.iter().any(|r| r == *n)) {
             other.layer_mut(name)?.field.map_in_place(|v| 0.5 * v + 0.125);
         }
+        settle(&mut other)?;
         let (mut after, changed) = (before.clone(), other.clone());
         CpuEngine::default().simulate(&mut after, alone, one(), &Control::none())?;
         CpuEngine::default().simulate(&mut other, alone, one(), &Control::none())?;
