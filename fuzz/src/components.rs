@@ -1,7 +1,7 @@
 //! Components of worlds, as checkpoints hold them behind their checksums.
 
 use crate::limits;
-use eyot::{Grid, Limits, Rim, component_kinds};
+use eyot::{Boundary, Grid, Limits, component_kinds};
 use eyot_core::component::{Columns, Decoder, Encoder, Graph, Numbers, Points, Run, Table, Type};
 use eyot_core::{Component, ComponentKind};
 use std::sync::Arc;
@@ -37,7 +37,7 @@ fn encode(component: &dyn Component) -> Vec<u8> {
 }
 
 fn grid() -> Grid {
-    Grid::new(3, 2, 10.0, Rim::CLOSED, &Limits::default()).expect("a sound grid")
+    Grid::new(3, 2, 10.0, Boundary::CLOSED, &Limits::default()).expect("a sound grid")
 }
 
 /// One of each kind of the core, and the shortest lists of numbers that worlds once kept of reefs and plates.

@@ -6,9 +6,9 @@ use crate::control::Control;
 use crate::domain::Domain;
 use crate::engine::CpuEngine;
 use crate::error::Result;
-use crate::grid::{Edge, Grid, Rim};
+use crate::grid::{Boundary, BoundaryCondition, Grid};
 use crate::isa::Isa;
-use crate::layer::{Layer, LayerSpec, Stagger};
+use crate::layer::{Centering, Layer, LayerSpec};
 use crate::limits::Limits;
 use crate::process::{Locality, Moment, Scheduled, Span};
 use crate::reference::Reference;
@@ -21,9 +21,9 @@ pub const SHAPES: [(usize, usize); 12] =
     [(1, 1), (1, 7), (9, 1), (2, 2), (3, 5), (15, 4), (16, 16), (17, 3), (27, 51), (33, 40), (64, 9), (5, 97)];
 
 /// The nine rims.
-pub fn rims() -> Vec<Rim> {
-    let edges = [Edge::Closed, Edge::Open, Edge::Wrap];
-    edges.iter().flat_map(|&x| edges.iter().map(move |&y| Rim { x, y })).collect()
+pub fn rims() -> Vec<Boundary> {
+    let edges = [BoundaryCondition::Closed, BoundaryCondition::Open, BoundaryCondition::Wrap];
+    edges.iter().flat_map(|&x| edges.iter().map(move |&y| Boundary { x, y })).collect()
 }
 
 /// A world of random values within every layer's plausible range: `start(layer name, uniform number)` gives the value.
@@ -32,7 +32,7 @@ pub fn rims() -> Vec<Rim> {
 /// If the grid is not sound.
 pub fn random_world(
     shape: (usize, usize),
-    rim: Rim,
+    rim: Boundary,
     seed: u64,
     processes: &[Scheduled],
     start: &dyn Fn(&str, f32) -> f32,
@@ -145,7 +145,16 @@ pub fn check_graphs(processes: &[Scheduled], grid: Grid) {
 /// # Panics
 /// With the process and the layer.
 pub fn check_access(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -> Result<()> {
-    check_access_in(&random_world((17, 9), Rim { x: Edge::Wrap, y: Edge::Closed }, 3, processes, start)?, processes)
+    check_access_in(
+        &random_world(
+            (17, 9),
+            Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed },
+            3,
+            processes,
+            start,
+        )?,
+        processes,
+    )
 }
 
 /// [`check_access`] in a world that is not random, for processes that cannot do without some sense in their layers.
@@ -285,7 +294,7 @@ pub fn check_windows(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) 
 
 /// The bits of a layer, outer faces included.
 fn bits(l: &Layer) -> Vec<u32> {
-    let faces = if l.spec.stagger == Stagger::Cell { Vec::new() } else { l.field.outer_faces() };
+    let faces = if l.spec.centering == Centering::Cell { Vec::new() } else { l.field.outer_faces() };
     l.field.iter().chain(faces).map(f32::to_bits).collect()
 }
 

@@ -8,7 +8,7 @@
 //! [`Plan::reach`](crate::plan::Plan::reach) of all that has run is no more than the halo; then its owner fills it anew.
 
 use crate::error::{Error, Result};
-use crate::grid::{Edge, Grid};
+use crate::grid::{BoundaryCondition, Grid};
 use std::ops::Range;
 
 /// The part of a grid that is held: a window and its halo. Most often it is the whole grid.
@@ -26,7 +26,7 @@ pub struct Domain {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum End {
     /// The rim of the grid; a ring closes here only if all of it is held once.
-    Rim(Edge),
+    Boundary(BoundaryCondition),
     /// More of the grid.
     Cut,
 }
@@ -36,7 +36,7 @@ pub(crate) enum End {
 struct Axis {
     /// Cells of the whole axis, and how it ends.
     total: usize,
-    edge: Edge,
+    edge: BoundaryCondition,
     /// First cell of the window, and how many it has.
     start: usize,
     len: usize,
@@ -46,12 +46,12 @@ struct Axis {
 }
 
 impl Axis {
-    fn new(total: usize, edge: Edge, window: &Range<usize>, halo: usize) -> Self {
+    fn new(total: usize, edge: BoundaryCondition, window: &Range<usize>, halo: usize) -> Self {
         let (start, len) = (window.start, window.len());
         let (before, behind) = match edge {
             _ if len == total => (0, 0),
-            Edge::Wrap => (halo, halo),
-            Edge::Closed | Edge::Open => (halo.min(start), halo.min(total - window.end)),
+            BoundaryCondition::Wrap => (halo, halo),
+            BoundaryCondition::Closed | BoundaryCondition::Open => (halo.min(start), halo.min(total - window.end)),
         };
         Self { total, edge, start, len, before, behind }
     }
@@ -67,7 +67,7 @@ impl Axis {
     /// True if the far side of a ring comes after its last cell among those that are held.
     fn crosses_seam(&self) -> bool {
         let outside = self.first() < 0 || self.first() + self.held() as isize > self.total as isize;
-        self.len < self.total && self.edge == Edge::Wrap && outside
+        self.len < self.total && self.edge == BoundaryCondition::Wrap && outside
     }
 
     /// The number of a held cell in the whole axis. The one before the first of an open rim, which only faces have, is -1.
@@ -77,11 +77,11 @@ impl Axis {
     }
 
     fn ends(&self) -> [End; 2] {
-        let rim = End::Rim(self.edge);
+        let rim = End::Boundary(self.edge);
         if self.len == self.total {
             return [rim; 2];
         }
-        let at_rim = |reached: bool| if reached && self.edge != Edge::Wrap { rim } else { End::Cut };
+        let at_rim = |reached: bool| if reached && self.edge != BoundaryCondition::Wrap { rim } else { End::Cut };
         [at_rim(self.first() == 0), at_rim(self.first() + self.held() as isize == self.total as isize)]
     }
 
@@ -145,8 +145,8 @@ impl Domain {
         let mut grid = self.global;
         (grid.width, grid.height) = (self.x.held(), self.y.held());
         for (edge, axis) in [(&mut grid.rim.x, &self.x), (&mut grid.rim.y, &self.y)] {
-            if *edge == Edge::Wrap && axis.len < axis.total {
-                *edge = Edge::Closed;
+            if *edge == BoundaryCondition::Wrap && axis.len < axis.total {
+                *edge = BoundaryCondition::Closed;
             }
         }
         grid
@@ -207,15 +207,15 @@ pub(crate) fn cell_number(x: isize, y: isize, width: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::Rim;
+    use crate::grid::Boundary;
 
-    fn grid(x: Edge, y: Edge) -> Grid {
-        Grid { width: 10, height: 6, cell_x_m: 1.0, cell_y_m: 1.0, rim: Rim { x, y } }
+    fn grid(x: BoundaryCondition, y: BoundaryCondition) -> Grid {
+        Grid { width: 10, height: 6, cell_x_m: 1.0, cell_y_m: 1.0, rim: Boundary { x, y } }
     }
 
     #[test]
     fn a_window_numbers_its_cells_as_the_whole_grid_does() {
-        let d = Domain::window(grid(Edge::Closed, Edge::Wrap), 3..5, 0..2, 2).unwrap();
+        let d = Domain::window(grid(BoundaryCondition::Closed, BoundaryCondition::Wrap), 3..5, 0..2, 2).unwrap();
         assert_eq!((d.held().width, d.held().height), (6, 6));
         assert_eq!((d.inside_columns(), d.inside_rows()), (2..4, 2..4));
         assert_eq!((0..6).map(|y| d.row(y)).collect::<Vec<_>>(), [4, 5, 0, 1, 2, 3]);
@@ -227,15 +227,15 @@ mod tests {
 
     #[test]
     fn halos_end_at_rims_that_do_not_wrap() {
-        let d = Domain::window(grid(Edge::Open, Edge::Closed), 0..4, 0..6, 3).unwrap();
-        assert_eq!(d.ends_x(), [End::Rim(Edge::Open), End::Cut]);
-        assert_eq!(d.ends_y(), [End::Rim(Edge::Closed); 2]);
+        let d = Domain::window(grid(BoundaryCondition::Open, BoundaryCondition::Closed), 0..4, 0..6, 3).unwrap();
+        assert_eq!(d.ends_x(), [End::Boundary(BoundaryCondition::Open), End::Cut]);
+        assert_eq!(d.ends_y(), [End::Boundary(BoundaryCondition::Closed); 2]);
         assert_eq!((d.held().width, d.held().height, d.column(-1)), (7, 6, -1));
     }
 
     #[test]
     fn the_whole_grid_is_a_window_of_itself() {
-        let g = grid(Edge::Wrap, Edge::Open);
+        let g = grid(BoundaryCondition::Wrap, BoundaryCondition::Open);
         let (whole, all) = (Domain::whole(g), Domain::window(g, 0..10, 0..6, 4).unwrap());
         assert_eq!((whole.held(), all.held()), (g, g));
         assert!(all.is_whole() && all.ends_x() == whole.ends_x() && all.ends_y() == whole.ends_y());

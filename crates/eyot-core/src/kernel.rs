@@ -256,11 +256,14 @@ fn west_faces<U: Rule>(params: &<U::Params as ParamSet>::Of<f32>, job: &RowJob) 
 
 #[inline(never)]
 fn leave<U: Rule>(params: &<U::Params as ParamSet>::Of<f32>, job: &mut RowJob) {
-    leave_by(job, |cell, side| U::leaving::<f32>(params, cell, side));
+    leave_by(job, |cell, side| U::boundary_outflow::<f32>(params, cell, side));
 }
 
 /// Adds what leaves through the open sides to the sums of the row.
-pub(crate) fn leave_by<S: AsRef<[f32]>>(job: &mut RowJob, leaving: impl Fn(&ScalarCell<'_>, Side) -> Option<S>) {
+pub(crate) fn leave_by<S: AsRef<[f32]>>(
+    job: &mut RowJob,
+    boundary_outflow: impl Fn(&ScalarCell<'_>, Side) -> Option<S>,
+) {
     for (side, open) in Side::ALL.into_iter().zip(job.open) {
         let columns = match side {
             Side::West => 0..1,
@@ -269,7 +272,7 @@ pub(crate) fn leave_by<S: AsRef<[f32]>>(job: &mut RowJob, leaving: impl Fn(&Scal
         };
         let counted = job.counted.clone();
         for x in columns.filter(|x| open && counted.contains(x)) {
-            let Some(summands) = leaving(&job.cell(x as isize), side) else { return };
+            let Some(summands) = boundary_outflow(&job.cell(x as isize), side) else { return };
             for (total, v) in job.sums.iter_mut().zip(summands.as_ref()) {
                 *total += f64::from(*v);
             }

@@ -254,7 +254,7 @@ where
     }
     fn leaving_f64(&self, view: &View<'_, f64>, side: Side) -> Option<Vec<f64>> {
         let p = U::Params::map(&self.params, |_, v| f64::from(v));
-        U::leaving(&p, view, side).map(|s| s.as_ref().to_vec())
+        U::boundary_outflow(&p, view, side).map(|s| s.as_ref().to_vec())
     }
 }
 

@@ -6,8 +6,8 @@
 use crate::control::Control;
 use crate::domain::{Domain, End};
 use crate::engine::{Ahead, Borrowed, Engine, EngineError, Saved};
-use crate::grid::{Edge, Grid};
-use crate::layer::{Beyond, Layer, LayerSpec, Stagger};
+use crate::grid::{BoundaryCondition, Grid};
+use crate::layer::{Centering, GhostFill, Layer, LayerSpec};
 use crate::limits::Limits;
 use crate::plan::{Pass, Plan, View};
 use crate::process::{Scheduled, Span};
@@ -113,11 +113,11 @@ impl<T: Number> Reference<T> {
         // What an earlier run left on the faces beyond an open rim.
         let (faces, at) = (l.field.outer_faces(), self.find(&l.spec.name));
         let (west, north) = faces.split_at(self.grid.height);
-        for (y, v) in west.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceX) {
+        for (y, v) in west.iter().enumerate().filter(|_| l.spec.centering == Centering::FaceX) {
             let i = self.index(-1, y as isize);
             self.layers[at].values[i] = T::of(*v);
         }
-        for (x, v) in north.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceY) {
+        for (x, v) in north.iter().enumerate().filter(|_| l.spec.centering == Centering::FaceY) {
             let i = self.index(x as isize, -1);
             self.layers[at].values[i] = T::of(*v);
         }
@@ -198,10 +198,10 @@ impl<T: Number> Reference<T> {
             }
             let mut faces = l.field.outer_faces();
             let (west, north) = faces.split_at_mut(g.height);
-            if l.spec.stagger == Stagger::FaceX {
+            if l.spec.centering == Centering::FaceX {
                 west.iter_mut().enumerate().for_each(|(y, v)| *v = value(-1, y as isize));
             }
-            if l.spec.stagger == Stagger::FaceY {
+            if l.spec.centering == Centering::FaceY {
                 north.iter_mut().enumerate().for_each(|(x, v)| *v = value(x as isize, -1));
             }
             // There are as many faces as before.
@@ -212,7 +212,7 @@ impl<T: Number> Reference<T> {
     fn pass(&mut self, pass: &Pass) {
         let (g, domain) = (self.grid, self.domain);
         let (ends_x, ends_y) = (domain.ends_x(), domain.ends_y());
-        let open = |end| end == End::Rim(Edge::Open);
+        let open = |end| end == End::Boundary(BoundaryCondition::Open);
         let reads: Vec<usize> = pass.reads().iter().map(|r| self.find(r.layer)).collect();
         let writes: Vec<usize> = pass.writes().iter().map(|w| self.find(w)).collect();
         let mut new: Vec<Vec<T>> = writes.iter().map(|&w| self.layers[w].values.clone()).collect();
@@ -225,9 +225,9 @@ impl<T: Number> Reference<T> {
                 let (column, row) = (domain.column(x), domain.row(y));
                 let [values, sums] = T::cell(pass, &at, T::of(column as f32), T::of(row as f32), &uniform);
                 for (i, &w) in writes.iter().enumerate() {
-                    let stagger = self.layers[w].spec.stagger;
-                    let west = x < 0 && !(stagger == Stagger::FaceX && open(ends_x[0]) && y >= 0);
-                    let north = y < 0 && !(stagger == Stagger::FaceY && open(ends_y[0]) && x >= 0);
+                    let centering = self.layers[w].spec.centering;
+                    let west = x < 0 && !(centering == Centering::FaceX && open(ends_x[0]) && y >= 0);
+                    let north = y < 0 && !(centering == Centering::FaceY && open(ends_y[0]) && x >= 0);
                     if west || north {
                         continue;
                     }
@@ -269,16 +269,16 @@ impl<T: Number> Reference<T> {
 
     /// True for a face on a closed rim.
     fn is_shut(&self, spec: &LayerSpec, x: isize, y: isize) -> bool {
-        let (g, shut) = (&self.grid, End::Rim(Edge::Closed));
-        (spec.stagger == Stagger::FaceX && self.domain.ends_x()[1] == shut && x + 1 == g.width as isize)
-            || (spec.stagger == Stagger::FaceY && self.domain.ends_y()[1] == shut && y + 1 == g.height as isize)
+        let (g, shut) = (&self.grid, End::Boundary(BoundaryCondition::Closed));
+        (spec.centering == Centering::FaceX && self.domain.ends_x()[1] == shut && x + 1 == g.width as isize)
+            || (spec.centering == Centering::FaceY && self.domain.ends_y()[1] == shut && y + 1 == g.height as isize)
     }
 
     /// What a rule reads at (x, y), which may lie beyond the rim.
     fn look(&self, layer: usize, x: isize, y: isize) -> T {
         let (g, l) = (&self.grid, &self.layers[layer]);
-        let column = place(x, g.width, self.domain.ends_x(), &l.spec, l.spec.stagger == Stagger::FaceX);
-        let row = place(y, g.height, self.domain.ends_y(), &l.spec, l.spec.stagger == Stagger::FaceY);
+        let column = place(x, g.width, self.domain.ends_x(), &l.spec, l.spec.centering == Centering::FaceX);
+        let row = place(y, g.height, self.domain.ends_y(), &l.spec, l.spec.centering == Centering::FaceY);
         match (column, row) {
             (Some(x), Some(y)) => l.values[self.index(x, y)],
             _ => T::of(0.0),
@@ -374,14 +374,14 @@ impl<T: Number> Engine for Reference<T> {
 /// The column or row that stands for `i`; `None` where there is nothing.
 fn place(i: isize, n: usize, ends: [End; 2], spec: &LayerSpec, face: bool) -> Option<isize> {
     let n = n as isize;
-    if (0..n).contains(&i) || (i == -1 && face && ends[0] == End::Rim(Edge::Open)) {
+    if (0..n).contains(&i) || (i == -1 && face && ends[0] == End::Boundary(BoundaryCondition::Open)) {
         return Some(i);
     }
     let beyond = match ends[usize::from(i > 0)] {
-        End::Rim(Edge::Wrap) => return Some(i.rem_euclid(n)),
-        End::Rim(Edge::Closed) => spec.beyond_closed,
-        End::Rim(Edge::Open) => spec.beyond_open,
-        End::Cut => Beyond::Nearest,
+        End::Boundary(BoundaryCondition::Wrap) => return Some(i.rem_euclid(n)),
+        End::Boundary(BoundaryCondition::Closed) => spec.beyond_closed,
+        End::Boundary(BoundaryCondition::Open) => spec.beyond_open,
+        End::Cut => GhostFill::Nearest,
     };
-    (beyond == Beyond::Nearest).then(|| i.clamp(0, n - 1))
+    (beyond == GhostFill::Nearest).then(|| i.clamp(0, n - 1))
 }

@@ -4,8 +4,8 @@ use crate::component::Components;
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::field::Field;
-use crate::grid::{Edge, Grid};
-use crate::layer::{Layer, LayerSpec, Stagger};
+use crate::grid::{BoundaryCondition, Grid};
+use crate::layer::{Centering, Layer, LayerSpec};
 use crate::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 
@@ -141,7 +141,7 @@ impl World {
         let domain = part.domain();
         self.is_whole_of(&domain)?;
         let (width, height) = (self.grid.width, self.grid.height);
-        let ring = self.grid.rim.x == Edge::Wrap;
+        let ring = self.grid.rim.x == BoundaryCondition::Wrap;
         for layer in &part.layers {
             let Ok(own) = self.layer_mut(&layer.spec.name) else { continue };
             let (mut faces, theirs) = (own.field.outer_faces(), layer.field.outer_faces());
@@ -211,9 +211,9 @@ impl World {
         let i = match self.layers.iter().position(|l| l.spec.name == spec.name) {
             Some(i) => i,
             None => {
-                // Two buffers a layer while the engine runs: keep their staggers apart.
-                let stagger = 2 * self.layers.len();
-                let field = Field::staggered(self.grid.width, self.grid.height, value, stagger);
+                // Two buffers a layer while the engine runs: keep their cache offsets apart.
+                let cache_offset = 2 * self.layers.len();
+                let field = Field::with_cache_offset(self.grid.width, self.grid.height, value, cache_offset);
                 self.layers.push(Layer { spec: spec.clone(), field });
                 self.layers.len() - 1
             }
@@ -264,7 +264,7 @@ impl World {
         for l in &self.layers {
             print.begin(&l.spec.name);
             l.field.rows().for_each(|r| print.values(r));
-            if l.spec.stagger != Stagger::Cell {
+            if l.spec.centering != Centering::Cell {
                 print.values(&l.field.outer_faces());
             }
         }

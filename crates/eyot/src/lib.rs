@@ -34,7 +34,8 @@ mod run;
 pub mod store;
 
 pub use eyot_core::{
-    Cancel, Control, Edge, Error, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World,
+    Boundary, BoundaryCondition, Cancel, Control, Error, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits,
+    World,
 };
 pub use eyot_export::Import;
 pub use eyot_recipe::{
@@ -106,7 +107,7 @@ pub mod timeline {
 /// Films of worlds, runs and recordings.
 #[cfg(feature = "film")]
 pub mod film {
-    pub use eyot_film::{FilmOptions, FilmPath, FilmProgress, Filmed, MOST_FRAMES, Subject, Video, film};
+    pub use eyot_film::{FilmOptions, FilmPath, FilmProgress, Filmed, MAX_FRAMES, Subject, Video, film};
 }
 
 /// Worlds over the network as they change: a server and its clients, and runs that are served.

@@ -5,7 +5,7 @@ use eyot_climate::PROCESSES;
 use eyot_core::conformance;
 use eyot_core::plan::Plan;
 use eyot_core::process::Moment;
-use eyot_core::{Grid, Limits, Rim};
+use eyot_core::{Boundary, Grid, Limits};
 use eyot_testing::climate::{climate_start, climate_variants, world};
 
 #[test]
@@ -35,7 +35,7 @@ fn windows_have_the_bytes_of_the_whole_grid() {
 
 #[test]
 fn graphs_mean_what_the_rules_mean() {
-    let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
+    let grid = Grid::new(64, 32, 3.0, Boundary::OPEN, &Limits::default()).unwrap();
     for (_, processes) in climate_variants() {
         conformance::check_graphs(&processes, grid);
     }
@@ -44,7 +44,7 @@ fn graphs_mean_what_the_rules_mean() {
 /// What a step of all processes costs for a cell; `docs/performance.md` gives the numbers that this prints.
 #[test]
 fn a_step_is_lean() {
-    let grid = Grid::new(64, 32, 6e5, Rim::WRAP, &Limits::default()).unwrap();
+    let grid = Grid::new(64, 32, 6e5, Boundary::WRAP, &Limits::default()).unwrap();
     let (mut operations, mut accesses) = (0.0, 0.0);
     for s in world() {
         let mut plan = Plan::default();
@@ -82,6 +82,6 @@ fn registry_is_sound() {
                 );
             }
         }
-        process.check(&Grid::new(8, 8, 1e5, Rim::WRAP, &Limits::default()).unwrap()).unwrap();
+        process.check(&Grid::new(8, 8, 1e5, Boundary::WRAP, &Limits::default()).unwrap()).unwrap();
     }
 }

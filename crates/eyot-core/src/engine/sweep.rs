@@ -10,11 +10,11 @@
 
 use crate::domain::{Domain, End};
 use crate::field::RawField;
-use crate::grid::{Edge, Grid};
+use crate::grid::{BoundaryCondition, Grid};
 use crate::isa::Isa;
 use crate::kernel::{Place, ROWS, RowJob};
 use crate::lanes::WIDTH;
-use crate::layer::{Beyond, LayerSpec, Stagger};
+use crate::layer::{Centering, GhostFill, LayerSpec};
 use crate::plan::Pass;
 use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES};
 use crate::schedule::Schedule;
@@ -89,14 +89,14 @@ impl Sweep<'_> {
 
     /// True if the first row follows on the last one.
     fn closes(&self) -> bool {
-        self.domain.ends_y()[0] == End::Rim(Edge::Wrap)
+        self.domain.ends_y()[0] == End::Boundary(BoundaryCondition::Wrap)
     }
 
     /// Passes that write southern faces also compute the northern rim's faces when that rim is open.
     fn first_row(&self, pass: usize) -> isize {
         let writes = &self.schedule.passes[pass].writes;
-        let faces = writes.iter().any(|b| self.specs[b.layer].stagger == Stagger::FaceY);
-        if faces && self.domain.ends_y()[0] == End::Rim(Edge::Open) { -1 } else { 0 }
+        let faces = writes.iter().any(|b| self.specs[b.layer].centering == Centering::FaceY);
+        if faces && self.domain.ends_y()[0] == End::Boundary(BoundaryCondition::Open) { -1 } else { 0 }
     }
 
     /// Sweeps the rows `range(p)` of the passes as a wave that starts at row `start`.
@@ -144,22 +144,23 @@ impl Sweep<'_> {
             }
         }
         for (i, buffer) in scheduled.writes.iter().enumerate() {
-            let stagger = self.specs[buffer.layer].stagger;
-            job.out[i] = if y < 0 && stagger != Stagger::FaceY {
+            let centering = self.specs[buffer.layer].centering;
+            job.out[i] = if y < 0 && centering != Centering::FaceY {
                 self.dummy.row(i as isize)
             } else {
                 self.buffer(buffer.layer, buffer.copy).row(y)
             };
-            job.west_face[i] = y >= 0 && ends_x[0] == End::Rim(Edge::Open) && stagger == Stagger::FaceX;
+            job.west_face[i] =
+                y >= 0 && ends_x[0] == End::Boundary(BoundaryCondition::Open) && centering == Centering::FaceX;
         }
         if counted {
-            let open = |end| end == End::Rim(Edge::Open);
+            let open = |end| end == End::Boundary(BoundaryCondition::Open);
             job.open = [open(ends_x[0]), open(ends_x[1]), open(ends_y[0]) && y == 0, open(ends_y[1]) && y == last];
         }
         pass.rule.row(self.isa, &mut job);
         for buffer in &scheduled.writes {
             let spec = &self.specs[buffer.layer];
-            if y >= 0 || spec.stagger == Stagger::FaceY {
+            if y >= 0 || spec.centering == Centering::FaceY {
                 // SAFETY: this row of the written buffers belongs to this call.
                 unsafe { finish_row(self.buffer(buffer.layer, buffer.copy).row(y), &self.domain, spec, y) };
             }
@@ -180,24 +181,26 @@ impl Sweep<'_> {
 
     fn row_pointer(&self, raw: RawField, spec: &LayerSpec, y: isize) -> *const f32 {
         let (height, ends) = (self.grid.height as isize, self.domain.ends_y());
-        if (0..height).contains(&y) || (y == -1 && ends[0] == End::Rim(Edge::Open) && spec.stagger == Stagger::FaceY) {
+        if (0..height).contains(&y)
+            || (y == -1 && ends[0] == End::Boundary(BoundaryCondition::Open) && spec.centering == Centering::FaceY)
+        {
             return raw.row(y);
         }
         let end = ends[usize::from(y > 0)];
         match (end, beyond(spec, end)) {
-            (End::Rim(Edge::Wrap), _) => raw.row(y.rem_euclid(height)),
-            (_, Beyond::Nearest) => raw.row(y.clamp(0, height - 1)),
-            (_, Beyond::Zero) => self.zeros.row(0),
+            (End::Boundary(BoundaryCondition::Wrap), _) => raw.row(y.rem_euclid(height)),
+            (_, GhostFill::Nearest) => raw.row(y.clamp(0, height - 1)),
+            (_, GhostFill::Zero) => self.zeros.row(0),
         }
     }
 }
 
 /// What rules read beyond an end. Whatever it is where the grid is cut, the halo is for that.
-fn beyond(spec: &LayerSpec, end: End) -> Beyond {
+fn beyond(spec: &LayerSpec, end: End) -> GhostFill {
     match end {
-        End::Rim(Edge::Open) => spec.beyond_open,
-        End::Rim(_) => spec.beyond_closed,
-        End::Cut => Beyond::Nearest,
+        End::Boundary(BoundaryCondition::Open) => spec.beyond_open,
+        End::Boundary(_) => spec.beyond_closed,
+        End::Cut => GhostFill::Nearest,
     }
 }
 
@@ -211,14 +214,17 @@ pub(super) unsafe fn finish_row(row: *mut f32, domain: &Domain, spec: &LayerSpec
     // SAFETY: rows are padded by two blocks of lanes on the left and one block on the right after rounding up.
     let cells = unsafe { std::slice::from_raw_parts_mut(row.sub(WIDTH), WIDTH + width.next_multiple_of(WIDTH) + HALO) };
     let at = |x: isize| (x + WIDTH as isize) as usize;
-    if spec.stagger == Stagger::FaceY && south == End::Rim(Edge::Closed) && y == height as isize - 1 {
+    if spec.centering == Centering::FaceY
+        && south == End::Boundary(BoundaryCondition::Closed)
+        && y == height as isize - 1
+    {
         cells[at(0)..at(width as isize)].fill(0.0);
     }
-    if spec.stagger == Stagger::FaceX && east == End::Rim(Edge::Closed) {
+    if spec.centering == Centering::FaceX && east == End::Boundary(BoundaryCondition::Closed) {
         cells[at(width as isize - 1)] = 0.0;
     }
     let end = cells.len() - WIDTH;
-    if west == End::Rim(Edge::Wrap) {
+    if west == End::Boundary(BoundaryCondition::Wrap) {
         for i in 1..=HALO {
             cells[at(-(i as isize))] = cells[at((-(i as isize)).rem_euclid(width as isize))];
         }
@@ -227,10 +233,10 @@ pub(super) unsafe fn finish_row(row: *mut f32, domain: &Domain, spec: &LayerSpec
         }
         return;
     }
-    let value = |end, nearest: f32| if beyond(spec, end) == Beyond::Nearest { nearest } else { 0.0 };
+    let value = |end, nearest: f32| if beyond(spec, end) == GhostFill::Nearest { nearest } else { 0.0 };
     let (before, behind) = (value(west, cells[at(0)]), value(east, cells[at(width as isize - 1)]));
     // Column -1 of an open rim's faces has been computed.
-    let computed = usize::from(west == End::Rim(Edge::Open) && spec.stagger == Stagger::FaceX);
+    let computed = usize::from(west == End::Boundary(BoundaryCondition::Open) && spec.centering == Centering::FaceX);
     for i in 1 + computed..=HALO {
         cells[at(-(i as isize))] = before;
     }

@@ -18,7 +18,7 @@ pub(super) fn row(isa: Isa, bound: &Bound, job: &mut RowJob) {
     let (program, params) = (&*bound.program, &bound.params[..]);
     // What leaves is computed from the old state, so it comes before the row, which may overwrite it.
     if job.open.iter().any(|&o| o) {
-        leave_by(job, |cell, side| program.graph.evaluate_leaving(params, cell, side));
+        leave_by(job, |cell, side| program.graph.evaluate_boundary_outflow(params, cell, side));
     }
     if job.west_face.iter().any(|&f| f) {
         let (values, _) = program.graph.evaluate(params, &job.cell(-1));
@@ -156,7 +156,7 @@ functions! {
     Flush(a) a.flushed();
     Select(a, b, c, d) R::select_lt(a, b, c, d);
     ToReal(a) real_of(a.to_bits());
-    Whole(a) R::from_bits(a.whole());
+    Whole(a) R::from_bits(a.to_int_bits());
     BitsAdd(a, b) R::from_bits(a.to_bits().add(b.to_bits()));
     BitsMul(a, b) R::from_bits(a.to_bits().mul(b.to_bits()));
     BitsXor(a, b) R::from_bits(a.to_bits().xor(b.to_bits()));

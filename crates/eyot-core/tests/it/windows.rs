@@ -7,7 +7,7 @@ use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Pro
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
 use eyot_core::stepper::reach;
-use eyot_core::{Control, Domain, Error, Field, Grid, LayerSpec, Limits, Result, Rim, World, rule_params};
+use eyot_core::{Boundary, Control, Domain, Error, Field, Grid, LayerSpec, Limits, Result, World, rule_params};
 
 const LEVEL: LayerSpec = LayerSpec::new("level", "m", "", (-1e9, 1e9));
 const TRACE: LayerSpec = LayerSpec::new("trace", "1", "", (-1e9, 1e9));
@@ -105,7 +105,7 @@ fn both(lift: Option<Locality>) -> Vec<Scheduled> {
 }
 
 fn world() -> World {
-    let grid = Grid::new(40, 20, 1.0, Rim::WRAP, &Limits::default()).unwrap();
+    let grid = Grid::new(40, 20, 1.0, Boundary::WRAP, &Limits::default()).unwrap();
     let mut world = World::new(grid, 5);
     world.put(&LEVEL, Field::from_fn(40, 20, |x, y| ((x * 7 + y * 3) % 11) as f32)).unwrap();
     world.ensure(&TRACE, 0.0);

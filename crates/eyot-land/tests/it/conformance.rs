@@ -3,7 +3,7 @@
 
 use eyot_core::conformance;
 use eyot_core::process::{Locality, Moment, Process, Scheduled};
-use eyot_core::{Grid, Limits, Rim};
+use eyot_core::{Boundary, Grid, Limits};
 use eyot_land::simulate::PROCESSES;
 use eyot_land::simulate::hydraulic::Hydraulic;
 use eyot_testing::land::{start, variants};
@@ -66,7 +66,7 @@ fn springs_conform() {
 
 #[test]
 fn graphs_mean_what_the_rules_mean() {
-    let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
+    let grid = Grid::new(64, 32, 3.0, Boundary::OPEN, &Limits::default()).unwrap();
     for (_, processes) in variants() {
         conformance::check_graphs(&processes, grid);
     }

@@ -2,11 +2,13 @@
 
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Action, ActionInstance, Locality, Moment, Process, Scheduled, Span};
-use eyot_core::{Cancel, Control, Edge, Field, Grid, Limits, Result, Rim, World, layer::known::HEIGHT};
+use eyot_core::{
+    Boundary, BoundaryCondition, Cancel, Control, Field, Grid, Limits, Result, World, layer::known::HEIGHT,
+};
 use eyot_plates::{Drift, Tectonics, report};
 
 fn world() -> World {
-    let rim = Rim { x: Edge::Wrap, y: Edge::Closed };
+    let rim = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed };
     World::new(Grid::new(96, 48, 4e7 / 96.0, rim, &Limits::default()).unwrap(), 11)
 }
 

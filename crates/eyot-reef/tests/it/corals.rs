@@ -4,14 +4,14 @@ use eyot_core::component::{Decoder, Encoder, Numbers};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Locality, Scheduled};
-use eyot_core::{Component, ComponentKinds, Control, Field, Grid, LayerSpec, Limits, Rim, World};
+use eyot_core::{Boundary, Component, ComponentKinds, Control, Field, Grid, LayerSpec, Limits, World};
 use eyot_reef::community::Population;
 use eyot_reef::corals::{CENSUS, CORALS, Corals, POPULATION, SEA, Sea};
 use serde_json::{Value, json};
 
 /// A slope from 1 to 15 m below the sea, 12 by 10 m.
 fn slope() -> World {
-    let grid = Grid::new(48, 40, 0.25, Rim::CLOSED, &Limits::default()).unwrap();
+    let grid = Grid::new(48, 40, 0.25, Boundary::CLOSED, &Limits::default()).unwrap();
     let mut world = World::new(grid, 7);
     world.put(&HEIGHT, Field::from_fn(48, 40, |x, _| -1.0 - 14.0 * x as f32 / 47.0)).unwrap();
     world
