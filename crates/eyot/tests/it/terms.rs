@@ -279,7 +279,9 @@ fn stopped_changed_and_resumed_runs_replay() {
 fn expressions_set_by_hand_are_those_of_the_recipe() {
     let text = with_moss();
     let sets = ["hydraulic.rain=\"0.002 * (1 + moss) * step(0.2, u)\"", "thermal.talus=\"10 + 1 * steps\""];
-    let by_hand = |at: u64| sets.map(|set| JournalEntry { recipe_step: 2, step: at, set: set.into() }).to_vec();
+    // As the journal has them.
+    let entry = |set: &str| eyot::Change::parse(set).unwrap().to_string();
+    let by_hand = |at: u64| sets.map(|set| JournalEntry { recipe_step: 2, step: at, set: entry(set) }).to_vec();
     let replayed = |threads: usize, replay: Vec<JournalEntry>| {
         let o = RunOptions { replay, ..options(threads, None) };
         Run::start(parse(&text, &[]).unwrap(), o).unwrap().join().unwrap().world
