@@ -39,6 +39,7 @@ mod card;
 pub mod convert;
 pub mod engines;
 mod registry;
+#[cfg(feature = "run")]
 mod run;
 pub mod store;
 
@@ -74,6 +75,7 @@ pub mod live {
 #[cfg(feature = "film")]
 pub use eyot_film::{Drawn, ViewRequest, draw_view};
 pub use registry::{Registry, component_kinds};
+#[cfg(feature = "run")]
 pub use run::{Run, host};
 
 /// Version of the engine.
