@@ -1,9 +1,9 @@
 //! Components of worlds, as checkpoints hold them behind their checksums.
 
 use crate::limits;
-use eyot::core::component::{Columns, Decoder, Encoder, Graph, Numbers, Points, Run, Table, Type};
-use eyot::core::{Component, ComponentKind};
-use eyot::{Grid, Limits, Rim, component_kinds};
+use eyot::{Boundary, Grid, Limits, component_kinds};
+use eyot_core::component::{Columns, Decoder, Encoder, Graph, Numbers, Points, Run, Table, Type};
+use eyot_core::{Component, ComponentKind};
 use std::sync::Arc;
 
 /// A byte that says which kind, one for the version, and the component's own.
@@ -23,7 +23,7 @@ pub(crate) fn read(bytes: &[u8]) -> bool {
     true
 }
 
-fn decode(kind: &str, version: u32, mut bytes: &[u8]) -> eyot::core::Result<Arc<dyn Component>> {
+fn decode(kind: &str, version: u32, mut bytes: &[u8]) -> eyot_core::Result<Arc<dyn Component>> {
     let (grid, limits, length) = (grid(), limits(), bytes.len() as u64);
     component_kinds().decode(kind, version, &mut Decoder::new("input", &mut bytes, length, &grid, &limits))
 }
@@ -37,7 +37,7 @@ fn encode(component: &dyn Component) -> Vec<u8> {
 }
 
 fn grid() -> Grid {
-    Grid::new(3, 2, 10.0, Rim::CLOSED, &Limits::default()).expect("a sound grid")
+    Grid::new(3, 2, 10.0, Boundary::CLOSED, &Limits::default()).expect("a sound grid")
 }
 
 /// One of each kind of the core, and the shortest lists of numbers that worlds once kept of reefs and plates.

@@ -1,10 +1,10 @@
 //! Expressions of layers and rules.
 
-use eyot::core::conformance::random_world;
-use eyot::core::engine::CpuEngine;
-use eyot::core::process::{Scheduled, Span};
-use eyot::core::{Control, LayerSpec, Rim};
-use eyot::rules::{Acting, Known, LayerDefinition, Part, RuleDefinition, Scope, layer, rule};
+use eyot_core::conformance::random_world;
+use eyot_core::engine::CpuEngine;
+use eyot_core::process::{Scheduled, Span};
+use eyot_core::{Boundary, Control, LayerSpec};
+use eyot_expr::{ExprProcess, Known, LayerDefinition, Part, RuleDefinition, Scope, layer, rule};
 
 pub(crate) const WORDS: &[&str] = &[
     "a",
@@ -77,9 +77,9 @@ pub(crate) fn read(bytes: &[u8]) -> bool {
     let d = RuleDefinition { name: "r".into(), values: vec![("a".into(), text.clone())], mask: None, parameters };
     match rule(&d, None, &scope) {
         Ok(rule) => {
-            let process = Box::new(Acting { rule, values: vec![0.5] });
+            let process = Box::new(ExprProcess { rule, values: vec![0.5] });
             let processes = [Scheduled { name: "r", process, every: 1 }];
-            let mut world = random_world((5, 3), Rim::WRAP, 1, &processes, &|_, u| u).expect("a world");
+            let mut world = random_world((5, 3), Boundary::WRAP, 1, &processes, &|_, u| u).expect("a world");
             // A value that is not finite is an error of its own.
             let _ = CpuEngine::default().simulate(&mut world, &processes, Span { from: 0, steps: 1 }, &Control::none());
             true

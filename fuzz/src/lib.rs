@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 /// Most memory that a target may take for any input, bytes.
-pub const MOST_BYTES: usize = 512 << 20;
+pub const MAX_BYTES: usize = 512 << 20;
 
 /// A way into the program.
 pub struct Target {
@@ -60,7 +60,7 @@ pub fn target(name: &str) -> Option<&'static Target> {
     TARGETS.iter().find(|t| t.name == name)
 }
 
-/// Far below [`MOST_BYTES`]: what is refused by these limits must be refused before it is allocated.
+/// Far below [`MAX_BYTES`]: what is refused by these limits must be refused before it is allocated.
 fn limits() -> Limits {
     Limits { max_cells: 1 << 22, max_bytes: 64 << 20, ..Limits::default() }
 }

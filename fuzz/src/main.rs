@@ -6,7 +6,7 @@
 #![allow(unsafe_code)]
 
 use eyot_fuzz::mutate::{Random, damage};
-use eyot_fuzz::{MOST_BYTES, TARGETS, Target, corpus, target};
+use eyot_fuzz::{MAX_BYTES, TARGETS, Target, corpus, target};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -15,9 +15,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// No input may keep a target busy for longer.
-const MOST_TIME: Duration = Duration::from_secs(10);
+const MAX_TIME: Duration = Duration::from_secs(10);
 /// Larger inputs find nothing that small ones do not.
-const MOST_INPUT: usize = 1 << 16;
+const MAX_INPUT: usize = 1 << 16;
 
 /// The system's allocator, and how much of it is in use.
 struct Counting;
@@ -85,7 +85,7 @@ fn fuzz(target: &Target, seconds: f64, seed: u64) -> bool {
         if done as usize >= inputs.len() {
             let other = &inputs[r.below(inputs.len())];
             damage(&mut input, other, target.words, &mut r);
-            input.truncate(MOST_INPUT);
+            input.truncate(MAX_INPUT);
         }
         PEAK.store(NOW.load(Ordering::Relaxed), Ordering::Relaxed);
         let before = NOW.load(Ordering::Relaxed);
@@ -99,8 +99,8 @@ fn fuzz(target: &Target, seconds: f64, seed: u64) -> bool {
                 let text = panic.downcast_ref::<String>().map(String::as_str);
                 Some(text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic").to_owned())
             }
-            Ok(_) if bytes > MOST_BYTES => Some(format!("{} MiB were allocated", bytes >> 20)),
-            Ok(_) if time > MOST_TIME => Some(format!("it took {time:?}")),
+            Ok(_) if bytes > MAX_BYTES => Some(format!("{} MiB were allocated", bytes >> 20)),
+            Ok(_) if time > MAX_TIME => Some(format!("it took {time:?}")),
             Ok(sound) => {
                 accepted += u64::from(sound);
                 None

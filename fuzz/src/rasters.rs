@@ -1,9 +1,9 @@
 //! Height maps from files.
 
 use crate::{BETWEEN, limits, parts, scratch};
-use eyot::core::layer::known;
-use eyot::io::{RasterFormat, ReadOptions, RowOrder, Sample, read_raster, write_layer};
-use eyot::{Field, Georeference, Grid, Limits, Rim, World};
+use eyot::{Boundary, Field, Georeference, Grid, Limits, World};
+use eyot_core::layer::known;
+use eyot_io::{RasterFormat, ReadOptions, RowOrder, Sample, read_raster, write_layer};
 use std::path::Path;
 
 pub(crate) const PNG_WORDS: &[&str] = &["IHDR", "IDAT", "IEND", "tEXt", "iTXt", "PLTE", "tRNS", "acTL", "fcTL"];
@@ -206,7 +206,7 @@ fn written(world: &World, format: RasterFormat) -> Vec<u8> {
 }
 
 pub(crate) fn world(width: usize, height: usize) -> World {
-    let grid = Grid::new(width, height, 10.0, Rim::CLOSED, &Limits::default()).expect("a sound grid");
+    let grid = Grid::new(width, height, 10.0, Boundary::CLOSED, &Limits::default()).expect("a sound grid");
     let mut world = World::new(grid, 1);
     world.georeference = Some(Georeference {
         transform: [5e5, 10.0, 0.0, 4e6, 0.0, -10.0],

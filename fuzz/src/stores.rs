@@ -1,7 +1,7 @@
 //! Zarr stores: folders, as inputs of several parts.
 
 use crate::{BETWEEN, parts, rasters, scratch};
-use eyot::io::{RasterFormat, write_layer};
+use eyot_io::{RasterFormat, write_layer};
 use serde_json::{Value, json};
 
 pub(crate) const WORDS: &[&str] = &[

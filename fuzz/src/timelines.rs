@@ -3,7 +3,7 @@
 use crate::worlds::{self, with_checksum};
 use crate::{BETWEEN, limits, parts, scratch};
 use eyot::Limits;
-use eyot::io::timeline::{Record, Timeline};
+use eyot_io::timeline::{Record, Timeline};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

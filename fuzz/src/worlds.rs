@@ -1,10 +1,10 @@
 //! Saved worlds.
 
 use crate::{limits, scratch};
-use eyot::core::layer::known;
-use eyot::core::{LayerSpec, Stagger};
-use eyot::io::checkpoint;
-use eyot::{Grid, Limits, Rim, World};
+use eyot::{Boundary, Grid, Limits, World};
+use eyot_core::layer::known;
+use eyot_core::{Centering, LayerSpec};
+use eyot_io::checkpoint;
 
 pub(crate) const WORDS: &[&str] =
     &["width", "height", "layers", "Cell", "FaceX", "FaceY", "null", "-1", "1e999", "18446744073709551615", "{", "["];
@@ -39,10 +39,10 @@ pub(crate) fn with_checksum(bytes: &[u8]) -> Vec<u8> {
 
 /// A world with a layer in cells, one on faces, and a ledger.
 pub(crate) fn world() -> World {
-    let grid = Grid::new(5, 3, 10.0, Rim::OPEN, &Limits::default()).expect("a sound grid");
+    let grid = Grid::new(5, 3, 10.0, Boundary::OPEN, &Limits::default()).expect("a sound grid");
     let mut world = World::new(grid, 1);
     world.ensure(&known::HEIGHT, 2.5);
-    world.ensure(&LayerSpec::new("flux_x", "m", "Flow to the east", (f32::MIN, f32::MAX)).on(Stagger::FaceX), 0.5);
+    world.ensure(&LayerSpec::new("flux_x", "m", "Flow to the east", (f32::MIN, f32::MAX)).on(Centering::FaceX), 0.5);
     world.ledger.add("water.rain", 0.1, "m3", "Rain", 1);
     world
 }

@@ -2,8 +2,8 @@
 //! of their change, masks beside the land that they were made of.
 
 use crate::palette;
-use eyot::render::{self, Picture, ReliefOptions, Setting, ViewOptions};
 use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_render::{self as render, Picture, ReliefOptions, Setting, ViewOptions};
 use std::error::Error;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Small PNG files: pictures in 96 colours, found by median cut (Heckbert 1982).
 
-use eyot::render::Picture;
+use eyot_render::Picture;
 use std::error::Error;
 use std::path::Path;
 

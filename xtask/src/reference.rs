@@ -2,8 +2,8 @@
 //!
 //! A comment `<!-- made: NAME -->` in a chapter is replaced by what is made for it; generators and processes get a page each.
 
-use eyot::core::LayerSpec;
 use eyot::{Citation, Description, Expression, ParameterInfo, Registry, all_citations, describe};
+use eyot_core::LayerSpec;
 use mdbook_driver::book::{Book, BookItem, Chapter, SectionNumber};
 use mdbook_driver::errors::{Error, Result};
 use mdbook_preprocessor::{Preprocessor, PreprocessorContext};

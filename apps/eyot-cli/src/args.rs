@@ -4,8 +4,8 @@ use crate::{Failure, report};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use eyot::Preset;
 use eyot::Stream;
-use eyot::core::isa::Isa;
-use eyot::io::{ByteOrder, RowOrder, Sample};
+use eyot::engines::Isa;
+use eyot::formats::{ByteOrder, RowOrder, Sample};
 use eyot::{EngineChoice, EngineOptions, View};
 use eyot_bench::cpu::BenchSubject;
 use std::path::PathBuf;
@@ -598,7 +598,7 @@ fn subject(text: &str) -> Result<Measured, String> {
     if text == "island" {
         Ok(Measured(None))
     } else {
-        text.parse().map(|s| Measured(Some(s))).map_err(|e: eyot::core::Error| e.to_string())
+        text.parse().map(|s| Measured(Some(s))).map_err(|e: eyot::Error| e.to_string())
     }
 }
 

@@ -2,9 +2,9 @@
 
 use crate::args::Convert;
 use crate::wording::CommandLine;
-use crate::{Failure, made, print, report};
-use eyot::convert::{ConvertOptions, convert as run};
-use eyot::io::ReadOptions;
+use crate::{Failure, print, recipe_cmd, report};
+use eyot::formats::ReadOptions;
+use eyot::formats::{ConvertOptions, convert as run};
 
 /// Converts a file.
 pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {
@@ -27,7 +27,8 @@ pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {
         preset: args.preset,
         size: args.size,
     };
-    let done = run(&args.from, &args.to, &options, &made::limits(args.max_memory)).map_err(|e| report::run(&e))?;
+    let done =
+        run(&args.from, &args.to, &options, &recipe_cmd::limits(args.max_memory)).map_err(|e| report::run(&e))?;
     done.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
     for file in &done.files {
         print::line(&format!("wrote {}", file.display()))?;

@@ -3,7 +3,7 @@
 use crate::args::Doctor;
 use crate::wording::CommandLine;
 use crate::{Failure, print, report};
-use eyot::core::remedy::Worded;
+use eyot::remedy::Worded;
 use eyot_bench::doctor::{Examination, examine};
 
 /// Looks at the machine and tests it.

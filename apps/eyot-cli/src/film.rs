@@ -3,7 +3,7 @@
 use crate::args::{Draws, Look, size};
 use crate::progress::{bar, time};
 use crate::wording::CommandLine;
-use crate::{Failure, look, print, report};
+use crate::{Failure, inspect, print, report};
 use clap::Args;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Subject, Video};
 use eyot::{Cancel, Control, Limits, Registry, RunError, Timeline, View, ViewRequest, host};
@@ -86,12 +86,12 @@ pub(crate) struct Film {
 /// Films a run or a height map.
 pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     // A recording can be of a run that has no world yet.
-    let opened = if args.recording { None } else { Some(look::open(&args.from)?) };
+    let opened = if args.recording { None } else { Some(inspect::open(&args.from)?) };
     if let Some(opened) = &opened {
-        look::has_ground(opened, &args.from)?;
+        inspect::has_ground(opened, &args.from)?;
     }
     if let (Some(layer), Some(opened)) = (&args.drape, &opened) {
-        look::known(opened, &args.from, "drape", layer)?;
+        inspect::known(opened, &args.from, "drape", layer)?;
     }
     let path = match (&args.path, &opened) {
         (Some(path), _) => path.clone(),

@@ -8,20 +8,20 @@ mod convert;
 mod doctor;
 mod excerpt;
 mod film;
-mod look;
-mod made;
+mod info;
+mod inspect;
 mod print;
 mod progress;
+mod recipe_cmd;
 mod report;
 mod runs;
 mod serve;
 mod timeline;
 mod wording;
-mod words;
 
 use args::{Cli, Verb};
 use clap::Parser;
-use eyot::core::isa::Isa;
+use eyot::engines::Isa;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
@@ -111,17 +111,17 @@ fn work(verb: Verb) -> Result<(), Failure> {
         Verb::Timeline(a) => timeline::list(&a),
         Verb::Rewind(a) => timeline::rewind(&a),
         Verb::Branch(a) => timeline::branch(&a),
-        Verb::List(a) => words::list(&a),
-        Verb::New(a) => made::new(&a),
-        Verb::Check(a) => made::check(&a),
-        Verb::Describe(a) => words::describe(&a),
-        Verb::Cite(a) => made::cite(&a),
-        Verb::Schema => words::schema(),
-        Verb::Render(a) => look::render(&a),
+        Verb::List(a) => info::list(&a),
+        Verb::New(a) => recipe_cmd::new(&a),
+        Verb::Check(a) => recipe_cmd::check(&a),
+        Verb::Describe(a) => info::describe(&a),
+        Verb::Cite(a) => recipe_cmd::cite(&a),
+        Verb::Schema => info::schema(),
+        Verb::Render(a) => inspect::render(&a),
         Verb::Film(a) => film::film(&a),
-        Verb::Stats(a) => look::stats(&a),
+        Verb::Stats(a) => inspect::stats(&a),
         Verb::Convert(a) => convert::convert(&a),
-        Verb::Bench(a) => look::measure(&a),
+        Verb::Bench(a) => inspect::measure(&a),
         Verb::Doctor(a) => doctor::doctor(&a),
     }
 }

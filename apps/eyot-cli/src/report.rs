@@ -3,7 +3,7 @@
 use crate::Failure;
 use crate::excerpt::{clipped, excerpt};
 use crate::wording::CommandLine;
-use eyot::core::remedy::Worded;
+use eyot::remedy::Worded;
 use eyot::{Problems, RunError, Source};
 use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, NamedSource, Report, SourceCode};
 use std::fmt;

@@ -3,7 +3,7 @@
 use crate::args::{Resume, Run, Work};
 use crate::progress::Bars;
 use crate::wording::CommandLine;
-use crate::{Failure, made, print, report};
+use crate::{Failure, print, recipe_cmd, report};
 use eyot::{Command, Handle, JournalEntry, Record, Registry, Remote, RunOptions};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -15,12 +15,12 @@ const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 
 /// Runs a recipe.
 pub(crate) fn run(args: &Run) -> Result<(), Failure> {
-    let recipe = made::read(&args.recipe, &args.change, &args.shape.preset)?;
+    let recipe = recipe_cmd::read(&args.recipe, &args.change, &args.shape.preset)?;
     let out = args.out.clone().unwrap_or_else(|| folder_name(&args.recipe));
     let replay = args.replay.as_deref().map(journal).transpose()?.unwrap_or_default();
     let options = RunOptions {
         out: Some(out.clone()),
-        limits: made::limits(args.change.max_memory),
+        limits: recipe_cmd::limits(args.change.max_memory),
         stream: args.shape.stream,
         restart: args.restart,
         replay,
@@ -37,7 +37,7 @@ pub(crate) fn resume(args: &Resume) -> Result<(), Failure> {
         let message = format!("`{}` is not a folder", args.folder.display());
         return Err(report::usage(&message, "give the folder that a stopped run was writing to (its --out)"));
     }
-    let options = RunOptions { limits: made::limits(args.max_memory), ..options(&args.work)? };
+    let options = RunOptions { limits: recipe_cmd::limits(args.max_memory), ..options(&args.work)? };
     let interrupts = Interrupts::install();
     let handle = eyot::Run::resume(&args.folder, &Registry::standard(), options).map_err(|e| report::run(&e))?;
     attend(handle, &interrupts, &args.work, &args.folder)

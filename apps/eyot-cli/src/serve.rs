@@ -4,7 +4,7 @@ use crate::args::{Change, Work, bytes};
 use crate::progress::Bars;
 use crate::runs::{Interrupts, folder_name, options};
 use crate::wording::CommandLine;
-use crate::{Failure, made, print, report};
+use crate::{Failure, print, recipe_cmd, report};
 use clap::Args;
 use eyot::live::{self, ServeOptions, Serving};
 use eyot::{Event, Registry, RunOptions};
@@ -107,7 +107,7 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
         rate: args.rate,
         wait: args.wait.into(),
     };
-    let run = RunOptions { limits: made::limits(args.change.max_memory), ..options(&args.work)? };
+    let run = RunOptions { limits: recipe_cmd::limits(args.change.max_memory), ..options(&args.work)? };
     let interrupts = Interrupts::install();
     let host = eyot::host(&Registry::standard());
     let (serving, out) = match (&args.recipe, &args.out) {
@@ -115,7 +115,7 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
             (Serving::resume(out, run, serve, &host).map_err(|e| report::run(&e))?, out.clone())
         }
         (Some(name), out) => {
-            let recipe = made::read(name, &args.change, &[])?;
+            let recipe = recipe_cmd::read(name, &args.change, &[])?;
             let out = out.clone().unwrap_or_else(|| folder_name(name));
             let run = RunOptions { out: Some(out.clone()), restart: args.restart, ..run };
             (Serving::start(recipe, run, serve, &host).map_err(|e| report::run(&e))?, out)

@@ -3,7 +3,7 @@
 use crate::args::{Branch, Rewind, Timeline};
 use crate::wording::CommandLine;
 use crate::{Failure, print, report};
-use eyot::core::remedy::Worded;
+use eyot::remedy::Worded;
 use eyot::timeline::{Branching, Damaged, Frame};
 use eyot::{Limits, Registry, shell_word};
 use serde_json::json;

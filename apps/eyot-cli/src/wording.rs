@@ -1,6 +1,6 @@
 //! Remedies as the command line words them: settings are flags, actions are commands.
 
-use eyot::core::remedy::{Action, Setting, Wording};
+use eyot::remedy::{Action, Setting, Wording};
 use eyot::shell_word;
 
 /// The wording of this program.
@@ -51,7 +51,7 @@ impl Wording for CommandLine {
             Action::StartOver(folder) => format!("run RECIPE --out {} --restart", shell_word(folder)),
             Action::Stats(folder) => format!("stats {}", shell_word(folder)),
             Action::Timeline => "timeline".to_owned(),
-            other => return eyot::core::remedy::Neutral.action(other),
+            other => return eyot::remedy::Neutral.action(other),
         };
         format!("`eyot {command}`")
     }

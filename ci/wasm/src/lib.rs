@@ -7,8 +7,7 @@
 // Reason for the exception: names that the host can find count as unsafe, for another library might have the same ones.
 #![allow(unsafe_code)]
 
-use eyot::io::storage::Memory;
-use eyot::session::{Budget, Clock, Host, Session, SessionOptions, Status};
+use eyot::session::{Budget, Clock, Host, Memory, Session, SessionOptions, Status};
 use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, World};
 use std::error::Error;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -11,7 +11,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{Action as _, Generator, Moment, Process, Scheduled, Site, Span};
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
-use eyot_core::{Cancel, Control, Edge, Error, Field, Grid, LayerSpec, Limits, Result, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Cancel, Control, Error, Field, Grid, LayerSpec, Limits, Result, World};
 use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
@@ -274,8 +274,13 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
 /// the community, bodies or plates, which are no simulations of cells.
 pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Vec<Scheduled>)> {
     if matches!(what, BenchSubject::World | BenchSubject::Drift) {
-        let grid =
-            Grid::new(size, size, 4e7 / size as f64, Rim { x: Edge::Wrap, y: Edge::Closed }, &Limits::default())?;
+        let grid = Grid::new(
+            size,
+            size,
+            4e7 / size as f64,
+            Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed },
+            &Limits::default(),
+        )?;
         let mut processes = living_world()?;
         if what == BenchSubject::Drift {
             let plates = Tectonics { years_per_step: plates_years(size), ..Tectonics::default() };
@@ -307,7 +312,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         }
         (BenchSubject::Streampower, _) => (30.0, 0.0, 200.0, Box::new(streampower())),
     };
-    let rim = if what == BenchSubject::Streampower { Rim::OPEN } else { Rim::CLOSED };
+    let rim = if what == BenchSubject::Streampower { Boundary::OPEN } else { Boundary::CLOSED };
     let grid = Grid::new(size, size, cell_m, rim, &Limits::default())?;
     start(grid, what, vec![Scheduled { name: what.name(), process, every: 1 }], low, high)
 }
@@ -473,7 +478,7 @@ fn rules(world: &World, processes: &[Scheduled]) -> Option<(f64, usize)> {
     let (mut moved, mut operations) = (0.0, 0.0);
     for s in processes {
         let mut plan = Plan::default();
-        s.process.plan(&Moment { grid: world.grid, step: 1, turn: 0, sea_level_m: world.sea_level_m }, &mut plan);
+        s.process.plan(&Moment::whole(world.grid, 1, world.sea_level_m), &mut plan);
         for p in plan.passes() {
             moved += (p.reads().len() + p.writes().len()) as f64 / s.every as f64;
             operations += p.graph().operations() as f64 / s.every as f64;
@@ -485,7 +490,7 @@ fn rules(world: &World, processes: &[Scheduled]) -> Option<(f64, usize)> {
 fn noise(options: &BenchOptions) -> Result<BenchReport> {
     let isa = best_isa(options)?;
     let generator = fbm(8)?;
-    let grid = Grid::new(options.size, options.size, 10.0, Rim::CLOSED, &Limits::default())?;
+    let grid = Grid::new(options.size, options.size, 10.0, Boundary::CLOSED, &Limits::default())?;
     // The base and the result.
     let bytes = 2 * Field::bytes_of(options.size, options.size);
     Limits::default().check_bytes("this benchmark", bytes)?;
@@ -511,7 +516,7 @@ fn noise(options: &BenchOptions) -> Result<BenchReport> {
 /// # Errors
 /// If the grid is not sound.
 pub fn drainage_case(size: usize) -> Result<(Grid, Vec<f32>)> {
-    let grid = Grid::new(size, size, 30.0, Rim::OPEN, &Limits::default())?;
+    let grid = Grid::new(size, size, 30.0, Boundary::OPEN, &Limits::default())?;
     let (world, control) = (World::new(grid, 1), Control::none());
     let site = Site::whole(grid, 3, &world, &control);
     Ok((grid, fbm(10)?.generate(&site, &Field::new(size, size, 0.0))?.to_vec()))
@@ -624,7 +629,7 @@ fn slope(side: usize) -> Result<SeaFloor> {
 /// # Errors
 /// If the grid is not sound.
 pub fn plates_case(size: usize) -> Result<eyot_plates::Plates> {
-    let grid = Grid::new(size, size, 4e7 / size.max(1) as f64, Rim::WRAP, &Limits::default())?;
+    let grid = Grid::new(size, size, 4e7 / size.max(1) as f64, Boundary::WRAP, &Limits::default())?;
     let years_per_step = plates_years(size);
     let parameters = Tectonics { count: 10, land: 0.35, cycle: 550.0, years_per_step, ..Tectonics::default() };
     eyot_plates::Plates::new(&grid, 3, parameters, eyot_plates::Start::Noise)

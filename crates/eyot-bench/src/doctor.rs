@@ -6,7 +6,7 @@ use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::remedy::Remedy;
-use eyot_core::{Control, Error, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Error, Field, Grid, Limits, World};
 use eyot_gpu::{AdapterReport, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_land::simulate::{Hydraulic, Thermal};
 use serde::Serialize;
@@ -178,7 +178,7 @@ fn on_card(gpu: Gpu, world: &mut World, processes: &[Scheduled], span: Span) -> 
 
 /// Rounded hills of 60 m by the sea.
 fn hills() -> Result<World, Error> {
-    let grid = Grid::new(SIZE, SIZE, 10.0, Rim::CLOSED, &Limits::default())?;
+    let grid = Grid::new(SIZE, SIZE, 10.0, Boundary::CLOSED, &Limits::default())?;
     let mut world = World::new(grid, 1);
     let wave = |t: f32| eyot_core::math::sin(t);
     let field = Field::from_fn(SIZE, SIZE, |x, y| {

@@ -2,8 +2,8 @@
 
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::{Error, LayerSpec, Result};
+use eyot_expr::{ExprProcess, Known, LayerDefinition, Problem, RuleDefinition, Scope, layer, rule};
 use eyot_land::simulate::Thermal;
-use eyot_rules::{Acting, Known, LayerDefinition, Problem, RuleDefinition, Scope, layer, rule};
 
 /// The operations of `eyot_land::simulate::thermal`, in its order.
 const SLUMP: &str = "
@@ -18,7 +18,7 @@ const SLUMP: &str = "
     height + (rate * along + rate_d * across)";
 
 /// On square cells, with the parameters that the process has if nobody gives others.
-pub(crate) fn thermal(cell_m: f64) -> Result<Acting> {
+pub(crate) fn thermal(cell_m: f64) -> Result<ExprProcess> {
     let usual = Thermal::default();
     let angle = usual.talus.to_radians();
     let tangent = f64::from(eyot_core::math::sin(angle) / eyot_core::math::cos(angle));
@@ -41,7 +41,7 @@ pub(crate) fn thermal(cell_m: f64) -> Result<Acting> {
     };
     let rule = rule(&definition, None, &scope).map_err(wrong)?;
     let values = rule.parameters.iter().map(|(_, v)| *v).collect();
-    Ok(Acting { rule, values })
+    Ok(ExprProcess { rule, values })
 }
 
 fn wrong(problems: Vec<Problem>) -> Error {

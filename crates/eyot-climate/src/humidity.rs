@@ -40,7 +40,7 @@
 //! runs off (`tests/it/conservation.rs`).
 //! The rain of the map falls as `water.rain` in its own, slower time; see `water`.
 
-use crate::carry::{Carrier, mixing, shares, storms};
+use crate::advection::{Carrier, mixing, shares, storms};
 use crate::ice::ICE;
 use crate::level::out;
 use crate::sky::{edge_latitude, latitude, rows, storminess};
@@ -189,7 +189,7 @@ impl Rule for Storm {
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 1]> {
+    fn boundary_outflow<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 1]> {
         Some([p.depth * out(side, |at| storm_east(p, c, at), |at| storm_south(p, c, at))])
     }
 }
@@ -198,14 +198,14 @@ impl Rule for Storm {
 #[inline(always)]
 fn storm_east<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, at: isize) -> R {
     let storms = p.share * storminess(latitude(p.rows, p.half_row, c.y()));
-    (storms * (c.at(0, at, 0) - c.at(0, at + 1, 0))).rounded()
+    (storms * (c.at(0, at, 0) - c.at(0, at + 1, 0))).no_contract()
 }
 
 /// What storms carry through the southern face of the cell `at` rows south.
 #[inline(always)]
 fn storm_south<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, at: isize) -> R {
     let storms = p.share * storminess(edge_latitude(p.rows, p.half_row, c.y() + R::of(at as f32)));
-    (storms * (c.at(0, 0, at) - c.at(0, 0, at + 1))).rounded()
+    (storms * (c.at(0, 0, at) - c.at(0, 0, at + 1))).no_contract()
 }
 
 rule_params! {
@@ -344,9 +344,9 @@ impl Rule for Moisten {
         let humidity = ((left - dried) + (uptake + risen)).flushed();
         let fallen = c.here(7) + R::of(0.1) * (p.per_year * rain - c.here(7));
         let on_soil = sea.pick(zero, rain);
-        let wetter = ((p.soil * kept).rounded() - risen).positive() + on_soil;
+        let wetter = ((p.soil * kept).no_contract() - risen).positive() + on_soil;
         let soil = sea.pick(zero, (wetter * p.per_soil).min(one)).flushed().named("(7) soil");
-        let ran_off = wetter - (p.soil * soil).rounded();
+        let ran_off = wetter - (p.soil * soil).no_contract();
         let sums = [
             p.depth * (uptake + risen),
             p.depth * rain,
@@ -360,7 +360,7 @@ impl Rule for Moisten {
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &MoistenParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 7]> {
+    fn boundary_outflow<R: Real>(p: &MoistenParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 7]> {
         let (air, zero) = (carrier(p), R::of(0.0));
         let out = match side {
             Side::West => -air.east(c, -1),

@@ -162,7 +162,7 @@ impl Rule for Glacier {
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &GlacierParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 6]> {
+    fn boundary_outflow<R: Real>(p: &GlacierParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 6]> {
         let (zero, flow) = (R::of(0.0), head(p));
         Some([zero, zero, out(side, |at| flow.east(c, at), |at| flow.south(c, at)), zero, zero, zero])
     }

@@ -18,9 +18,9 @@
 //! use eyot_climate::{Temperature, Wind};
 //! use eyot_core::engine::CpuEngine;
 //! use eyot_core::process::{Scheduled, Span};
-//! use eyot_core::{Control, Edge, Grid, Limits, Rim, World};
+//! use eyot_core::{Control, BoundaryCondition, Grid, Limits, Boundary, World};
 //!
-//! let grid = Grid::new(64, 32, 625_000.0, Rim { x: Edge::Wrap, y: Edge::Closed }, &Limits::default())?;
+//! let grid = Grid::new(64, 32, 625_000.0, Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed }, &Limits::default())?;
 //! let mut world = World::new(grid, 1);
 //! let every = 1;
 //! let processes = [
@@ -33,7 +33,7 @@
 //! # Ok::<(), eyot_core::Error>(())
 //! ```
 
-mod carry;
+mod advection;
 pub mod humidity;
 pub mod ice;
 mod level;

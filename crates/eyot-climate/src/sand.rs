@@ -143,7 +143,7 @@ impl Rule for Wash {
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &WashParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 3]> {
+    fn boundary_outflow<R: Real>(p: &WashParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 3]> {
         let zero = R::of(0.0);
         Some([zero, out(side, |at| east(p, c, at), |at| south(p, c, at)), zero])
     }

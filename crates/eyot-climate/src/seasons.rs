@@ -97,7 +97,7 @@ impl Process for Climate {
         let hours = hours_per_step(&moment.grid) as f32;
         let phase = self.seasons.phase(moment);
         let doubled = if turning { 2.0 } else { 0.0 };
-        plan.push_given::<Remember>(RememberParams {
+        plan.push_given::<SeasonalHarmonics>(SeasonalHarmonicsParams {
             share: (1.0 - math::exp(-hours / given!(plan, self.memory))).max((1.0 / turns).into()),
             spring: (doubled * math::cos(phase)).into(),
             summer: (doubled * math::sin(phase)).into(),
@@ -106,8 +106,8 @@ impl Process for Climate {
 }
 
 rule_params! {
-    /// Parameters of [`Remember`].
-    pub struct RememberParams {
+    /// Parameters of [`SeasonalHarmonics`].
+    pub struct SeasonalHarmonicsParams {
         /// Weight of what is now, 1.
         share,
         /// Twice the cosine of the time of the year, 1.
@@ -118,9 +118,9 @@ rule_params! {
 }
 
 /// Equations (1) and (2) for both.
-pub struct Remember;
+pub struct SeasonalHarmonics;
 
-impl Rule for Remember {
+impl Rule for SeasonalHarmonics {
     const NAME: &'static str = "climate_remember";
     const READS: &'static [Read] = &[
         read("temperature", 0),
@@ -134,12 +134,12 @@ impl Rule for Remember {
     ];
     const WRITES: &'static [&'static str] =
         &["temperature_mean", "temperature_cos", "temperature_sin", "rain_mean", "rain_cos", "rain_sin"];
-    type Params = RememberParams<()>;
+    type Params = SeasonalHarmonicsParams<()>;
     type Out<R: Real> = [R; 6];
     type Sums<R: Real> = [R; 0];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &RememberParams<R>, c: &impl Cell<R>) -> ([R; 6], [R; 0]) {
+    fn cell<R: Real>(p: &SeasonalHarmonicsParams<R>, c: &impl Cell<R>) -> ([R; 6], [R; 0]) {
         let [t, t_cos, t_sin] = remembered(p, c, 0, 2);
         let [r, r_cos, r_sin] = remembered(p, c, 1, 5);
         ([t, t_cos, t_sin, r.positive(), r_cos, r_sin], [])
@@ -147,7 +147,7 @@ impl Rule for Remember {
 }
 
 #[inline(always)]
-fn remembered<R: Real>(p: &RememberParams<R>, c: &impl Cell<R>, now: usize, first: usize) -> [R; 3] {
+fn remembered<R: Real>(p: &SeasonalHarmonicsParams<R>, c: &impl Cell<R>, now: usize, first: usize) -> [R; 3] {
     let (x, mean) = (c.here(now), c.here(first));
     let mean = (mean + p.share * (x - mean)).flushed();
     let (cos, sin) = (c.here(first + 1), c.here(first + 2));
@@ -156,6 +156,6 @@ fn remembered<R: Real>(p: &RememberParams<R>, c: &impl Cell<R>, now: usize, firs
 
 /// Equation (2).
 #[inline(always)]
-fn swing<R: Real>(p: &RememberParams<R>, old: R, now: R) -> R {
+fn swing<R: Real>(p: &SeasonalHarmonicsParams<R>, old: R, now: R) -> R {
     (old + p.share * (now - old)).flushed()
 }

@@ -60,21 +60,21 @@ pub(crate) fn rows(grid: &Grid) -> (f32, f32) {
 /// whole numbers are subtracted before anything is rounded.
 #[inline(always)]
 pub(crate) fn latitude<R: Real>(rows: R, half_row: R, y: R) -> R {
-    (((rows - R::of(1.0)) - (y + y)) * half_row).rounded()
+    (((rows - R::of(1.0)) - (y + y)) * half_row).no_contract()
 }
 
 /// Latitude of the southern edge of row `y`, rad.
 #[inline(always)]
 pub(crate) fn edge_latitude<R: Real>(rows: R, half_row: R, y: R) -> R {
-    (((rows - R::of(2.0)) - (y + y)) * half_row).rounded()
+    (((rows - R::of(2.0)) - (y + y)) * half_row).no_contract()
 }
 
 /// How much colder the sun's way over the sky makes it, from 0 where it passes overhead at noon to 2 where it stays on the
 /// horizon, by the sine of the angle between: even within the tropics, steep in the middle latitudes.
 #[inline(always)]
 pub(crate) fn polewards<R: Real>(s: R) -> R {
-    let s2 = (s * s).rounded();
-    s2 + (s2 * s2).rounded()
+    let s2 = (s * s).no_contract();
+    s2 + (s2 * s2).no_contract()
 }
 
 /// How much of the storms of the middle latitudes there is, 0..=1: most at 45 degrees, next to none within the tropics and
@@ -82,10 +82,10 @@ pub(crate) fn polewards<R: Real>(s: R) -> R {
 #[inline(always)]
 pub(crate) fn storminess<R: Real>(latitude: R) -> R {
     let s = sine(latitude);
-    let s2 = (s * s).rounded();
+    let s2 = (s * s).no_contract();
     // The square of the sine of twice the latitude.
     let square = R::of(4.0) * s2 * (R::of(1.0) - s2);
-    (square * square).rounded()
+    (square * square).no_contract()
 }
 
 /// Sine of an angle within a quarter turn of 0, rad; error at most 4e-6. The general function takes four times as long.
@@ -93,17 +93,17 @@ pub(crate) fn storminess<R: Real>(latitude: R) -> R {
 pub(crate) fn sine<R: Real>(x: R) -> R {
     let x2 = x * x;
     // Winds are made of small differences of what is made of this.
-    let p = (R::of(2.755_731_9e-6) * x2).rounded() + R::of(-1.984_127e-4);
-    let p = (p * x2).rounded() + R::of(8.333_333e-3);
-    let p = (p * x2).rounded() + R::of(-1.666_666_7e-1);
-    x + (x * x2 * p).rounded()
+    let p = (R::of(2.755_731_9e-6) * x2).no_contract() + R::of(-1.984_127e-4);
+    let p = (p * x2).no_contract() + R::of(8.333_333e-3);
+    let p = (p * x2).no_contract() + R::of(-1.666_666_7e-1);
+    x + (x * x2 * p).no_contract()
 }
 
 /// Cosine of an angle of some turns, rad; error at most 5e-6.
 #[inline(always)]
 pub(crate) fn cosine<R: Real>(x: R) -> R {
-    let turns = ((x * R::of(1.0 / std::f32::consts::TAU)).rounded() + R::of(0.5)).floor();
-    let within = x - (turns * R::of(std::f32::consts::TAU)).rounded();
+    let turns = ((x * R::of(1.0 / std::f32::consts::TAU)).no_contract() + R::of(0.5)).floor();
+    let within = x - (turns * R::of(std::f32::consts::TAU)).no_contract();
     sine(R::of(std::f32::consts::FRAC_PI_2) - within.abs())
 }
 

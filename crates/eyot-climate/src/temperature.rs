@@ -36,7 +36,7 @@
 //! # Limits
 //! Stable for all values: (3) to (5) are means. On fine grids storms mix less than asked for.
 
-use crate::carry::{Carrier, mixing, shares, storms};
+use crate::advection::{Carrier, mixing, shares, storms};
 use crate::humidity::SOIL;
 use crate::sky::{Seasons, cosine, hours, latitude, polewards, rows, sine, storminess, turned};
 use crate::units::{CELSIUS_AT_ZERO, CELSIUS_PER_UNIT, hours_per_step};
@@ -215,14 +215,14 @@ impl Rule for Storm {
         let here = at_sea_level(p, c, 0, 0);
         let x = (at_sea_level(p, c, 1, 0) - here) + (at_sea_level(p, c, -1, 0) - here);
         let y = (at_sea_level(p, c, 0, 1) - here) + (at_sea_level(p, c, 0, -1) - here);
-        ([c.at(0, 0, 0) + (storms * (x + y)).rounded()], [])
+        ([c.at(0, 0, 0) + (storms * (x + y)).no_contract()], [])
     }
 }
 
 /// Temperature that the air would have at the level of the sea, degrees Celsius.
 #[inline(always)]
 fn at_sea_level<R: Real>(p: &StormParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
-    c.at(0, dx, dy) + (p.lapse * (c.at(1, dx, dy) - p.sea).positive()).rounded()
+    c.at(0, dx, dy) + (p.lapse * (c.at(1, dx, dy) - p.sea).positive()).no_contract()
 }
 
 rule_params! {

@@ -12,11 +12,12 @@ const STREAM: u32 = 0x7769_6e64;
 
 /// Fills the layer `turbulence` if it is empty.
 pub(crate) fn prepare(world: &mut World, octaves: u32, roughness: f32) -> Result<()> {
-    let seed = world.seed;
+    let (seed, domain) = (world.seed, world.domain());
     let layer = &mut world.layer_mut(&TURBULENCE.name)?.field;
     if layer.min_max() == (0.0, 0.0) {
-        let (width, height) = (layer.width(), layer.height());
-        *layer = Field::from_fn(width, height, |x, y| {
+        let (width, height) = (domain.global().width, domain.global().height);
+        *layer = Field::from_fn(layer.width(), layer.height(), |x, y| {
+            let (x, y) = (domain.column(x as isize), domain.row(y as isize));
             // The south-eastern corner, in shares of the grid.
             let (u, v) = ((x + 1) as f32 / width as f32, (y + 1) as f32 / height as f32);
             let calm = math::sin(std::f32::consts::TAU * v).abs();

@@ -77,14 +77,14 @@ pub fn discharge_per_metre(grid: &Grid) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Limits, Rim};
+    use eyot_core::{Boundary, Limits};
 
     #[test]
     fn the_maps_meet_where_the_documentation_says() {
         assert_eq!([celsius(0.0), celsius(0.25), celsius(0.5), celsius(-1.0)], [12.0, 18.0, 24.0, -12.0]);
         assert!((-50..50).all(|i| (abstract_temperature(celsius(i as f32 * 0.02)) - i as f32 * 0.02).abs() < 1e-6));
         assert_eq!((mm_per_year(0.1), metres(0.95), metres(1.95)), (250.0, 0.0, 1000.0));
-        let grid = |n| Grid::new(n, n, 4e7 / n as f64, Rim::WRAP, &Limits::default()).unwrap();
+        let grid = |n| Grid::new(n, n, 4e7 / n as f64, Boundary::WRAP, &Limits::default()).unwrap();
         assert!((hours_per_step(&grid(512)) / hours_per_step(&grid(1024)) - 2.0).abs() < 1e-12);
     }
 }

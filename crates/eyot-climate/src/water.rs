@@ -38,7 +38,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, read};
-use eyot_core::{Grid, LayerSpec, Result, Stagger, given, rule_params};
+use eyot_core::{Centering, Grid, LayerSpec, Result, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -48,11 +48,11 @@ const DRY_PER_DEGREE: f32 = 0.05893;
 /// Discharge through eastern faces.
 pub const FLOW_X: LayerSpec =
     LayerSpec::new("flow_x", "m3/s", "Water that flows to the east through the eastern edge", (-1e12, 1e12))
-        .on(Stagger::FaceX);
+        .on(Centering::FaceX);
 /// Discharge through southern faces.
 pub const FLOW_Y: LayerSpec =
     LayerSpec::new("flow_y", "m3/s", "Water that flows to the south through the southern edge", (-1e12, 1e12))
-        .on(Stagger::FaceY);
+        .on(Centering::FaceY);
 
 /// Rain fills rivers and lakes, which run to the sea and dry in the sun.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -163,7 +163,7 @@ impl Rule for Run {
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &RunParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 4]> {
+    fn boundary_outflow<R: Real>(p: &RunParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 4]> {
         let (zero, flow) = (R::of(0.0), head(p));
         Some([zero, zero, out(side, |at| flow.east(c, at), |at| flow.south(c, at)), zero])
     }

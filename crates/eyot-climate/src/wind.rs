@@ -42,30 +42,30 @@ use crate::sky::{Seasons, cosine, edge_latitude, latitude, polewards, rows, sine
 use crate::temperature::TEMPERATURE;
 use crate::turbulence;
 use crate::units::{CELSIUS_AT_ZERO, FULL_WIND, FULL_WIND_CELLS, hours_per_step};
-use eyot_core::layer::Beyond;
+use eyot_core::layer::GhostFill;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, read};
-use eyot_core::{Grid, LayerSpec, Result, Stagger, World, given, math, rule_params};
+use eyot_core::{Centering, Grid, LayerSpec, Result, World, given, math, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Wind through eastern faces.
 pub const WIND_X: LayerSpec =
     LayerSpec::new("wind_x", "m/s", "Wind to the east through the eastern edge", (-FULL_WIND, FULL_WIND))
-        .on(Stagger::FaceX);
+        .on(Centering::FaceX);
 /// Wind through southern faces.
 pub const WIND_Y: LayerSpec =
     LayerSpec::new("wind_y", "m/s", "Wind to the south through the southern edge", (-FULL_WIND, FULL_WIND))
-        .on(Stagger::FaceY);
+        .on(Centering::FaceY);
 /// Stream function of the eddies.
 pub const TURBULENCE: LayerSpec = {
     let meaning = "Stream function of the wind's eddies at the south-eastern corner";
     let mut spec = LayerSpec::new("turbulence", "1", meaning, (-1e3, 1e3));
     // None crosses a pole, and the northern one has no corners of its own.
-    spec.beyond_closed = Beyond::Zero;
+    spec.beyond_closed = GhostFill::Zero;
     spec
 };
 
@@ -164,7 +164,7 @@ const NEAR: f32 = 0.05;
 /// Share that spreads between next but one neighbours in a pass, 1.
 const FAR: f32 = 0.15;
 /// Passes in a step at most: on grids above 1500 columns warmth is felt less far.
-const MOST_PASSES: f64 = 5.0;
+const MAX_PASSES: f64 = 5.0;
 /// Half the difference of temperature between equator and poles that drives the belts and no monsoon, degrees: less
 /// than the sun makes, since winds and seas carry warmth.
 const BELTS_CONTRAST: f32 = 13.0;
@@ -230,7 +230,7 @@ impl Process for Wind {
             rate: (1.0 - math::exp(-(hours / RISE_HOURS) as f32)).into(),
         });
         let spread = SPREAD * 3600.0 * hours / (cell * cell * f64::from(NEAR + 4.0 * FAR));
-        let passes = spread.ceil().clamp(1.0, MOST_PASSES);
+        let passes = spread.ceil().clamp(1.0, MAX_PASSES);
         let share = (spread / passes).min(1.0) as f32;
         for _ in 0..passes as usize {
             plan.push::<Spread>(SpreadParams { near: NEAR * share, far: FAR * share });
@@ -326,10 +326,11 @@ impl Rule for Rise {
         let quarter = R::of(std::f32::consts::FRAC_PI_2);
         let s = sine((latitude(p.rows, p.half_row, c.y()) - p.turn).clamp(-quarter, quarter));
         let z = (c.here(2) - p.sea).clamp(R::of(0.0), R::of(12_000.0));
-        // The monsoon is made of small differences of it: see `Real::rounded`.
-        let warmer = c.here(1) + (R::of(LAPSE) * z).rounded() + (R::of(BELTS_CONTRAST) * polewards(s)).rounded();
+        // The monsoon is made of small differences of it: see `Real::no_contract`.
+        let warmer =
+            c.here(1) + (R::of(LAPSE) * z).no_contract() + (R::of(BELTS_CONTRAST) * polewards(s)).no_contract();
         let low = c.here(0);
-        ([low + (p.rate * (warmer - low)).rounded()], [])
+        ([low + (p.rate * (warmer - low)).no_contract()], [])
     }
 }
 
@@ -359,7 +360,7 @@ impl Rule for Spread {
         let low = c.at(0, 0, 0);
         let around = |d: isize| (c.at(0, d, 0) + c.at(0, -d, 0)) + (c.at(0, 0, d) + c.at(0, 0, -d));
         let (near, far) = (around(1) - R::of(4.0) * low, around(2) - R::of(4.0) * low);
-        ([low + ((p.near * near).rounded() + (p.far * far).rounded())], [])
+        ([low + ((p.near * near).no_contract() + (p.far * far).no_contract())], [])
     }
 }
 
@@ -443,10 +444,11 @@ impl Rule for Blow {
         let down = low(c, 0, 1) - low(c, 0, 0);
         let down_east = ((low(c, 1, 0) + low(c, 1, 1)) - (low(c, -1, 0) + low(c, -1, 1))) * R::of(0.25);
         let (f, f_edge) = (p.bend * sine(here + p.turn), p.bend * sine(south + p.turn));
-        let (across_x, across_y) = ((p.monsoon_y * east_down).rounded(), (p.monsoon_x * down_east).rounded());
-        let monsoon_x = ((p.monsoon_x * east).rounded() - (f * across_x).rounded()) / (R::of(1.0) + (f * f).rounded());
-        let monsoon_y = ((p.monsoon_y * down).rounded() + (f_edge * across_y).rounded())
-            / (R::of(1.0) + (f_edge * f_edge).rounded());
+        let (across_x, across_y) = ((p.monsoon_y * east_down).no_contract(), (p.monsoon_x * down_east).no_contract());
+        let monsoon_x =
+            ((p.monsoon_x * east).no_contract() - (f * across_x).no_contract()) / (R::of(1.0) + (f * f).no_contract());
+        let monsoon_y = ((p.monsoon_y * down).no_contract() + (f_edge * across_y).no_contract())
+            / (R::of(1.0) + (f_edge * f_edge).no_contract());
         let (monsoon_x, monsoon_y) = (monsoon_x.named("(5) monsoon_x"), monsoon_y.named("(5) monsoon_y"));
 
         let x = settled(c, X, belts_x + eddies_x + slope_x + monsoon_x, p.most);

@@ -3,14 +3,17 @@
 //! Crates that define processes call it from their tests with their registries.
 
 use crate::control::Control;
+use crate::domain::Domain;
 use crate::engine::CpuEngine;
 use crate::error::Result;
-use crate::grid::{Edge, Grid, Rim};
+use crate::grid::{Boundary, BoundaryCondition, Grid};
 use crate::isa::Isa;
+use crate::layer::{Centering, Layer, LayerSpec};
 use crate::limits::Limits;
-use crate::process::{Moment, Scheduled, Span};
+use crate::process::{Locality, Moment, Scheduled, Span};
 use crate::reference::Reference;
 use crate::rng::{self, Key};
+use crate::stepper::reach;
 use crate::world::World;
 
 /// Grid shapes that find mistakes at rims, tails of lanes and cuts of bands.
@@ -18,9 +21,9 @@ pub const SHAPES: [(usize, usize); 12] =
     [(1, 1), (1, 7), (9, 1), (2, 2), (3, 5), (15, 4), (16, 16), (17, 3), (27, 51), (33, 40), (64, 9), (5, 97)];
 
 /// The nine rims.
-pub fn rims() -> Vec<Rim> {
-    let edges = [Edge::Closed, Edge::Open, Edge::Wrap];
-    edges.iter().flat_map(|&x| edges.iter().map(move |&y| Rim { x, y })).collect()
+pub fn rims() -> Vec<Boundary> {
+    let edges = [BoundaryCondition::Closed, BoundaryCondition::Open, BoundaryCondition::Wrap];
+    edges.iter().flat_map(|&x| edges.iter().map(move |&y| Boundary { x, y })).collect()
 }
 
 /// A world of random values within every layer's plausible range: `start(layer name, uniform number)` gives the value.
@@ -29,7 +32,7 @@ pub fn rims() -> Vec<Rim> {
 /// If the grid is not sound.
 pub fn random_world(
     shape: (usize, usize),
-    rim: Rim,
+    rim: Boundary,
     seed: u64,
     processes: &[Scheduled],
     start: &dyn Fn(&str, f32) -> f32,
@@ -111,7 +114,7 @@ pub fn check(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -> Resul
 /// Where they differ, or where a rule reads farther than it declares.
 pub fn check_graphs(processes: &[Scheduled], grid: Grid) {
     let mut plan = crate::plan::Plan::default();
-    crate::process::plan_step(processes, 0, &mut Moment { grid, step: 0, turn: 0, sea_level_m: 0.5 }, &mut plan);
+    crate::process::plan_step(processes, 0, &mut Moment::whole(grid, 0, 0.5), &mut plan);
     for pass in plan.passes() {
         let graph = pass.graph();
         for (slot, r) in pass.reads().iter().enumerate() {
@@ -142,10 +145,32 @@ pub fn check_graphs(processes: &[Scheduled], grid: Grid) {
 /// # Panics
 /// With the process and the layer.
 pub fn check_access(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -> Result<()> {
-    let world = random_world((17, 9), Rim { x: Edge::Wrap, y: Edge::Closed }, 3, processes, start)?;
+    check_access_in(
+        &random_world(
+            (17, 9),
+            Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed },
+            3,
+            processes,
+            start,
+        )?,
+        processes,
+    )
+}
+
+/// [`check_access`] in a world that is not random, for processes that cannot do without some sense in their layers.
+///
+/// # Errors
+/// As [`check_access`].
+///
+/// # Panics
+/// As [`check_access`].
+pub fn check_access_in(world: &World, processes: &[Scheduled]) -> Result<()> {
+    let mut world = world.clone();
+    // Something that nobody declares.
+    world.ensure(&LayerSpec::new("stranger", "1", "of the suite", (0.0, 1.0)), 0.25);
     for s in processes {
         let (reads, writes) = (s.process.reads(), s.process.writes());
-        let moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: 0.0 };
+        let moment = Moment::whole(world.grid, 0, 0.0);
         let mut plan = crate::plan::Plan::default();
         s.process.plan(&moment, &mut plan);
         let scratch = |name: &str| plan.scratch_layers().iter().any(|l| l.name == name);
@@ -167,11 +192,16 @@ pub fn check_access(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -
             crate::engine::EngineError::Core(e) => e,
             crate::engine::EngineError::Device(e) => unreachable!("{e}"),
         })?;
+        // Engines shut the faces of closed rims, whoever runs.
+        let settle =
+            |world: &mut World| CpuEngine::default().simulate(world, &[], Span { from: 0, steps: 0 }, &Control::none());
+        settle(&mut before)?;
         let mut other = before.clone();
         let unread: Vec<String> = before.layers().iter().map(|l| l.spec.name.to_string()).collect();
         for name in unread.iter().filter(|n| !reads.iter().any(|r| r == *n)) {
             other.layer_mut(name)?.field.map_in_place(|v| 0.5 * v + 0.125);
         }
+        settle(&mut other)?;
         let (mut after, changed) = (before.clone(), other.clone());
         CpuEngine::default().simulate(&mut after, alone, one(), &Control::none())?;
         CpuEngine::default().simulate(&mut other, alone, one(), &Control::none())?;
@@ -181,6 +211,102 @@ pub fn check_access(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -
             let same = if written { &l.field } else { &changed.layers()[i].field };
             assert!(other.layers()[i].field == *same, "{}: `{}` depends on what it does not read", s.name, l.spec.name);
         }
+        assert!(other.components == after.components, "{}: a component depends on what it does not read", s.name);
     }
     Ok(())
+}
+
+/// How [`check_windows`] cuts a grid: columns and rows of all windows.
+fn cuts(g: &Grid) -> Vec<(&'static str, Vec<[std::ops::Range<usize>; 2]>)> {
+    let (w, h) = (g.width, g.height);
+    let tiles = |columns: &[std::ops::Range<usize>], rows: &[std::ops::Range<usize>]| {
+        rows.iter().flat_map(|r| columns.iter().map(|c| [c.clone(), r.clone()])).collect()
+    };
+    let (a, b) = (w / 3, h / 4);
+    vec![
+        ("rows", tiles(&[0..w], &[0..b, b..h - 2, h - 2..h])),
+        ("columns", tiles(&[0..a, a..w - 5, w - 5..w], &[0..h])),
+        ("tiles", tiles(&[0..a, a..w], &[0..h - b, h - b..h])),
+        ("strips", (0..h).map(|y| [0..w, y..y + 1]).collect()),
+    ]
+}
+
+/// Runs a step of the processes on a whole grid and on windows of it, and compares the insides bit by bit and what they add to the
+/// ledger within rounding. True if they were compared, false if something acts that looks at the whole grid.
+///
+/// # Errors
+/// If a simulation fails.
+///
+/// # Panics
+/// With the layer and the window where they differ.
+pub fn check_windows(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -> Result<bool> {
+    let (one, none) = (Span { from: 0, steps: 1 }, Control::none());
+    for (i, rim) in rims().into_iter().enumerate() {
+        let mut world = random_world((37, 13), rim, 11 + i as u64, processes, start)?;
+        // Random numbers and the sun are not those of the first step.
+        world.step = 5;
+        let halo = match reach(processes, Moment::of(&world), one) {
+            Locality::Whole => return Ok(false),
+            Locality::Rows(n) => n,
+            Locality::Cell => 0,
+        };
+        let rules = processes.iter().all(|s| s.process.action().is_none());
+        let mut whole = world.clone();
+        CpuEngine::default().simulate(&mut whole, processes, one, &none)?;
+        let mut reference = Reference::<f32>::new(&world);
+        if rules {
+            reference.simulate(processes, 1);
+        }
+        for (cut, windows) in cuts(&world.grid) {
+            let isas = Isa::ALL.into_iter().filter(|i| i.is_available());
+            for isa in isas.filter(|&isa| isa == Isa::best() || cut == "tiles") {
+                let here = format!("{cut} of {rim:?}, halo {halo}, {}", isa.name());
+                let mut joined = world.clone();
+                for [columns, rows] in &windows {
+                    let domain = Domain::window(world.grid, columns.clone(), rows.clone(), halo)?;
+                    let mut part = world.cut(domain)?;
+                    CpuEngine { isa, ..CpuEngine::default() }.simulate(&mut part, processes, one, &none)?;
+                    joined.paste(&part)?;
+                    for (account, cells) in &reference.by_cell {
+                        let inside = || {
+                            let cells = rows.clone().map(|y| &cells[y * world.grid.width..][columns.clone()]);
+                            cells.flatten().copied()
+                        };
+                        let (got, want) = (part.ledger.amount(account), inside().sum::<f64>());
+                        let slack = 1e-5 * inside().map(f64::abs).sum::<f64>() + 1e-6;
+                        assert!(
+                            (got - want).abs() <= slack,
+                            "{account}: {got} in columns {columns:?} and rows {rows:?}, reference {want}; {here}"
+                        );
+                    }
+                    if cut == "tiles" && rules && isa == Isa::best() {
+                        same_as_reference(&world.cut(domain)?, &part, processes, &here);
+                    }
+                }
+                for (l, want) in joined.layers().iter().zip(whole.layers()) {
+                    assert!(l.spec == want.spec && bits(l) == bits(want), "`{}` differs; {here}", l.spec.name);
+                }
+            }
+        }
+    }
+    Ok(true)
+}
+
+/// The bits of a layer, outer faces included.
+fn bits(l: &Layer) -> Vec<u32> {
+    let faces = if l.spec.centering == Centering::Cell { Vec::new() } else { l.field.outer_faces() };
+    l.field.iter().chain(faces).map(f32::to_bits).collect()
+}
+
+/// Compares all that is held of a window, right or not, with what the reference makes of it.
+fn same_as_reference(before: &World, after: &World, processes: &[Scheduled], here: &str) {
+    let mut reference = Reference::<f32>::new(before);
+    reference.simulate(processes, 1);
+    for l in after.layers() {
+        for (y, row) in l.field.rows().enumerate() {
+            let same =
+                (row.iter().enumerate()).all(|(x, v)| v.to_bits() == reference.get(&l.spec.name, x, y).to_bits());
+            assert!(same, "`{}` is not the reference's in held row {y}; {here}", l.spec.name);
+        }
+    }
 }

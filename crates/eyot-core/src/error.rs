@@ -86,6 +86,9 @@ pub enum Error {
         /// The step or process after which it was found.
         after: String,
     },
+    /// Something cannot be done on a part of a grid.
+    #[error("a window of the grid: {0}")]
+    Window(String),
     /// The caller asked to stop.
     #[error("stopped on request after {0:?}")]
     Cancelled(Duration),

@@ -13,8 +13,8 @@ use std::ops::Range;
 pub(crate) const PAD_LEFT: usize = 2 * WIDTH;
 /// Rows stored above row 0: faces on the north side of an open rim live there.
 pub(crate) const PAD_TOP: usize = 1;
-/// Staggers that differ: two cache lines each make 4096 bytes.
-pub(crate) const STAGGERS: usize = 32;
+/// CacheOffsets that differ: two cache lines each make 4096 bytes.
+pub(crate) const CACHE_OFFSETS: usize = 32;
 /// Rows that are handed out between two looks at the stop button.
 const BAND: usize = 128;
 
@@ -29,8 +29,8 @@ pub struct Field {
     stride: usize,
     /// Index of (0, 0) in `data`.
     origin: usize,
-    /// Cache lines by which the rows are moved, below [`STAGGERS`].
-    stagger: usize,
+    /// Cache lines by which the rows are moved, below [`CACHE_OFFSETS`].
+    cache_offset: usize,
 }
 
 /// Floats from one row to the next.
@@ -43,7 +43,7 @@ const fn stride(width: usize) -> usize {
 impl Field {
     /// A field of `value`s.
     pub fn new(width: usize, height: usize, value: f32) -> Self {
-        Self::staggered(width, height, value, 0)
+        Self::with_cache_offset(width, height, value, 0)
     }
 
     /// Computes some `rows` of a larger field in parallel; `row` gets the row's number there and its cells, which are 0.
@@ -66,14 +66,14 @@ impl Field {
         Ok(field)
     }
 
-    /// As [`Field::new`], with the rows moved by `stagger` cache lines.
+    /// As [`Field::new`], with the rows moved by `cache_offset` cache lines.
     ///
     /// Arrays whose bases agree modulo 4096 bytes slow each other down (a load after a store to the same low
-    /// address bits waits for it); the engine gives each array of a world another stagger.
-    pub fn staggered(width: usize, height: usize, value: f32, stagger: usize) -> Self {
+    /// address bits waits for it); the engine gives each array of a world another cache offset.
+    pub fn with_cache_offset(width: usize, height: usize, value: f32, cache_offset: usize) -> Self {
         let stride = stride(width);
-        let stagger = stagger % STAGGERS;
-        let lead = stagger * 2 * WIDTH;
+        let cache_offset = cache_offset % CACHE_OFFSETS;
+        let lead = cache_offset * 2 * WIDTH;
         let len = lead + stride * (height + PAD_TOP) + WIDTH;
         // Zeroed pages come from the system without being touched.
         let mut data = vec![0.0; len + WIDTH];
@@ -82,12 +82,12 @@ impl Field {
         if value != 0.0 {
             data.fill(value);
         }
-        Self { data, width, height, stride, origin, stagger }
+        Self { data, width, height, stride, origin, cache_offset }
     }
 
-    /// A copy of interior and outer faces with another stagger.
-    pub(crate) fn restaggered(&self, stagger: usize) -> Self {
-        let mut f = Self::staggered(self.width, self.height, 0.0, stagger);
+    /// A copy of interior and outer faces with another cache offset.
+    pub(crate) fn at_cache_offset(&self, cache_offset: usize) -> Self {
+        let mut f = Self::with_cache_offset(self.width, self.height, 0.0, cache_offset);
         for y in 0..self.height {
             f.row_mut(y).copy_from_slice(self.row(y));
         }
@@ -96,9 +96,9 @@ impl Field {
         f
     }
 
-    /// The stagger, below [`STAGGERS`].
-    pub(crate) fn stagger(&self) -> usize {
-        self.stagger
+    /// The cache offset, below [`CACHE_OFFSETS`].
+    pub(crate) fn cache_offset(&self) -> usize {
+        self.cache_offset
     }
 
     /// A field with the given values, row by row from the north.
@@ -143,7 +143,7 @@ impl Field {
 
     /// Bytes that a field of this size holds, padding included, before there is one: never less than [`Field::bytes`].
     pub fn bytes_of(width: usize, height: usize) -> u128 {
-        let lead = (STAGGERS - 1) * 2 * WIDTH + 2 * WIDTH;
+        let lead = (CACHE_OFFSETS - 1) * 2 * WIDTH + 2 * WIDTH;
         4 * (lead as u128 + stride(width) as u128 * (height as u128 + PAD_TOP as u128))
     }
 
@@ -301,9 +301,9 @@ impl Field {
 }
 
 impl Clone for Field {
-    /// Copies the interior and the outer faces, with the same stagger.
+    /// Copies the interior and the outer faces, with the same cache offset.
     fn clone(&self) -> Self {
-        self.restaggered(self.stagger)
+        self.at_cache_offset(self.cache_offset)
     }
 }
 

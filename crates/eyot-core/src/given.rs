@@ -183,16 +183,16 @@ impl Real for Given {
         };
         Self { value: f32::from_bits(bits.value), origin }
     }
-    fn whole(self) -> GivenBits {
+    fn to_int_bits(self) -> GivenBits {
         let origin = match self.origin {
             Origin::Literal => Origin::Literal,
             Origin::Number => Origin::Number,
-            Origin::Traced(node) => Origin::Traced(node.whole()),
+            Origin::Traced(node) => Origin::Traced(node.to_int_bits()),
         };
-        GivenBits { value: self.value.whole(), origin }
+        GivenBits { value: self.value.to_int_bits(), origin }
     }
-    fn rounded(self) -> Self {
-        Self::from_all(&[self], self.value, || self.node().rounded())
+    fn no_contract(self) -> Self {
+        Self::from_all(&[self], self.value, || self.node().no_contract())
     }
 }
 
@@ -430,7 +430,7 @@ mod tests {
     fn way<R: Real>(a: R, b: R, dt: R) -> R {
         let share = R::of(1.0) - math::exp(-dt / a);
         let turned = math::sin(a * b) + math::ln(a.abs() + R::of(0.5)) + (a * a + b).sqrt().floor();
-        (share * turned).max(b - dt).clamp(R::of(-3.0), R::of(3.0)).rounded()
+        (share * turned).max(b - dt).clamp(R::of(-3.0), R::of(3.0)).no_contract()
     }
 
     /// The numbers are those of `f32`, and so is what the trace computes from others, bit by bit.

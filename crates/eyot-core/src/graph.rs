@@ -85,7 +85,7 @@ pub struct Graph {
     /// Nodes of the sums.
     pub sums: Vec<Id>,
     /// Nodes of what leaves through each side of an open rim, in the order of [`Side::ALL`]; empty where nothing does.
-    pub leaving: [Vec<Id>; 4],
+    pub boundary_outflow: [Vec<Id>; 4],
     /// Names that the rule gives to some of its values; see [`Real::named`].
     pub names: Vec<(Id, &'static str)>,
 }
@@ -206,10 +206,10 @@ impl Real for Node {
     fn from_bits(bits: BitsNode) -> Self {
         Self(push(Op::FromBits(bits.0)))
     }
-    fn whole(self) -> BitsNode {
+    fn to_int_bits(self) -> BitsNode {
         BitsNode(push(Op::Whole(self.0)))
     }
-    fn rounded(self) -> Self {
+    fn no_contract(self) -> Self {
         Self::from_bits(self.to_bits())
     }
     fn named(self, name: &'static str) -> Self {
@@ -272,16 +272,16 @@ impl Graph {
     /// Runs the rule once and keeps what it did.
     pub fn of<U: Rule>() -> Self {
         let ids = |nodes: &[Node]| nodes.iter().map(|n| n.0).collect();
-        let ((out, sums, leaving), builder) = recorded(|| {
+        let ((out, sums, boundary_outflow), builder) = recorded(|| {
             let mut next = 0;
             let params = U::Params::build(|_| {
                 next += 1;
                 Node(push(Op::Param(next - 1)))
             });
             let (out, sums) = U::cell(&params, &Recorder(()));
-            let leaving =
-                Side::ALL.map(|side| U::leaving(&params, &Recorder(()), side).map_or(vec![], |s| ids(s.as_ref())));
-            (out, sums, leaving)
+            let boundary_outflow = Side::ALL
+                .map(|side| U::boundary_outflow(&params, &Recorder(()), side).map_or(vec![], |s| ids(s.as_ref())));
+            (out, sums, boundary_outflow)
         });
         let mut graph = Self {
             name: U::NAME,
@@ -291,7 +291,7 @@ impl Graph {
             writes: U::WRITES.to_vec(),
             outputs: ids(out.as_ref()),
             sums: ids(sums.as_ref()),
-            leaving,
+            boundary_outflow,
             names: builder.names,
         };
         graph.drop_unused();
@@ -312,9 +312,18 @@ impl Graph {
         });
         let ids = |nodes: Vec<Node>| nodes.into_iter().map(|n| n.0).collect();
         let (outputs, sums) = (ids(outputs), ids(sums));
-        let leaving = Default::default();
-        let mut graph =
-            Self { name, nodes: builder.nodes, params, reads, writes, outputs, sums, leaving, names: builder.names };
+        let boundary_outflow = Default::default();
+        let mut graph = Self {
+            name,
+            nodes: builder.nodes,
+            params,
+            reads,
+            writes,
+            outputs,
+            sums,
+            boundary_outflow,
+            names: builder.names,
+        };
         graph.drop_unused();
         graph
     }
@@ -329,26 +338,36 @@ impl Graph {
         values: impl FnOnce(&Recorder, &[Node]) -> Vec<Node>,
     ) -> Self {
         let ids = |nodes: Vec<Node>| nodes.into_iter().map(|n| n.0).collect::<Vec<Id>>();
-        let ((outputs, sums, leaving), builder) = recorded(|| {
+        let ((outputs, sums, boundary_outflow), builder) = recorded(|| {
             let all: Vec<Node> = (0..params.len()).map(|i| Node(push(Op::Param(i as u32)))).collect();
             let cell = Recorder(());
             let own = values(&cell, &all);
             let (outputs, sums) = self.evaluate(&own, &cell);
-            let leaving = Side::ALL.map(|side| self.evaluate_leaving(&own, &cell, side).map_or(vec![], ids));
-            (ids(outputs), ids(sums), leaving)
+            let boundary_outflow =
+                Side::ALL.map(|side| self.evaluate_boundary_outflow(&own, &cell, side).map_or(vec![], ids));
+            (ids(outputs), ids(sums), boundary_outflow)
         });
         let (nodes, names) = (builder.nodes, Vec::new());
-        let mut graph =
-            Self { name: self.name, nodes, params, reads, writes: self.writes.clone(), outputs, sums, leaving, names };
+        let mut graph = Self {
+            name: self.name,
+            nodes,
+            params,
+            reads,
+            writes: self.writes.clone(),
+            outputs,
+            sums,
+            boundary_outflow,
+            names,
+        };
         graph.drop_unused();
         graph
     }
 
     /// Values of nodes that read parameters alone.
     pub(crate) fn of_nodes(name: &'static str, nodes: Vec<Op>, outputs: Vec<Id>) -> Self {
-        let (leaving, names) = (Default::default(), Vec::new());
+        let (boundary_outflow, names) = (Default::default(), Vec::new());
         let (params, reads, writes, sums) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut graph = Self { name, nodes, params, reads, writes, outputs, sums, leaving, names };
+        let mut graph = Self { name, nodes, params, reads, writes, outputs, sums, boundary_outflow, names };
         graph.drop_unused();
         graph
     }
@@ -382,8 +401,12 @@ impl Graph {
             renamed.push(id);
         }
         self.nodes = nodes;
-        let leaving = self.leaving.iter_mut().flatten();
-        self.outputs.iter_mut().chain(&mut self.sums).chain(leaving).for_each(|id| *id = renamed[*id as usize]);
+        let boundary_outflow = self.boundary_outflow.iter_mut().flatten();
+        self.outputs
+            .iter_mut()
+            .chain(&mut self.sums)
+            .chain(boundary_outflow)
+            .for_each(|id| *id = renamed[*id as usize]);
         self.names.iter_mut().for_each(|(id, _)| *id = renamed[*id as usize]);
         self.drop_unused();
     }
@@ -391,7 +414,7 @@ impl Graph {
     /// Removes nodes that nothing needs.
     fn drop_unused(&mut self) {
         let roots: Vec<Id> =
-            self.outputs.iter().chain(&self.sums).chain(self.leaving.iter().flatten()).copied().collect();
+            self.outputs.iter().chain(&self.sums).chain(self.boundary_outflow.iter().flatten()).copied().collect();
         let used = self.needed(&roots);
         let mut renamed = vec![0; self.nodes.len()];
         let mut kept = Vec::new();
@@ -402,8 +425,12 @@ impl Graph {
             }
         }
         self.nodes = kept;
-        let leaving = self.leaving.iter_mut().flatten();
-        self.outputs.iter_mut().chain(&mut self.sums).chain(leaving).for_each(|id| *id = renamed[*id as usize]);
+        let boundary_outflow = self.boundary_outflow.iter_mut().flatten();
+        self.outputs
+            .iter_mut()
+            .chain(&mut self.sums)
+            .chain(boundary_outflow)
+            .for_each(|id| *id = renamed[*id as usize]);
         self.names.retain(|(id, _)| used[*id as usize]);
         self.names.iter_mut().for_each(|(id, _)| *id = renamed[*id as usize]);
     }
@@ -417,7 +444,7 @@ impl Graph {
     pub fn uses(&self) -> Vec<usize> {
         let mut uses = vec![0; self.nodes.len()];
         let of_nodes = self.nodes.iter().flat_map(|op| operands(*op).into_iter().flatten());
-        let all = of_nodes.chain(self.sums.iter().chain(self.leaving.iter().flatten()).copied());
+        let all = of_nodes.chain(self.sums.iter().chain(self.boundary_outflow.iter().flatten()).copied());
         all.for_each(|id| uses[id as usize] += 1);
         self.outputs.iter().for_each(|id| uses[*id as usize] += 2);
         uses
@@ -469,9 +496,9 @@ impl Graph {
     }
 
     /// Evaluates what leaves through a side of a border cell; `None` if nothing ever leaves there.
-    pub fn evaluate_leaving<R: Real>(&self, params: &[R], cell: &impl Cell<R>, side: Side) -> Option<Vec<R>> {
-        let leaving = &self.leaving[side as usize];
-        (!leaving.is_empty()).then(|| pick(&self.values(params, cell), leaving))
+    pub fn evaluate_boundary_outflow<R: Real>(&self, params: &[R], cell: &impl Cell<R>, side: Side) -> Option<Vec<R>> {
+        let boundary_outflow = &self.boundary_outflow[side as usize];
+        (!boundary_outflow.is_empty()).then(|| pick(&self.values(params, cell), boundary_outflow))
     }
 
     /// The value of each node that is no integer.
@@ -539,7 +566,7 @@ fn apply<R: Real>(op: Op, f: impl Fn(Id) -> R, b: impl Fn(Id) -> R::Bits) -> Val
         Op::ToReal(a) => V(real_of(b(a))),
         Op::BitsConst(c) => B(R::Bits::of(c)),
         Op::ToBits(a) => B(f(a).to_bits()),
-        Op::Whole(a) => B(f(a).whole()),
+        Op::Whole(a) => B(f(a).to_int_bits()),
         Op::BitsAdd(a, c) => B(b(a).add(b(c))),
         Op::BitsMul(a, c) => B(b(a).mul(b(c))),
         Op::BitsXor(a, c) => B(b(a).xor(b(c))),
@@ -586,7 +613,7 @@ pub(crate) fn check<U: Rule>() {
     });
     for side in Side::ALL {
         record(&|| {
-            let sums = U::leaving(&params(), &Recorder(()), side);
+            let sums = U::boundary_outflow(&params(), &Recorder(()), side);
             [U::WRITES.len(), sums.map_or(U::TALLIES.len(), |s| s.as_ref().len())]
         });
     }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// What lies beyond the last cell along one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Edge {
+pub enum BoundaryCondition {
     /// A wall: nothing enters or leaves.
     #[default]
     Closed,
@@ -20,23 +20,23 @@ pub enum Edge {
 
 /// The rim of a grid, axis by axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-pub struct Rim {
+pub struct Boundary {
     /// West and east sides.
-    pub x: Edge,
+    pub x: BoundaryCondition,
     /// North and south sides.
-    pub y: Edge,
+    pub y: BoundaryCondition,
 }
 
-impl Rim {
+impl Boundary {
     /// Walls on all four sides.
-    pub const CLOSED: Self = Self::both(Edge::Closed);
+    pub const CLOSED: Self = Self::both(BoundaryCondition::Closed);
     /// Outfalls on all four sides.
-    pub const OPEN: Self = Self::both(Edge::Open);
+    pub const OPEN: Self = Self::both(BoundaryCondition::Open);
     /// A torus.
-    pub const WRAP: Self = Self::both(Edge::Wrap);
+    pub const WRAP: Self = Self::both(BoundaryCondition::Wrap);
 
     /// The same edge on both axes.
-    pub const fn both(edge: Edge) -> Self {
+    pub const fn both(edge: BoundaryCondition) -> Self {
         Self { x: edge, y: edge }
     }
 }
@@ -53,7 +53,7 @@ pub struct Grid {
     /// North-south size of a cell, m, positive.
     pub cell_y_m: f64,
     /// What lies beyond the border cells.
-    pub rim: Rim,
+    pub rim: Boundary,
 }
 
 impl Grid {
@@ -61,7 +61,7 @@ impl Grid {
     ///
     /// # Errors
     /// If a side is zero, the cell size is not a positive finite number, or the cell count exceeds `limits`.
-    pub fn new(width: usize, height: usize, cell_m: f64, rim: Rim, limits: &Limits) -> Result<Self> {
+    pub fn new(width: usize, height: usize, cell_m: f64, rim: Boundary, limits: &Limits) -> Result<Self> {
         Self { width, height, cell_x_m: cell_m, cell_y_m: cell_m, rim }.checked(limits)
     }
 
@@ -113,9 +113,9 @@ impl Grid {
     }
 }
 
-fn resolve(i: isize, n: usize, edge: Edge) -> usize {
+fn resolve(i: isize, n: usize, edge: BoundaryCondition) -> usize {
     match edge {
-        Edge::Wrap => i.rem_euclid(n as isize) as usize,
-        Edge::Closed | Edge::Open => i.clamp(0, n as isize - 1) as usize,
+        BoundaryCondition::Wrap => i.rem_euclid(n as isize) as usize,
+        BoundaryCondition::Closed | BoundaryCondition::Open => i.clamp(0, n as isize - 1) as usize,
     }
 }

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 /// Where on a cell a layer's value lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Stagger {
+pub enum Centering {
     /// In the middle of the cell.
     #[default]
     Cell,
@@ -18,7 +18,7 @@ pub enum Stagger {
 
 /// What a rule reads from a layer beyond a rim that does not wrap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Beyond {
+pub enum GhostFill {
     /// The value of the nearest cell: no gradient across the rim.
     #[default]
     Nearest,
@@ -52,11 +52,11 @@ pub struct LayerSpec {
     /// Smallest and largest valid value.
     pub range: (f32, f32),
     /// Where on the cell it lives.
-    pub stagger: Stagger,
+    pub centering: Centering,
     /// What rules read beyond a closed rim.
-    pub beyond_closed: Beyond,
+    pub beyond_closed: GhostFill,
     /// What rules read beyond an open rim.
-    pub beyond_open: Beyond,
+    pub beyond_open: GhostFill,
 }
 
 impl LayerSpec {
@@ -67,9 +67,9 @@ impl LayerSpec {
             unit: Cow::Borrowed(unit),
             meaning: Cow::Borrowed(meaning),
             range,
-            stagger: Stagger::Cell,
-            beyond_closed: Beyond::Nearest,
-            beyond_open: Beyond::Nearest,
+            centering: Centering::Cell,
+            beyond_closed: GhostFill::Nearest,
+            beyond_open: GhostFill::Nearest,
         }
     }
 
@@ -86,16 +86,16 @@ impl LayerSpec {
     }
 
     /// The same layer on a face.
-    pub const fn on(mut self, stagger: Stagger) -> Self {
-        self.stagger = stagger;
-        self.beyond_closed = Beyond::Zero;
-        self.beyond_open = Beyond::Zero;
+    pub const fn on(mut self, centering: Centering) -> Self {
+        self.centering = centering;
+        self.beyond_closed = GhostFill::Zero;
+        self.beyond_open = GhostFill::Zero;
         self
     }
 
     /// The same layer, empty beyond an open rim: what is there has fallen off.
     pub const fn empty_outside(mut self) -> Self {
-        self.beyond_open = Beyond::Zero;
+        self.beyond_open = GhostFill::Zero;
         self
     }
 }
@@ -112,7 +112,7 @@ pub struct Layer {
 impl PartialEq for Layer {
     /// Compares all that the layer's state is: on faces, the outer ones too.
     fn eq(&self, other: &Self) -> bool {
-        let on_faces = self.spec.stagger != Stagger::Cell;
+        let on_faces = self.spec.centering != Centering::Cell;
         self.spec == other.spec
             && self.field == other.field
             && (!on_faces || self.field.outer_faces() == other.field.outer_faces())

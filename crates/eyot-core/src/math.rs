@@ -29,7 +29,7 @@ pub fn exp<R: Real>(x: R) -> R {
 /// 2^n for a whole n within -126..=127.
 #[inline(always)]
 fn power_of_two<R: Real>(n: R) -> R {
-    R::from_bits(n.whole().add(R::Bits::of(127)).shl(23))
+    R::from_bits(n.to_int_bits().add(R::Bits::of(127)).shl(23))
 }
 
 /// Natural logarithm of a positive normal number; error at most 2 ulp. 0 and below give about -87.3.

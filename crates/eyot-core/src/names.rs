@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
 
 /// Most names of one program.
-const MOST: usize = 1 << 16;
+const MAX: usize = 1 << 16;
 /// Longest name, bytes.
 const LONGEST: usize = 256;
 
@@ -32,8 +32,8 @@ pub fn intern(name: &str) -> Result<&'static str> {
     if let Some(known) = names.get(name) {
         return Ok(known);
     }
-    if names.len() >= MOST {
-        return Err(too_many("the names of all recipes so far", names.len() + 1, MOST));
+    if names.len() >= MAX {
+        return Err(too_many("the names of all recipes so far", names.len() + 1, MAX));
     }
     let kept: &'static str = Box::leak(name.to_owned().into_boxed_str());
     names.insert(kept);

@@ -10,6 +10,7 @@ use crate::real::Real;
 use crate::rng::Key;
 use crate::rule::{Cell, MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, ParamSet, Read, Rule, Side, Slot, Tally};
 use std::any::TypeId;
+use std::collections::BTreeMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -116,6 +117,21 @@ impl Plan {
     /// Scratch layers declared by the passes.
     pub fn scratch_layers(&self) -> &[LayerSpec] {
         &self.scratch
+    }
+
+    /// How far from a cell the values lie, at most, of which its own depend after all passes: what a window's halo must have for the
+    /// cells inside to be right. Sums are kept inside alone.
+    pub fn reach(&self) -> usize {
+        // From the last pass to the first: how far around the window each layer must be right.
+        let mut needed: BTreeMap<&str, usize> = BTreeMap::new();
+        for pass in self.passes.iter().rev() {
+            let around = pass.writes().iter().filter_map(|w| needed.remove(w)).max().unwrap_or(0);
+            for r in pass.reads() {
+                let place = needed.entry(r.layer).or_default();
+                *place = (*place).max(around + r.reach);
+            }
+        }
+        needed.into_values().max().unwrap_or(0)
     }
 
     /// Layers of which the engine holds two copies: those that some pass writes while it reads their neighbouring cells.
@@ -238,7 +254,7 @@ where
     }
     fn leaving_f64(&self, view: &View<'_, f64>, side: Side) -> Option<Vec<f64>> {
         let p = U::Params::map(&self.params, |_, v| f64::from(v));
-        U::leaving(&p, view, side).map(|s| s.as_ref().to_vec())
+        U::boundary_outflow(&p, view, side).map(|s| s.as_ref().to_vec())
     }
 }
 

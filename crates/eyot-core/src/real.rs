@@ -31,7 +31,7 @@ pub trait Real:
     /// The number with this IEEE 754 binary32 pattern.
     fn from_bits(bits: Self::Bits) -> Self;
     /// A whole number of magnitude below 2^22 as a two's complement integer; anything else gives something useless.
-    fn whole(self) -> Self::Bits;
+    fn to_int_bits(self) -> Self::Bits;
 
     /// The same number; where the rule is printed as a shader it is called `name`. Shown with its equation: `"(3) depth"`.
     #[inline(always)]
@@ -41,7 +41,7 @@ pub trait Real:
     /// The same number; a compiler of shaders must round it before it goes on, and not fuse it with what comes next. For products
     /// in rules that amplify rounding.
     #[inline(always)]
-    fn rounded(self) -> Self {
+    fn no_contract(self) -> Self {
         self
     }
     /// Starts a choice: `a.lt(b).pick(x, y)`.
@@ -221,7 +221,7 @@ impl Real for f32 {
         f32::from_bits(bits)
     }
     #[inline(always)]
-    fn whole(self) -> u32 {
+    fn to_int_bits(self) -> u32 {
         (self + WHOLE).to_bits().wrapping_sub(WHOLE.to_bits())
     }
 }
@@ -285,7 +285,7 @@ impl Real for f64 {
     fn from_bits(bits: Bits64) -> Self {
         f64::from(f32::from_bits(bits.0))
     }
-    fn whole(self) -> Bits64 {
+    fn to_int_bits(self) -> Bits64 {
         Bits64(self as i32 as u32)
     }
     fn exp(self) -> Self {

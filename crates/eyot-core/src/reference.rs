@@ -4,10 +4,10 @@
 //! compare engines with it bit by bit (`f32`) and use it where single precision would hide an error (`f64`).
 
 use crate::control::Control;
+use crate::domain::{Domain, End};
 use crate::engine::{Ahead, Borrowed, Engine, EngineError, Saved};
-use crate::grid::{Edge, Grid};
-use crate::kernel::cell_number;
-use crate::layer::{Beyond, Layer, LayerSpec, Stagger};
+use crate::grid::{BoundaryCondition, Grid};
+use crate::layer::{Centering, GhostFill, Layer, LayerSpec};
 use crate::limits::Limits;
 use crate::plan::{Pass, Plan, View};
 use crate::process::{Scheduled, Span};
@@ -64,6 +64,8 @@ struct Array<T> {
 
 /// A world of plain arrays of `T`.
 pub struct Reference<T> {
+    domain: Domain,
+    /// The cells that are held.
     grid: Grid,
     seed: u64,
     /// Steps done.
@@ -74,12 +76,15 @@ pub struct Reference<T> {
     completed: u64,
     /// Sums for the ledger by account, in its units.
     pub ledger: BTreeMap<&'static str, f64>,
+    /// What of these came from each of the cells that are held, row by row from the north.
+    pub by_cell: BTreeMap<&'static str, Vec<f64>>,
 }
 
 impl<T: Number> Reference<T> {
     /// Copies a world.
     pub fn new(world: &World) -> Self {
         let mut r = Self {
+            domain: world.domain(),
             grid: world.grid,
             seed: world.seed,
             step: world.step,
@@ -87,6 +92,7 @@ impl<T: Number> Reference<T> {
             layers: Vec::new(),
             completed: 0,
             ledger: BTreeMap::new(),
+            by_cell: BTreeMap::new(),
         };
         world.layers().iter().for_each(|l| r.take(l));
         r
@@ -107,11 +113,11 @@ impl<T: Number> Reference<T> {
         // What an earlier run left on the faces beyond an open rim.
         let (faces, at) = (l.field.outer_faces(), self.find(&l.spec.name));
         let (west, north) = faces.split_at(self.grid.height);
-        for (y, v) in west.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceX) {
+        for (y, v) in west.iter().enumerate().filter(|_| l.spec.centering == Centering::FaceX) {
             let i = self.index(-1, y as isize);
             self.layers[at].values[i] = T::of(*v);
         }
-        for (x, v) in north.iter().enumerate().filter(|_| l.spec.stagger == Stagger::FaceY) {
+        for (x, v) in north.iter().enumerate().filter(|_| l.spec.centering == Centering::FaceY) {
             let i = self.index(x as isize, -1);
             self.layers[at].values[i] = T::of(*v);
         }
@@ -165,7 +171,7 @@ impl<T: Number> Reference<T> {
     /// fit this world.
     pub fn simulate(&mut self, processes: &[Scheduled], steps: u64) {
         assert!(processes.iter().all(|s| s.process.action().is_none()), "the reference runs rules only");
-        let mut world = World::new(self.grid, self.seed);
+        let mut world = World::of_window(self.domain, self.seed);
         (world.step, world.sea_level_m) = (self.step, self.sea_level_m);
         for l in &self.layers {
             world.ensure(&l.spec, 0.0);
@@ -192,10 +198,10 @@ impl<T: Number> Reference<T> {
             }
             let mut faces = l.field.outer_faces();
             let (west, north) = faces.split_at_mut(g.height);
-            if l.spec.stagger == Stagger::FaceX {
+            if l.spec.centering == Centering::FaceX {
                 west.iter_mut().enumerate().for_each(|(y, v)| *v = value(-1, y as isize));
             }
-            if l.spec.stagger == Stagger::FaceY {
+            if l.spec.centering == Centering::FaceY {
                 north.iter_mut().enumerate().for_each(|(x, v)| *v = value(x as isize, -1));
             }
             // There are as many faces as before.
@@ -204,7 +210,9 @@ impl<T: Number> Reference<T> {
     }
 
     fn pass(&mut self, pass: &Pass) {
-        let g = self.grid;
+        let (g, domain) = (self.grid, self.domain);
+        let (ends_x, ends_y) = (domain.ends_x(), domain.ends_y());
+        let open = |end| end == End::Boundary(BoundaryCondition::Open);
         let reads: Vec<usize> = pass.reads().iter().map(|r| self.find(r.layer)).collect();
         let writes: Vec<usize> = pass.writes().iter().map(|w| self.find(w)).collect();
         let mut new: Vec<Vec<T>> = writes.iter().map(|&w| self.layers[w].values.clone()).collect();
@@ -212,34 +220,36 @@ impl<T: Number> Reference<T> {
         for y in -1..g.height as isize {
             for x in -1..g.width as isize {
                 let at = |slot: usize, dx: isize, dy: isize| self.look(reads[slot], x + dx, y + dy);
-                let number = cell_number(x, y, g.width);
+                let number = domain.cell_number(x, y);
                 let uniform = |s| rng::unit::<f32>(rng::hash(Key::new(self.seed, s, pass.step), number));
-                let [values, sums] = T::cell(pass, &at, T::of(x as f32), T::of(y as f32), &uniform);
+                let (column, row) = (domain.column(x), domain.row(y));
+                let [values, sums] = T::cell(pass, &at, T::of(column as f32), T::of(row as f32), &uniform);
                 for (i, &w) in writes.iter().enumerate() {
-                    let stagger = self.layers[w].spec.stagger;
-                    let west = x < 0 && !(stagger == Stagger::FaceX && g.rim.x == Edge::Open && y >= 0);
-                    let north = y < 0 && !(stagger == Stagger::FaceY && g.rim.y == Edge::Open && x >= 0);
+                    let centering = self.layers[w].spec.centering;
+                    let west = x < 0 && !(centering == Centering::FaceX && open(ends_x[0]) && y >= 0);
+                    let north = y < 0 && !(centering == Centering::FaceY && open(ends_y[0]) && x >= 0);
                     if west || north {
                         continue;
                     }
                     let shut = self.is_shut(&self.layers[w].spec, x, y);
                     new[i][self.index(x, y)] = if shut { T::of(0.0) } else { values[i] };
                 }
-                if x < 0 || y < 0 {
+                let inside = |i: isize, cells: std::ops::Range<usize>| i >= 0 && cells.contains(&(i as usize));
+                if !inside(x, domain.inside_columns()) || !inside(y, domain.inside_rows()) {
                     continue;
                 }
                 let mut sums: Vec<f64> = sums.into_iter().map(Into::into).collect();
                 for side in Side::ALL {
                     let outside = match side {
-                        Side::West => g.rim.x == Edge::Open && x == 0,
-                        Side::East => g.rim.x == Edge::Open && x + 1 == g.width as isize,
-                        Side::North => g.rim.y == Edge::Open && y == 0,
-                        Side::South => g.rim.y == Edge::Open && y + 1 == g.height as isize,
+                        Side::West => open(ends_x[0]) && x == 0,
+                        Side::East => open(ends_x[1]) && x + 1 == g.width as isize,
+                        Side::North => open(ends_y[0]) && y == 0,
+                        Side::South => open(ends_y[1]) && y + 1 == g.height as isize,
                     };
                     if outside {
                         let at64 = |s: usize, dx: isize, dy: isize| -> f64 { at(s, dx, dy).into() };
                         let u64_ = |s| f64::from(uniform(s));
-                        let view = View { at: &at64, uniform: &u64_, x: x as f64, y: y as f64 };
+                        let view = View { at: &at64, uniform: &u64_, x: column as f64, y: row as f64 };
                         let left = pass.rule.leaving_f64(&view, side).unwrap_or_default();
                         sums.iter_mut().zip(left).for_each(|(a, b)| *a += b);
                     }
@@ -247,6 +257,8 @@ impl<T: Number> Reference<T> {
                 for (t, s) in pass.rule.tallies().iter().zip(sums) {
                     let scale = if t.unit == TallyUnit::Thickness { area } else { 1.0 };
                     *self.ledger.entry(t.account).or_default() += s * scale;
+                    let cells = self.by_cell.entry(t.account).or_insert_with(|| vec![0.0; g.cells()]);
+                    cells[y as usize * g.width + x as usize] += s * scale;
                 }
             }
         }
@@ -257,16 +269,16 @@ impl<T: Number> Reference<T> {
 
     /// True for a face on a closed rim.
     fn is_shut(&self, spec: &LayerSpec, x: isize, y: isize) -> bool {
-        let g = &self.grid;
-        (spec.stagger == Stagger::FaceX && g.rim.x == Edge::Closed && x + 1 == g.width as isize)
-            || (spec.stagger == Stagger::FaceY && g.rim.y == Edge::Closed && y + 1 == g.height as isize)
+        let (g, shut) = (&self.grid, End::Boundary(BoundaryCondition::Closed));
+        (spec.centering == Centering::FaceX && self.domain.ends_x()[1] == shut && x + 1 == g.width as isize)
+            || (spec.centering == Centering::FaceY && self.domain.ends_y()[1] == shut && y + 1 == g.height as isize)
     }
 
     /// What a rule reads at (x, y), which may lie beyond the rim.
     fn look(&self, layer: usize, x: isize, y: isize) -> T {
         let (g, l) = (&self.grid, &self.layers[layer]);
-        let column = place(x, g.width, g.rim.x, &l.spec, l.spec.stagger == Stagger::FaceX);
-        let row = place(y, g.height, g.rim.y, &l.spec, l.spec.stagger == Stagger::FaceY);
+        let column = place(x, g.width, self.domain.ends_x(), &l.spec, l.spec.centering == Centering::FaceX);
+        let row = place(y, g.height, self.domain.ends_y(), &l.spec, l.spec.centering == Centering::FaceY);
         match (column, row) {
             (Some(x), Some(y)) => l.values[self.index(x, y)],
             _ => T::of(0.0),
@@ -360,15 +372,16 @@ impl<T: Number> Engine for Reference<T> {
 }
 
 /// The column or row that stands for `i`; `None` where there is nothing.
-fn place(i: isize, n: usize, edge: Edge, spec: &LayerSpec, face: bool) -> Option<isize> {
+fn place(i: isize, n: usize, ends: [End; 2], spec: &LayerSpec, face: bool) -> Option<isize> {
     let n = n as isize;
-    if (0..n).contains(&i) || (i == -1 && face && edge == Edge::Open) {
+    if (0..n).contains(&i) || (i == -1 && face && ends[0] == End::Boundary(BoundaryCondition::Open)) {
         return Some(i);
     }
-    let beyond = match edge {
-        Edge::Wrap => return Some(i.rem_euclid(n)),
-        Edge::Closed => spec.beyond_closed,
-        Edge::Open => spec.beyond_open,
+    let beyond = match ends[usize::from(i > 0)] {
+        End::Boundary(BoundaryCondition::Wrap) => return Some(i.rem_euclid(n)),
+        End::Boundary(BoundaryCondition::Closed) => spec.beyond_closed,
+        End::Boundary(BoundaryCondition::Open) => spec.beyond_open,
+        End::Cut => GhostFill::Nearest,
     };
-    (beyond == Beyond::Nearest).then(|| i.clamp(0, n - 1))
+    (beyond == GhostFill::Nearest).then(|| i.clamp(0, n - 1))
 }

@@ -151,7 +151,7 @@ pub trait Rule: 'static {
     /// What leaves the world through `side` of this border cell when that rim is open, in addition to the sums of
     /// [`Rule::cell`]. `None` if nothing ever leaves.
     #[inline(always)]
-    fn leaving<R: Real>(
+    fn boundary_outflow<R: Real>(
         _p: &<Self::Params as ParamSet>::Of<R>,
         _c: &impl Cell<R>,
         _side: Side,

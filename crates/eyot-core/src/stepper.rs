@@ -8,7 +8,7 @@ use crate::control::Control;
 use crate::engine::{Ahead, Borrowed, Engine, EngineError};
 use crate::error::{Error, Result};
 use crate::plan::Plan;
-use crate::process::{ActionInstance, Moment, Scheduled, Span, may_fail};
+use crate::process::{ActionInstance, Locality, Moment, Scheduled, Span, may_fail};
 use crate::world::World;
 use std::borrow::Cow;
 
@@ -34,11 +34,12 @@ impl<P: AsRef<[Scheduled]>> Simulation<P> {
         self.processes.as_ref()
     }
 
-    /// Runs a span of steps on the world. Afterwards step and sea level of `world` are right; its layers and its ledger may be out of
+    /// Runs a span of steps on the world, whose halo is right if it is a window. Afterwards step and sea level of `world` are right; its layers and its ledger may be out of
     /// date until [`Engine::download`].
     ///
     /// # Errors
-    /// If a parameter does not fit the world or memory would exceed the limits (before the first step), on a request to stop
+    /// If a parameter does not fit the world, the steps look further than a window's halo ([`reach`]) or memory would exceed the limits
+    /// (before the first step), on a request to stop
     /// (the world is then in the state after some whole step; `world.step` tells which), if a value that is not finite turns up,
     /// and if the engine's device fails: the world is then what it was when it was last downloaded.
     pub fn advance(
@@ -72,6 +73,7 @@ impl<P: AsRef<[Scheduled]>> Simulation<P> {
             engine.release();
         }
         prepare(engine, world, processes)?;
+        check_window(world, processes, span)?;
         for (instance, s) in self.instances.iter_mut().zip(processes) {
             if let (None, Some(action)) = (&instance, s.process.action()) {
                 *instance = Some(action.instantiate(world)?);
@@ -138,7 +140,7 @@ impl<P: AsRef<[Scheduled]>> Simulation<P> {
         control: &Control<'_>,
     ) -> Result<(), EngineError> {
         let processes = self.processes.as_ref();
-        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut moment = Moment::of(world);
         let control = &control.within(engine.limits());
         let mut plan = Plan::default();
         let mut ahead = Ahead { processes, span: ahead, completes: 0, within_step: false };
@@ -164,6 +166,48 @@ impl<P: AsRef<[Scheduled]>> Simulation<P> {
     }
 }
 
+/// How far the steps of a span look, with all that they pass on to each other: the halo that a window needs for them.
+pub fn reach(processes: &[Scheduled], mut moment: Moment, span: Span) -> Locality {
+    let (mut plan, mut reach) = (Plan::default(), 0);
+    for step in span.from..span.from + span.steps {
+        for s in processes.iter().filter(|s| s.is_due(step)) {
+            s.plan(step, &mut moment, &mut plan);
+            if let Some(action) = s.process.action() {
+                reach += std::mem::take(&mut plan).reach();
+                match action.locality() {
+                    Locality::Cell => {}
+                    Locality::Rows(n) => reach += n,
+                    Locality::Whole => return Locality::Whole,
+                }
+            }
+            s.process.advance(&mut moment);
+        }
+        moment.step += 1;
+    }
+    match reach + plan.reach() {
+        0 => Locality::Cell,
+        n => Locality::Rows(n),
+    }
+}
+
+fn check_window(world: &World, processes: &[Scheduled], span: Span) -> Result<()> {
+    if !world.is_window() {
+        return Ok(());
+    }
+    let needed = match reach(processes, Moment::of(world), span) {
+        Locality::Cell => 0,
+        Locality::Rows(n) => n,
+        Locality::Whole => {
+            return Err(Error::Window("something that acts in these steps needs the whole grid".to_owned()));
+        }
+    };
+    let halo = world.domain().halo();
+    if needed > halo {
+        return Err(Error::Window(format!("these steps look {needed} cells far, its halo has {halo}")));
+    }
+    Ok(())
+}
+
 /// Layers that a step may change.
 fn written(processes: &[Scheduled], local_step: u64) -> Vec<Cow<'static, str>> {
     let due = processes.iter().filter(|s| s.is_due(local_step));
@@ -177,26 +221,35 @@ fn written(processes: &[Scheduled], local_step: u64) -> Vec<Cow<'static, str>> {
 /// engine computes.
 ///
 /// # Errors
-/// If the world does not fit its grid or the limits, or a parameter does not fit the world.
+/// If the world does not fit its grid or the limits, a parameter does not fit the world, or the first values of a layer depend on
+/// neighbours where the world is a window.
 pub fn prepare(engine: &mut dyn Engine, world: &mut World, processes: &[Scheduled]) -> Result<(), EngineError> {
     // Engines reach rows by address, so a world that does not fit its grid must not get further than this.
     world.grid.checked(&engine.limits())?;
+    let held = world.domain().held();
+    if (held.width, held.height) != (world.grid.width, world.grid.height) {
+        return Err(Error::Window(format!("it holds {}x{} cells", held.width, held.height)).into());
+    }
     for l in world.layers() {
         let (expected, found) = (world.grid.cells(), l.field.width() * l.field.height());
         if (l.field.width(), l.field.height()) != (world.grid.width, world.grid.height) {
             return Err(Error::Shape { what: format!("layer `{}`", l.spec.name), expected, found }.into());
         }
     }
-    processes.iter().try_for_each(|s| s.process.check(&world.grid))?;
+    processes.iter().try_for_each(|s| s.process.check(world.domain().global()))?;
     for s in processes {
         s.process.needs().into_iter().try_for_each(|name| world.layer(name).map(|_| ()))?;
         for l in s.process.layers() {
             let missing = world.get(&l.spec.name).is_none();
             world.ensure(&l.spec, l.start);
             if missing {
-                let moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+                let moment = Moment::of(world);
                 let mut plan = Plan { step: world.step, ..Plan::default() };
                 s.process.start(&l.spec.name, &moment, &mut plan);
+                if world.is_window() && plan.reach() > 0 {
+                    let name = &l.spec.name;
+                    return Err(Error::Window(format!("the first values of `{name}` depend on more of it")).into());
+                }
                 if !plan.passes().is_empty() {
                     engine.apply(world, &plan)?;
                 }

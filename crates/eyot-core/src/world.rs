@@ -1,10 +1,11 @@
 //! The world: grid, layers, clock and seed.
 
 use crate::component::Components;
+use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::field::Field;
-use crate::grid::Grid;
-use crate::layer::{Layer, LayerSpec, Stagger};
+use crate::grid::{BoundaryCondition, Grid};
+use crate::layer::{Centering, Layer, LayerSpec};
 use crate::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 
@@ -55,7 +56,7 @@ pub enum CoordinateSystem {
 /// Everything that a run changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
-    /// Size of cells and rim.
+    /// Size of cells and rim. Of a window of a larger grid: of the cells that are held ([`Domain::held`]).
     pub grid: Grid,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -70,6 +71,8 @@ pub struct World {
     /// What processes keep that is no layer, such as colonies or plates, by name. Checkpoints hold them and [`World::fingerprint`]
     /// covers them, so that a run goes on from exactly here.
     pub components: Components,
+    /// If the grid is a part of a larger one: which.
+    window: Option<Domain>,
     layers: Vec<Layer>,
 }
 
@@ -84,8 +87,90 @@ impl World {
             georeference: None,
             ledger: Ledger::default(),
             components: Components::default(),
+            window: None,
             layers: Vec::new(),
         }
+    }
+
+    /// A world without layers that is a part of a larger one. Files hold whole worlds only.
+    pub fn of_window(domain: Domain, seed: u64) -> Self {
+        let window = (!domain.is_whole()).then_some(domain);
+        Self { window, ..Self::new(domain.held(), seed) }
+    }
+
+    /// Which part of which grid this is.
+    pub fn domain(&self) -> Domain {
+        self.window.unwrap_or_else(|| Domain::whole(self.grid))
+    }
+
+    /// True if this is a part of a larger world.
+    pub const fn is_window(&self) -> bool {
+        self.window.is_some()
+    }
+
+    /// The part of this whole world that a domain says, halo included: layers, clock and seed. Its ledger and its components are
+    /// empty.
+    ///
+    /// # Errors
+    /// If the domain is one of another grid, or this is a window itself.
+    pub fn cut(&self, domain: Domain) -> Result<Self> {
+        self.is_whole_of(&domain)?;
+        let mut part = Self::of_window(domain, self.seed);
+        (part.step, part.sea_level_m) = (self.step, self.sea_level_m);
+        let columns: Vec<usize> = (0..part.grid.width as isize).map(|x| domain.column(x) as usize).collect();
+        for layer in &self.layers {
+            let field = &mut part.ensure(&layer.spec, 0.0).field;
+            for y in 0..field.height() {
+                let row = layer.field.row(domain.row(y as isize) as usize);
+                field.row_mut(y).iter_mut().zip(&columns).for_each(|(v, &x)| *v = row[x]);
+            }
+            let faces = layer.field.outer_faces();
+            let (west, north) = faces.split_at(self.grid.height);
+            let rows = (0..field.height() as isize).map(|y| west[domain.row(y) as usize]);
+            let faces: Vec<f32> = rows.chain(columns.iter().map(|&x| north[x])).collect();
+            field.set_outer_faces(&faces)?;
+        }
+        Ok(part)
+    }
+
+    /// Takes the values inside a window's rows and columns, where both have a layer. Clock, ledger and components stay.
+    ///
+    /// # Errors
+    /// As [`World::cut`].
+    pub fn paste(&mut self, part: &Self) -> Result<()> {
+        let domain = part.domain();
+        self.is_whole_of(&domain)?;
+        let (width, height) = (self.grid.width, self.grid.height);
+        let ring = self.grid.rim.x == BoundaryCondition::Wrap;
+        for layer in &part.layers {
+            let Ok(own) = self.layer_mut(&layer.spec.name) else { continue };
+            let (mut faces, theirs) = (own.field.outer_faces(), layer.field.outer_faces());
+            for (y, held) in domain.rows().zip(domain.inside_rows()) {
+                own.field.row_mut(y)[domain.columns()].copy_from_slice(&layer.field.row(held)[domain.inside_columns()]);
+                // The face before the first column of a ring is that after the last one.
+                if ring && domain.columns().end == width {
+                    faces[y] = layer.field.get(domain.inside_columns().end - 1, held);
+                } else if !ring && domain.columns().start == 0 {
+                    faces[y] = theirs[held];
+                }
+            }
+            if domain.rows().start == 0 {
+                let north = part.grid.height + domain.inside_columns().start;
+                let columns = domain.columns();
+                let (from, count) = (height + columns.start, columns.len());
+                faces[from..from + count].copy_from_slice(&theirs[north..north + count]);
+            }
+            own.field.set_outer_faces(&faces)?;
+        }
+        Ok(())
+    }
+
+    fn is_whole_of(&self, domain: &Domain) -> Result<()> {
+        if self.is_window() || *domain.global() != self.grid {
+            let reason = "a window can only be cut out of the whole grid of which it is one";
+            return Err(Error::BadGrid(reason.to_owned()));
+        }
+        Ok(())
     }
 
     /// All layers, in the order in which they were made.
@@ -126,9 +211,9 @@ impl World {
         let i = match self.layers.iter().position(|l| l.spec.name == spec.name) {
             Some(i) => i,
             None => {
-                // Two buffers a layer while the engine runs: keep their staggers apart.
-                let stagger = 2 * self.layers.len();
-                let field = Field::staggered(self.grid.width, self.grid.height, value, stagger);
+                // Two buffers a layer while the engine runs: keep their cache offsets apart.
+                let cache_offset = 2 * self.layers.len();
+                let field = Field::with_cache_offset(self.grid.width, self.grid.height, value, cache_offset);
                 self.layers.push(Layer { spec: spec.clone(), field });
                 self.layers.len() - 1
             }
@@ -179,7 +264,7 @@ impl World {
         for l in &self.layers {
             print.begin(&l.spec.name);
             l.field.rows().for_each(|r| print.values(r));
-            if l.spec.stagger != Stagger::Cell {
+            if l.spec.centering != Centering::Cell {
                 print.values(&l.field.outer_faces());
             }
         }

@@ -199,7 +199,7 @@ impl Conversion<'_> {
                 let (x, y) = first.cell_m.unwrap_or((1.0, 1.0));
                 let (width, height) = (first.field.width(), first.field.height());
                 // Only the layers count.
-                let grid = Grid { width, height, cell_x_m: x, cell_y_m: y, rim: eyot_core::Rim::CLOSED };
+                let grid = Grid { width, height, cell_x_m: x, cell_y_m: y, rim: eyot_core::Boundary::CLOSED };
                 self.exports(&World::new(grid, 0), &rasters, names, notes)
             }
             _ => {
@@ -248,7 +248,7 @@ impl Conversion<'_> {
     /// Adds a note if a raster cannot say all of its place.
     fn say_place(&self, place: Option<&Georeference>, notes: &mut Vec<Remedy>) {
         let Output::Raster(format) = self.to else { return };
-        notes.extend(place.and_then(|g| io::unsaid(g, format)).map(Remedy::from));
+        notes.extend(place.and_then(|g| io::lossy_georef(g, format)).map(Remedy::from));
     }
 
     /// From a run.

@@ -160,7 +160,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             for (name, layer) in files.iter().zip(&export.layers) {
                 if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) {
                     let path = job.file(name)?;
-                    io::write_rows(&path, &mut *rows, &about, format, &write_options(export)).map_err(unmade)?;
+                    io::write_rows(&path, &mut *rows, &about, format, &write_options(export)).map_err(export_error)?;
                 }
             }
             Ok(())
@@ -171,7 +171,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
 /// Notes what a file of this format cannot say of the world's place.
 pub(crate) fn say_place(job: &Job<'_>, format: Option<RasterFormat>) {
     let place = job.world.georeference.as_ref();
-    if let Some(lost) = place.zip(format).and_then(|(g, format)| io::unsaid(g, format)) {
+    if let Some(lost) = place.zip(format).and_then(|(g, format)| io::lossy_georef(g, format)) {
         job.tell(lost);
     }
 }
@@ -186,8 +186,8 @@ pub(crate) fn write_together(
     let mut rows: Vec<(&About, &mut dyn Rows)> =
         layers.iter_mut().map(|(about, rows)| (&*about, &mut **rows as &mut dyn Rows)).collect();
     match format {
-        ExportFormat::Zarr => io::write_store(path, &mut rows, attributes).map_err(unmade),
-        _ => io::write_exr(path, &mut rows).map_err(unmade),
+        ExportFormat::Zarr => io::write_store(path, &mut rows, attributes).map_err(export_error),
+        _ => io::write_exr(path, &mut rows).map_err(export_error),
     }
 }
 
@@ -198,7 +198,7 @@ pub(crate) type Layer<'a> = (About, Box<dyn Rows + 'a>);
 pub(crate) fn write_splat(job: &Job<'_>, path: &Path, export: &Export) -> Result<(), ExportError> {
     let Some(mut materials) = Materials::of(job.source, job.world.sea_level_m, export) else { return Ok(()) };
     io::write_splat(path, materials.size(), &MATERIALS, &mut |first, out| materials.read_bytes(first, out))
-        .map_err(unmade)
+        .map_err(export_error)
 }
 
 pub(crate) fn write_layer(
@@ -209,13 +209,13 @@ pub(crate) fn write_layer(
     options: &WriteOptions,
 ) -> Result<(), ExportError> {
     match source.layer(layer) {
-        Some((about, mut rows)) => io::write_rows(path, &mut *rows, &about, format, options).map_err(unmade),
+        Some((about, mut rows)) => io::write_rows(path, &mut *rows, &about, format, options).map_err(export_error),
         None => Ok(()),
     }
 }
 
 /// A refusal of the system may pass; values that do not fit a format will not, however often one tries.
-fn unmade(e: io::Error) -> ExportError {
+fn export_error(e: io::Error) -> ExportError {
     if matches!(e, io::Error::Io { .. }) { ExportError::file(e) } else { ExportError::Values(e.into()) }
 }
 

@@ -132,12 +132,12 @@ fn moved(g: &Georeference, [(sx, x0), (sy, y0)]: [(f64, f64); 2]) -> Georeferenc
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::Rim;
+    use eyot_core::Boundary;
     use eyot_core::layer::known;
 
     fn world(w: usize, h: usize, f: impl FnMut(usize, usize) -> f32) -> World {
         let limits = Limits::default();
-        let mut world = World::new(Grid::new(w, h, 10.0, Rim::CLOSED, &limits).unwrap(), 1);
+        let mut world = World::new(Grid::new(w, h, 10.0, Boundary::CLOSED, &limits).unwrap(), 1);
         world.georeference =
             Some(Georeference { transform: [1000.0, 10.0, 0.0, 5000.0, 0.0, -10.0], ..Georeference::default() });
         world.put(&known::HEIGHT, Field::from_fn(w, h, f)).unwrap();

@@ -15,7 +15,7 @@
 
 use eyot_core::process::{Entry, Generator, Site};
 use eyot_core::remedy::Remedy;
-use eyot_core::{Edge, Error, Field, Grid, Limits, Result, about};
+use eyot_core::{BoundaryCondition, Error, Field, Grid, Limits, Result, about};
 use eyot_io::{self as io, ReadOptions, RowOrder, Sample};
 use eyot_recipe::{DATA, FirstRow, RasterInfo, Refusal, Resolver, alternatives, data, nearest};
 use schemars::JsonSchema;
@@ -253,18 +253,19 @@ pub(crate) fn resample(field: &Field, grid: &Grid) -> Field {
 
 /// As [`resample`], for a part of the field.
 fn resample_window(field: &Field, [left, top, columns, rows]: Window, grid: &Grid) -> Field {
-    let axis = |n: usize, (from, size): (f64, f64), to: usize, edge: Edge| -> Vec<Vec<(usize, usize, f64)>> {
-        let ratio = size / to as f64;
-        let samples = (ratio.ceil() as usize).max(1);
-        // Only a whole field can be a ring.
-        let is_ring = edge == Edge::Wrap && size == n as f64;
-        let place = |i: isize| if is_ring { i.rem_euclid(n as isize) } else { i.clamp(0, n as isize - 1) } as usize;
-        let sample = |c: usize, s: usize| {
-            let at = from + (c as f64 + (s as f64 + 0.5) / samples as f64) * ratio - 0.5;
-            (place(at.floor() as isize), place(at.floor() as isize + 1), at - at.floor())
+    let axis =
+        |n: usize, (from, size): (f64, f64), to: usize, edge: BoundaryCondition| -> Vec<Vec<(usize, usize, f64)>> {
+            let ratio = size / to as f64;
+            let samples = (ratio.ceil() as usize).max(1);
+            // Only a whole field can be a ring.
+            let is_ring = edge == BoundaryCondition::Wrap && size == n as f64;
+            let place = |i: isize| if is_ring { i.rem_euclid(n as isize) } else { i.clamp(0, n as isize - 1) } as usize;
+            let sample = |c: usize, s: usize| {
+                let at = from + (c as f64 + (s as f64 + 0.5) / samples as f64) * ratio - 0.5;
+                (place(at.floor() as isize), place(at.floor() as isize + 1), at - at.floor())
+            };
+            (0..to).map(|c| (0..samples).map(|s| sample(c, s)).collect()).collect()
         };
-        (0..to).map(|c| (0..samples).map(|s| sample(c, s)).collect()).collect()
-    };
     // One axis after the other: the mean of products is the product of means here.
     let columns = axis(field.width(), (left, columns), grid.width, grid.rim.x);
     let rows = axis(field.height(), (top, rows), grid.height, grid.rim.y);
@@ -282,39 +283,39 @@ fn resample_window(field: &Field, [left, top, columns, rows]: Window, grid: &Gri
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::Rim;
+    use eyot_core::Boundary;
 
-    fn grid(w: usize, h: usize, rim: Rim) -> Grid {
+    fn grid(w: usize, h: usize, rim: Boundary) -> Grid {
         Grid::new(w, h, 1.0, rim, &Limits::default()).unwrap()
     }
 
     #[test]
     fn resampling_keeps_constants_and_means() {
         let flat = Field::new(7, 5, 3.5);
-        assert!(resample(&flat, &grid(16, 3, Rim::CLOSED)).iter().all(|v| v == 3.5));
+        assert!(resample(&flat, &grid(16, 3, Boundary::CLOSED)).iter().all(|v| v == 3.5));
         let f = Field::from_fn(8, 8, |x, y| (x * 3 + y) as f32);
-        let half = resample(&f, &grid(4, 4, Rim::WRAP));
+        let half = resample(&f, &grid(4, 4, Boundary::WRAP));
         assert!((half.sum() / 16.0 - f.sum() / 64.0).abs() < 1e-4, "{} {}", half.sum() / 16.0, f.sum() / 64.0);
     }
 
     #[test]
     fn resampling_to_the_same_size_keeps_the_bits() {
         let f = Field::from_fn(3, 2, |x, y| 0.1 + x as f32 / (y + 1) as f32);
-        assert_eq!(resample(&f, &grid(3, 2, Rim::CLOSED)), f);
+        assert_eq!(resample(&f, &grid(3, 2, Boundary::CLOSED)), f);
     }
 
     #[test]
     fn a_window_is_a_part_of_the_whole() {
         // A plane is itself under linear interpolation, away from the border.
         let plane = Field::from_fn(12, 10, |x, y| (2 * x + 5 * y) as f32);
-        let part = resample_window(&plane, [3.0, 2.0, 4.0, 5.0], &grid(16, 20, Rim::WRAP));
+        let part = resample_window(&plane, [3.0, 2.0, 4.0, 5.0], &grid(16, 20, Boundary::WRAP));
         let at = |i: usize, j: usize| {
             2.0 * (3.0 + (i as f64 + 0.5) / 4.0 - 0.5) + 5.0 * (2.0 + (j as f64 + 0.5) / 4.0 - 0.5)
         };
         for (i, j) in (0..16).flat_map(|i| (0..20).map(move |j| (i, j))) {
             assert!((f64::from(part.get(i, j)) - at(i, j)).abs() < 1e-5, "{i} {j}");
         }
-        let same = resample_window(&plane, [3.0, 2.0, 4.0, 5.0], &grid(4, 5, Rim::CLOSED));
+        let same = resample_window(&plane, [3.0, 2.0, 4.0, 5.0], &grid(4, 5, Boundary::CLOSED));
         assert_eq!(same, Field::from_fn(4, 5, |x, y| plane.get(x + 3, y + 2)));
     }
 
@@ -325,7 +326,7 @@ mod tests {
             window: Some(window),
             ..Import::default()
         };
-        let check = |window: [f64; 4]| file(window).check(&grid(8, 8, Rim::CLOSED)).map_err(Remedy::from);
+        let check = |window: [f64; 4]| file(window).check(&grid(8, 8, Boundary::CLOSED)).map_err(Remedy::from);
         assert_eq!(check([10.0, 10.0, 100.0, 50.0]), Ok(()));
         for window in [[0.0, 0.0, 1e6, 50.0], [1e5, 0.0, 10.0, 50.0], [0.0, 0.0, 0.0, 50.0]] {
             let e = check(window).unwrap_err();
@@ -335,6 +336,6 @@ mod tests {
 
     #[test]
     fn one_cell_files_fill_any_grid() {
-        assert!(resample(&Field::new(1, 1, 2.0), &grid(5, 4, Rim::OPEN)).iter().all(|v| v == 2.0));
+        assert!(resample(&Field::new(1, 1, 2.0), &grid(5, 4, Boundary::OPEN)).iter().all(|v| v == 2.0));
     }
 }

@@ -168,12 +168,12 @@ fn step(a: f32, b: f32, x: f32) -> f32 {
 mod tests {
     use super::*;
     use eyot_core::layer::known;
-    use eyot_core::{Field, Grid, Limits, Rim, World};
+    use eyot_core::{Boundary, Field, Grid, Limits, World};
 
     #[test]
     fn slopes_beaches_and_peaks_have_their_materials() {
         let limits = Limits::default();
-        let mut world = World::new(Grid::new(64, 3, 10.0, Rim::CLOSED, &limits).unwrap(), 1);
+        let mut world = World::new(Grid::new(64, 3, 10.0, Boundary::CLOSED, &limits).unwrap(), 1);
         // Seabed, a flat beach, meadow, a 45 degree wall and a snow field.
         let z = |x: usize| match x {
             0..10 => -20.0,

@@ -5,7 +5,7 @@ use crate::import::read_raster;
 use eyot_core::layer::known;
 use eyot_core::remedy;
 use eyot_core::remedy::{Action, Remedy, Setting};
-use eyot_core::{ComponentKinds, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, ComponentKinds, Grid, Limits, World};
 use eyot_io::run_folder::{CHECKPOINT_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_io::{self as io, ReadOptions, checkpoint};
 use eyot_recipe::seen_from_above;
@@ -74,7 +74,7 @@ pub fn of_raster(mut raster: io::Raster, path: &Path, limits: &Limits) -> Result
         height: raster.field.height(),
         cell_x_m: dx,
         cell_y_m: dy,
-        rim: Rim::CLOSED,
+        rim: Boundary::CLOSED,
     };
     let grid = grid.checked(limits).map_err(ExportError::input)?;
     let mut notes = notes(&raster, false);

@@ -3,7 +3,7 @@
 use crate::artist::ViewRenderer;
 use crate::folder::{is_picture, prepare};
 use crate::map::Map;
-use crate::options::{FilmOptions, FilmPath, FilmProgress, Filmed, MOST_FRAMES, Subject};
+use crate::options::{FilmOptions, FilmPath, FilmProgress, Filmed, MAX_FRAMES, Subject};
 use crate::path_file;
 use crate::reel::{Playing, Reel};
 use crate::rerun::{Made, Rerun};
@@ -154,7 +154,7 @@ fn shoot(
     };
     let usual = || match land.moves {
         Some(Moves::Recording(reel)) => reel.usual_frames(),
-        _ => (seconds * options.fps).round().clamp(1.0, MOST_FRAMES as f32) as u32,
+        _ => (seconds * options.fps).round().clamp(1.0, MAX_FRAMES as f32) as u32,
     };
     let frames = options.frames.unwrap_or_else(usual);
 
@@ -258,7 +258,7 @@ impl Eye {
 
 fn check(o: &FilmOptions) -> Result<(), RunError> {
     let refuse = |reason: String, help: Remedy| Err(RunError::refused(reason, help));
-    if let Some(n) = o.frames.filter(|n| !(1..=MOST_FRAMES).contains(n)) {
+    if let Some(n) = o.frames.filter(|n| !(1..=MAX_FRAMES).contains(n)) {
         return refuse(format!("a film of {n} pictures"), remedy!["choose ", Setting::Frames, " from 1 to 100000"]);
     }
     if !(o.fps.is_finite() && (1.0..=240.0).contains(&o.fps)) {

@@ -21,5 +21,5 @@ mod video;
 
 pub use artist::{Drawn, ViewRequest, draw_view};
 pub use film::film;
-pub use options::{FilmOptions, FilmPath, FilmProgress, Filmed, MOST_FRAMES, Subject};
+pub use options::{FilmOptions, FilmPath, FilmProgress, Filmed, MAX_FRAMES, Subject};
 pub use video::Video;

@@ -82,12 +82,12 @@ fn best_fit(grid: &Grid, size: [u32; 2]) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::Rim;
+    use eyot_core::Boundary;
 
     #[test]
     fn the_whole_map_fits_in_even_sides() {
         let fit = |cells: [usize; 2], size| {
-            best_fit(&Grid::new(cells[0], cells[1], 20.0, Rim::CLOSED, &Limits::default()).unwrap(), size)
+            best_fit(&Grid::new(cells[0], cells[1], 20.0, Boundary::CLOSED, &Limits::default()).unwrap(), size)
         };
         assert_eq!(fit([512, 256], [1280, 800]), [1280, 640]);
         assert_eq!(fit([512, 256], [1281, 500]), [1000, 500]);

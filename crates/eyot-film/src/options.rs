@@ -29,7 +29,7 @@ pub struct FilmOptions {
     pub request: ViewRequest,
     /// The way of the camera.
     pub path: FilmPath,
-    /// Pictures; 1 to [`MOST_FRAMES`]. `None` takes ten seconds, or the time that a file of key frames names; of a recording,
+    /// Pictures; 1 to [`MAX_FRAMES`]. `None` takes ten seconds, or the time that a file of key frames names; of a recording,
     /// as many as it would have frames if none had been dropped.
     pub frames: Option<u32>,
     /// Pictures a second, 1 to 240.
@@ -41,7 +41,7 @@ pub struct FilmOptions {
 }
 
 /// Most pictures of a film.
-pub const MOST_FRAMES: u32 = 100_000;
+pub const MAX_FRAMES: u32 = 100_000;
 
 /// How far a film is.
 #[derive(Clone, Debug)]

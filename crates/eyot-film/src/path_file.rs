@@ -23,8 +23,8 @@ use serde::Deserialize;
 use std::path::Path;
 
 /// Most bytes and keys of a file.
-const MOST_BYTES: u64 = 1 << 20;
-const MOST_KEYS: usize = 10_000;
+const MAX_BYTES: u64 = 1 << 20;
+const MAX_KEYS: usize = 10_000;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -56,8 +56,8 @@ pub(crate) fn read(file: &Path) -> Result<Keys, RunError> {
         )
     };
     let meta = std::fs::metadata(file).map_err(|e| refuse(e.to_string()))?;
-    if !meta.is_file() || meta.len() > MOST_BYTES {
-        return Err(refuse(format!("it is no file, or one of more than {} MiB", MOST_BYTES >> 20)));
+    if !meta.is_file() || meta.len() > MAX_BYTES {
+        return Err(refuse(format!("it is no file, or one of more than {} MiB", MAX_BYTES >> 20)));
     }
     let text = std::fs::read_to_string(file).map_err(|e| refuse(e.to_string()))?;
     parse(&text).map_err(refuse)
@@ -65,8 +65,8 @@ pub(crate) fn read(file: &Path) -> Result<Keys, RunError> {
 
 fn parse(text: &str) -> Result<Keys, String> {
     let keys: Keys = toml::from_str(text).map_err(|e| e.to_string().trim_end().to_owned())?;
-    if keys.key.is_empty() || keys.key.len() > MOST_KEYS {
-        return Err(format!("it has {} keys, where 1 to {MOST_KEYS} make a path", keys.key.len()));
+    if keys.key.is_empty() || keys.key.len() > MAX_KEYS {
+        return Err(format!("it has {} keys, where 1 to {MAX_KEYS} make a path", keys.key.len()));
     }
     let timed = keys.key.iter().filter(|k| k.time.is_some()).count();
     if timed != 0 && timed != keys.key.len() {

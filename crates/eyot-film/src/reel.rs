@@ -1,6 +1,6 @@
 //! A recording that is played for a film.
 
-use crate::options::MOST_FRAMES;
+use crate::options::MAX_FRAMES;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::{ComponentKinds, Limits, World};
@@ -51,7 +51,7 @@ impl Reel {
     /// Pictures: one for each frame that there would be if none had been dropped.
     pub(crate) fn usual_frames(&self) -> u32 {
         let (first, last) = self.span;
-        ((last - first) / self.timeline.record().every + 1).min(u64::from(MOST_FRAMES)) as u32
+        ((last - first) / self.timeline.record().every + 1).min(u64::from(MAX_FRAMES)) as u32
     }
 
     pub(crate) fn play(&self) -> Playing<'_> {

@@ -10,7 +10,7 @@ use crate::group::{GHOST, TILE};
 use crate::layer_view::{LayerPart, LayerView};
 use crate::reading::Reading;
 use crate::shader::BASE;
-use eyot_core::{Edge, Field, Grid};
+use eyot_core::{BoundaryCondition, Field, Grid};
 use std::pin::Pin;
 use std::sync::atomic::Ordering;
 use std::task::{Context, Poll};
@@ -149,7 +149,7 @@ impl Arena {
     /// Copies the rows that slabs share from those whose own they are.
     pub(crate) fn share(&self, encoder: &mut wgpu::CommandEncoder) {
         let count = self.slabs.len();
-        let wraps = self.grid.rim.y == Edge::Wrap;
+        let wraps = self.grid.rim.y == BoundaryCondition::Wrap;
         let row = 4 * (self.slots * self.stride) as u64;
         let bytes = row * GHOST as u64;
         for i in 0..if self.split() { count } else { 0 } {

@@ -9,7 +9,7 @@
 //! stored to the layer's other copy.
 
 use eyot_core::plan::{Pass, RuleKind};
-use eyot_core::{Edge, LayerSpec, Rim, Stagger};
+use eyot_core::{Boundary, BoundaryCondition, Centering, LayerSpec};
 
 /// Columns and rows of a tile.
 pub(crate) const TILE: [usize; 2] = [32, 16];
@@ -194,12 +194,13 @@ impl Group {
     }
 
     /// 1 along the axes on which the group also computes faces beyond the first column or row.
-    pub(crate) fn outer_faces(&self, specs: &[LayerSpec], rim: Rim) -> [usize; 2] {
-        let writes =
-            |stagger: Stagger| self.stages.iter().flat_map(|s| &s.writes).any(|w| specs[w.layer].stagger == stagger);
+    pub(crate) fn outer_faces(&self, specs: &[LayerSpec], rim: Boundary) -> [usize; 2] {
+        let writes = |centering: Centering| {
+            self.stages.iter().flat_map(|s| &s.writes).any(|w| specs[w.layer].centering == centering)
+        };
         [
-            usize::from(rim.x == Edge::Open && writes(Stagger::FaceX)),
-            usize::from(rim.y == Edge::Open && writes(Stagger::FaceY)),
+            usize::from(rim.x == BoundaryCondition::Open && writes(Centering::FaceX)),
+            usize::from(rim.y == BoundaryCondition::Open && writes(Centering::FaceY)),
         ]
     }
 

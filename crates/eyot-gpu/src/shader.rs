@@ -7,7 +7,7 @@
 use crate::group::{Group, JOB_HEAD, Source, Stage, THREADS, TILE};
 use eyot_core::graph::{Graph, Id, Op};
 use eyot_core::rule::Side;
-use eyot_core::{Beyond, Edge, LayerSpec, Rim, Stagger};
+use eyot_core::{Boundary, BoundaryCondition, Centering, GhostFill, LayerSpec};
 use std::collections::{BTreeMap, HashSet};
 
 /// Numbers before the first row of `state`, so that column -1 of every row has a place.
@@ -17,7 +17,7 @@ pub(crate) const BASE: usize = 64;
 #[derive(Clone, Copy)]
 pub(crate) struct Setting<'a> {
     pub(crate) specs: &'a [LayerSpec],
-    pub(crate) rim: Rim,
+    pub(crate) rim: Boundary,
     /// The grid is cut into slabs; rows beyond a slab are copies and are not wrapped.
     pub(crate) split: bool,
 }
@@ -68,7 +68,7 @@ fn job_fields(group: &Group, graphs: &[&Graph], specs: &[LayerSpec]) -> Vec<(Str
     fields
 }
 
-/// The number that a node rounds; see [`eyot_core::real::Real::rounded`].
+/// The number that a node rounds; see [`eyot_core::real::Real::no_contract`].
 fn rounded(graph: &Graph, op: Op) -> Option<Id> {
     let Op::FromBits(bits) = op else { return None };
     let Op::ToBits(number) = graph.nodes[bits as usize] else { return None };
@@ -232,12 +232,12 @@ impl StagePrinter<'_> {
         o.line(&format!("let cy = top + i32(c / {}u){back};", side[0]));
         let mut outside = Vec::new();
         for (axis, at, n) in [(Axis::X, "cx", "job.width"), (Axis::Y, "cy", "job.height")] {
-            if self.edge(axis) != Edge::Wrap {
+            if self.edge(axis) != BoundaryCondition::Wrap {
                 outside.push(format!("{at} < {}", self.first(axis)));
             }
             // Without a halo nobody reads what lies beyond the grid or the slab.
             let n = if halo == 0 && axis == Axis::Y { "job.end_row" } else { n };
-            if halo == 0 || self.edge(axis) != Edge::Wrap {
+            if halo == 0 || self.edge(axis) != BoundaryCondition::Wrap {
                 outside.push(format!("{at} >= {n}"));
             }
         }
@@ -255,21 +255,21 @@ impl StagePrinter<'_> {
         o.line("}");
     }
 
-    fn edge(&self, axis: Axis) -> Edge {
+    fn edge(&self, axis: Axis) -> BoundaryCondition {
         if axis == Axis::X { self.setting.rim.x } else { self.setting.rim.y }
     }
 
     /// First column or row that this stage computes.
     fn first(&self, axis: Axis) -> i32 {
-        let face = if axis == Axis::X { Stagger::FaceX } else { Stagger::FaceY };
-        let writes = self.stage.writes.iter().any(|w| self.setting.specs[w.layer].stagger == face);
-        if writes && self.edge(axis) == Edge::Open { -1 } else { 0 }
+        let face = if axis == Axis::X { Centering::FaceX } else { Centering::FaceY };
+        let writes = self.stage.writes.iter().any(|w| self.setting.specs[w.layer].centering == face);
+        if writes && self.edge(axis) == BoundaryCondition::Open { -1 } else { 0 }
     }
 
     /// First column or row of a layer that exists.
     fn first_of(&self, spec: &LayerSpec, axis: Axis) -> i32 {
-        let face = if axis == Axis::X { Stagger::FaceX } else { Stagger::FaceY };
-        if spec.stagger == face && self.edge(axis) == Edge::Open { -1 } else { 0 }
+        let face = if axis == Axis::X { Centering::FaceX } else { Centering::FaceY };
+        if spec.centering == face && self.edge(axis) == BoundaryCondition::Open { -1 } else { 0 }
     }
 
     /// The cell's own column and row, and those of all that it reads.
@@ -277,7 +277,7 @@ impl StagePrinter<'_> {
         for (axis, name, n) in [(Axis::X, "x", "job.width"), (Axis::Y, "y", "job.height")] {
             let at = format!("c{name}");
             match self.edge(axis) {
-                Edge::Wrap => o.line(&format!("let {name} = wrapped({at}, {n});")),
+                BoundaryCondition::Wrap => o.line(&format!("let {name} = wrapped({at}, {n});")),
                 _ => o.line(&format!("let {name} = {at};")),
             }
         }
@@ -317,7 +317,7 @@ impl StagePrinter<'_> {
             d => format!("m{}", -d),
         };
         let edge = self.edge(axis);
-        if edge == Edge::Wrap {
+        if edge == BoundaryCondition::Wrap {
             let in_place = matches!(source, Source::Tile { .. }) || (axis == Axis::Y && self.setting.split);
             return if in_place {
                 (format!("{letter}_{step}_plain"), moved, None)
@@ -333,8 +333,8 @@ impl StagePrinter<'_> {
             _ => moved.clone(),
         };
         let face = if first < 0 { "_face" } else { "" };
-        let beyond = if edge == Edge::Open { spec.beyond_open } else { spec.beyond_closed };
-        let inside = (beyond == Beyond::Zero && (low || high)).then(|| {
+        let beyond = if edge == BoundaryCondition::Open { spec.beyond_open } else { spec.beyond_closed };
+        let inside = (beyond == GhostFill::Zero && (low || high)).then(|| {
             let condition = if low { format!("{moved} >= {first}") } else { format!("{moved} < {n}") };
             (format!("{letter}_{step}{face}_inside"), condition)
         });
@@ -400,10 +400,10 @@ impl StagePrinter<'_> {
             let spec = &self.setting.specs[w.layer];
             let mut value = names.value(self.graph, self.number, id);
             // A face on a closed rim is shut.
-            if spec.stagger == Stagger::FaceX && self.setting.rim.x == Edge::Closed {
+            if spec.centering == Centering::FaceX && self.setting.rim.x == BoundaryCondition::Closed {
                 value = format!("select({value}, 0.0, x == job.width - 1)");
             }
-            if spec.stagger == Stagger::FaceY && self.setting.rim.y == Edge::Closed {
+            if spec.centering == Centering::FaceY && self.setting.rim.y == BoundaryCondition::Closed {
                 value = format!("select({value}, 0.0, y == job.height - 1)");
             }
             if w.tile {
@@ -440,21 +440,21 @@ impl StagePrinter<'_> {
             self.add(o, names, k, id);
         }
         let rim = self.setting.rim;
-        for (side, leaving) in Side::ALL.into_iter().zip(&self.graph.leaving) {
+        for (side, boundary_outflow) in Side::ALL.into_iter().zip(&self.graph.boundary_outflow) {
             let (edge, condition) = match side {
                 Side::West => (rim.x, "cx == 0"),
                 Side::East => (rim.x, "cx == job.width - 1"),
                 Side::North => (rim.y, "cy == 0"),
                 Side::South => (rim.y, "cy == job.height - 1"),
             };
-            if edge != Edge::Open || leaving.is_empty() {
+            if edge != BoundaryCondition::Open || boundary_outflow.is_empty() {
                 continue;
             }
             o.line(&format!("if {condition} {{"));
             // Names inside the braces end with them.
             let mut names = names.clone();
-            self.nodes(o, &self.graph.needed(leaving), &mut inner.clone(), &mut names);
-            for (k, &id) in leaving.iter().enumerate() {
+            self.nodes(o, &self.graph.needed(boundary_outflow), &mut inner.clone(), &mut names);
+            for (k, &id) in boundary_outflow.iter().enumerate() {
                 self.add(o, &names, k, id);
             }
             o.line("}");

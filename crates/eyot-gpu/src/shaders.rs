@@ -4,7 +4,7 @@ use crate::group::{Bounds, Layers, groups};
 use crate::shader::{self, Setting};
 use eyot_core::graph::Graph;
 use eyot_core::plan::Plan;
-use eyot_core::{LayerSpec, Rim};
+use eyot_core::{Boundary, LayerSpec};
 
 /// WGSL of every group that a plan is cut into, with the names of its rules.
 ///
@@ -16,7 +16,7 @@ pub fn of_plan(
     plan: &Plan,
     specs: &[LayerSpec],
     world_layers: usize,
-    rim: Rim,
+    rim: Boundary,
     most_passes: usize,
     split: bool,
 ) -> Option<Vec<(Vec<&'static str>, String)>> {

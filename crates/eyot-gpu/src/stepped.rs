@@ -9,7 +9,7 @@ use eyot_core::engine::{Ahead, Borrowed, CpuEngine, DeviceError, Engine, EngineE
 use eyot_core::plan::Plan;
 use eyot_core::process::acts;
 use eyot_core::remedy::Worded;
-use eyot_core::{Grid, Limits, World};
+use eyot_core::{Error, Grid, Limits, World};
 use std::borrow::Cow;
 
 impl From<GpuError> for EngineError {
@@ -67,6 +67,9 @@ impl Engine for GpuEngine {
     }
 
     fn begin(&mut self, world: &mut World, ahead: &Ahead<'_>) -> Result<(), EngineError> {
+        if world.is_window() {
+            return Err(Error::Window("the engine of graphics cards works on whole grids".to_owned()).into());
+        }
         self.gpu().check()?;
         self.start_span();
         if !self.is_resident() {

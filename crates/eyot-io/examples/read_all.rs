@@ -4,7 +4,7 @@
 //!
 //! Usage: `cargo run -p eyot-io --example read_all -- FOLDER`
 
-use eyot_core::{Grid, Limits, Rim, World, layer::known};
+use eyot_core::{Boundary, Grid, Limits, World, layer::known};
 use eyot_io::{RasterFormat, ReadOptions, read_raster, write_layer};
 use std::path::PathBuf;
 
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     height: raster.field.height(),
                     cell_x_m: x,
                     cell_y_m: y,
-                    rim: Rim::CLOSED,
+                    rim: Boundary::CLOSED,
                 };
                 let mut world = World::new(grid, raster.filled() as u64);
                 world.georeference = raster.georeference;

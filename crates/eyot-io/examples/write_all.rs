@@ -2,7 +2,7 @@
 //!
 //! Usage: `cargo run -p eyot-io --example write_all -- FOLDER`
 
-use eyot_core::{Field, Georeference, Grid, LayerSpec, Limits, Rim, World, layer::known};
+use eyot_core::{Boundary, Field, Georeference, Grid, LayerSpec, Limits, World, layer::known};
 use eyot_io::{
     About, RasterFormat, ReadOptions, Rows, Scene, SceneMaterial, SceneMesh, SceneNode, checkpoint, read_raster,
     shares, write_exr, write_layer, write_mask, write_rgb_png, write_scene_glb, write_scene_obj, write_scene_ply,
@@ -146,7 +146,7 @@ fn splat(folder: &Path, name: &str, world: &World) -> Result<()> {
 
 fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {
     let made = |width: usize, height: usize, georeference: Option<Georeference>| -> Result<World> {
-        let mut world = World::new(Grid::new(width, height, 10.0, Rim::CLOSED, limits)?, 7);
+        let mut world = World::new(Grid::new(width, height, 10.0, Boundary::CLOSED, limits)?, 7);
         world.georeference = georeference;
         let hill = |x: usize, y: usize| {
             let (u, v) = (x as f32 / 40.0, y as f32 / 55.0);
@@ -174,7 +174,8 @@ fn worlds(limits: &Limits) -> Result<Vec<(&'static str, World)>> {
     )?;
     let (x, y) = raster.cell_m.ok_or("no cell size")?;
     println!("jacksboro: cells of {x} x {y} m");
-    let grid = Grid { cell_y_m: y, ..Grid::new(raster.field.width(), raster.field.height(), x, Rim::OPEN, limits)? };
+    let grid =
+        Grid { cell_y_m: y, ..Grid::new(raster.field.width(), raster.field.height(), x, Boundary::OPEN, limits)? };
     let mut jacksboro = World::new(grid, 7);
     jacksboro.georeference = raster.georeference;
     jacksboro.put(&known::HEIGHT, raster.field)?;

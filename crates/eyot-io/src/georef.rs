@@ -47,7 +47,7 @@ pub(crate) fn face_north(field: &mut Field, missing: &mut Option<Vec<bool>>, g: 
 }
 
 /// What other programs will not find of the coordinate system in a file of this format, as a sentence.
-pub fn unsaid(g: &Georeference, format: RasterFormat) -> Option<&'static str> {
+pub fn lossy_georef(g: &Georeference, format: RasterFormat) -> Option<&'static str> {
     let fits = g.epsg.is_some_and(|code| u16::try_from(code).is_ok());
     match (format, &g.system) {
         (RasterFormat::GeoTiff, Some(CoordinateSystem::GeoKeys { .. })) => None,

@@ -247,11 +247,11 @@ fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Field, Grid, Limits, Rim};
+    use eyot_core::{Boundary, Field, Grid, Limits};
     use eyot_mesh::{MeshOptions, levels_of_detail, terrain};
 
     fn levels(ratios: &[f64]) -> Vec<Lod> {
-        let grid = Grid::new(40, 30, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+        let grid = Grid::new(40, 30, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
         let height = Field::from_fn(40, 30, |x, y| 20.0 * (x as f32 * 0.3).sin() + y as f32);
         let green = vec![[0.1, 0.6, 0.2]; 1200];
         let t = terrain(&height, &grid, &green, &MeshOptions::default(), &Limits::default()).unwrap();

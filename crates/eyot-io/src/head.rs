@@ -9,8 +9,8 @@ use crate::raster::check_size;
 use crate::storage::{ReadSeek, Storage};
 use eyot_core::component::{Decoder, Encoder};
 use eyot_core::layer::known;
-use eyot_core::{Beyond, Component, ComponentKinds, Components, Georeference, Grid};
-use eyot_core::{Layer, LayerSpec, Ledger, Limits, Stagger, World};
+use eyot_core::{Centering, Layer, LayerSpec, Ledger, Limits, World};
+use eyot_core::{Component, ComponentKinds, Components, Georeference, GhostFill, Grid};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fs::{self, File};
@@ -77,9 +77,9 @@ pub(crate) struct LayerHeader {
     meaning: String,
     min: Option<f32>,
     max: Option<f32>,
-    pub(crate) stagger: Stagger,
-    beyond_closed: Beyond,
-    beyond_open: Beyond,
+    pub(crate) stagger: Centering,
+    beyond_closed: GhostFill,
+    beyond_open: GhostFill,
 }
 
 impl From<&LayerSpec> for LayerHeader {
@@ -91,7 +91,7 @@ impl From<&LayerSpec> for LayerHeader {
             meaning: s.meaning.to_string(),
             min: finite(s.range.0),
             max: finite(s.range.1),
-            stagger: s.stagger,
+            stagger: s.centering,
             beyond_closed: s.beyond_closed,
             beyond_open: s.beyond_open,
         }
@@ -105,7 +105,7 @@ impl From<LayerHeader> for LayerSpec {
             unit: h.unit.into(),
             meaning: h.meaning.into(),
             range: (h.min.unwrap_or(f32::NEG_INFINITY), h.max.unwrap_or(f32::INFINITY)),
-            stagger: h.stagger,
+            centering: h.stagger,
             beyond_closed: h.beyond_closed,
             beyond_open: h.beyond_open,
         }
@@ -207,7 +207,7 @@ impl Head {
 
     /// Layers on faces.
     pub(crate) fn on_faces(&self) -> u128 {
-        self.layers.iter().filter(|l| l.stagger != Stagger::Cell).count() as u128
+        self.layers.iter().filter(|l| l.stagger != Centering::Cell).count() as u128
     }
 
     /// The world, with what `fill` makes of each layer, and what else the head holds.
@@ -433,7 +433,7 @@ pub(crate) fn write_faces(
     crc: &mut crc32fast::Hasher,
     buffer: &mut Vec<u8>,
 ) -> Result<()> {
-    if layer.spec.stagger == Stagger::Cell {
+    if layer.spec.centering == Centering::Cell {
         return Ok(());
     }
     let bytes = row_bytes(&layer.field.outer_faces(), buffer);
@@ -448,7 +448,7 @@ pub(crate) fn read_faces(
     layer: &mut Layer,
     crc: &mut crc32fast::Hasher,
 ) -> Result<()> {
-    if layer.spec.stagger == Stagger::Cell {
+    if layer.spec.centering == Centering::Cell {
         return Ok(());
     }
     let mut bytes = vec![0; 4 * (layer.field.width() + layer.field.height())];

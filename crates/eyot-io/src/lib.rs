@@ -13,12 +13,12 @@
 //! Writers take their values from [`Rows`], band by band, so that a raster need not fit in memory.
 //!
 //! ```
-//! use eyot_core::{ComponentKinds, Field, Grid, Limits, Rim, World, layer::known};
+//! use eyot_core::{ComponentKinds, Field, Grid, Limits, Boundary, World, layer::known};
 //! use eyot_io::{RasterFormat, ReadOptions, checkpoint, read_raster, write_layer};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let limits = Limits::default();
-//! let mut world = World::new(Grid::new(64, 48, 10.0, Rim::CLOSED, &limits)?, 7);
+//! let mut world = World::new(Grid::new(64, 48, 10.0, Boundary::CLOSED, &limits)?, 7);
 //! world.put(&known::HEIGHT, Field::from_fn(64, 48, |x, y| (x * y) as f32))?;
 //!
 //! let folder = tempfile::tempdir()?;
@@ -89,7 +89,7 @@ pub use checkpoint::Checkpoint;
 pub use error::{Error, Result};
 pub use exr_write::write_exr;
 pub use format::{RasterFormat, WriteOptions, write_layer, write_rows};
-pub use georef::unsaid;
+pub use georef::lossy_georef;
 pub use glb::{write_scene_glb, write_terrain_glb};
 pub use masks::{Weights, shares, write_mask, write_splat};
 pub use obj::{write_scene_obj, write_terrain_obj};

@@ -39,11 +39,11 @@ impl Origin<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Grid, Limits, Rim};
+    use eyot_core::{Boundary, Grid, Limits};
 
     #[test]
     fn the_backend_is_what_simulated() {
-        let grid = Grid::new(2, 2, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
+        let grid = Grid::new(2, 2, 1.0, Boundary::CLOSED, &Limits::default()).unwrap();
         let world = World::new(grid, 7);
         let backend = |engines: &[&str]| {
             let engines: Vec<String> = engines.iter().map(|e| (*e).to_owned()).collect();

@@ -4,21 +4,21 @@
 
 use criterion::{Criterion, Throughput};
 use eyot_core::isa::Isa;
-use eyot_core::{Control, Grid, Limits, Rim};
+use eyot_core::{Boundary, Control, Grid, Limits};
 use eyot_land::generate::noise::{Basis, Noise, Sum};
 use std::time::Instant;
 
 const SIDE: usize = 1024;
 
-fn cases() -> Vec<(&'static str, Noise, f64, Rim)> {
+fn cases() -> Vec<(&'static str, Noise, f64, Boundary)> {
     let noise = |basis, sum| Noise { basis, sum, scale_m: 0.25 * SIDE as f64, seed: 1, ..Noise::default() };
     vec![
-        ("perlin", noise(Basis::Perlin, Sum::Fbm), 0.0, Rim::CLOSED),
-        ("simplex", noise(Basis::Simplex, Sum::Fbm), 0.0, Rim::CLOSED),
-        ("perlin_ridged", noise(Basis::Perlin, Sum::Ridged(2.0)), 0.0, Rim::CLOSED),
-        ("simplex_warped", noise(Basis::Simplex, Sum::Fbm), 100.0, Rim::CLOSED),
-        ("perlin_wrap", noise(Basis::Perlin, Sum::Fbm), 0.0, Rim::WRAP),
-        ("simplex_wrap", noise(Basis::Simplex, Sum::Fbm), 0.0, Rim::WRAP),
+        ("perlin", noise(Basis::Perlin, Sum::Fbm), 0.0, Boundary::CLOSED),
+        ("simplex", noise(Basis::Simplex, Sum::Fbm), 0.0, Boundary::CLOSED),
+        ("perlin_ridged", noise(Basis::Perlin, Sum::Ridged(2.0)), 0.0, Boundary::CLOSED),
+        ("simplex_warped", noise(Basis::Simplex, Sum::Fbm), 100.0, Boundary::CLOSED),
+        ("perlin_wrap", noise(Basis::Perlin, Sum::Fbm), 0.0, Boundary::WRAP),
+        ("simplex_wrap", noise(Basis::Simplex, Sum::Fbm), 0.0, Boundary::WRAP),
     ]
 }
 

@@ -6,7 +6,7 @@
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Process, Scheduled, Span};
-use eyot_core::{Control, Grid, Limits, Rim, World, rng};
+use eyot_core::{Boundary, Control, Grid, Limits, World, rng};
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic};
 use eyot_land::simulate::{Reef, Thermal};
 use std::time::Duration;
@@ -18,7 +18,7 @@ type Case = (&'static str, fn() -> Box<dyn Process>);
 
 /// Rough hills from 60 m below the sea to 140 m above, on cells of 10 m, with shallow water everywhere.
 fn world(size: usize, process: &dyn Process) -> World {
-    let grid = Grid::new(size, size, 10.0, Rim::CLOSED, &Limits::default()).expect("the grid is sound");
+    let grid = Grid::new(size, size, 10.0, Boundary::CLOSED, &Limits::default()).expect("the grid is sound");
     let mut world = World::new(grid, 1);
     for l in process.layers() {
         let (spec, value) = (l.spec, l.start);

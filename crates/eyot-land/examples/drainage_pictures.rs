@@ -5,7 +5,7 @@
 
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Control, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
 use eyot_land::drainage::{Land, RoutingRule};
 use eyot_land::generate::fractal::{Fractal, Octaves};
 use eyot_land::generate::{Breach, Fbm};
@@ -18,12 +18,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let control = Control::none();
     let tile = Path::new(env!("CARGO_MANIFEST_DIR")).join("../eyot-recipe/data/jacksboro.tif");
     let jacksboro = eyot_io::read_raster(&tile, &eyot_io::ReadOptions::default(), &Limits::default())?.field;
-    let grid = Grid::new(512, 512, 30.0, Rim::OPEN, &Limits::default())?;
+    let grid = Grid::new(512, 512, 30.0, Boundary::OPEN, &Limits::default())?;
     let world = World::new(grid, 1);
     let noise = Fbm { fractal: Fractal { noise: Octaves { octaves: 9, ..Octaves::default() }, ..Fractal::default() } };
     let fbm = noise.generate(&Site::whole(grid, 3, &world, &control), &Field::new(512, 512, 0.0))?;
     for (name, height, cell_m) in [("jacksboro", jacksboro, 90.0), ("fbm", fbm, 30.0)] {
-        let grid = Grid::new(height.width(), height.height(), cell_m, Rim::OPEN, &Limits::default())?;
+        let grid = Grid::new(height.width(), height.height(), cell_m, Boundary::OPEN, &Limits::default())?;
         let mut world = World::new(grid, 1);
         world.sea_level_m = -1e6;
         world.put(&HEIGHT, height.clone())?;

@@ -1,7 +1,7 @@
 //! Seconds that each generator takes with its defaults: `cargo run --release -p eyot-land --example generators -- 4096`.
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::Site;
-use eyot_core::{Control, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Grid, Limits, World};
 use eyot_land::generate::GENERATORS;
 use serde_json::json;
 use std::error::Error;
@@ -10,7 +10,7 @@ use std::time::Instant;
 fn main() -> Result<(), Box<dyn Error>> {
     let side: usize = std::env::args().nth(1).map_or(Ok(1024), |a| a.parse())?;
     println!("{side}x{side}, {} threads, best of 3, s", rayon::current_num_threads());
-    for rim in [Rim::CLOSED, Rim::WRAP] {
+    for rim in [Boundary::CLOSED, Boundary::WRAP] {
         println!("rim {:?}", rim.x);
         let grid = Grid::new(side, side, 10.0, rim, &Limits::default())?;
         let control = Control::none();

@@ -2,7 +2,7 @@
 
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Entry, Generator, Moment, Process, Site};
-use eyot_core::{Control, Field, Grid, LayerSpec, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Field, Grid, LayerSpec, Limits, World};
 use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::PROCESSES;
@@ -28,7 +28,7 @@ fn hashed(x: usize, y: usize) -> f32 {
 }
 
 fn world(land: Heights) -> World {
-    let grid = Grid::new(515, 521, 20.0, Rim::OPEN, &Limits::default()).unwrap();
+    let grid = Grid::new(515, 521, 20.0, Boundary::OPEN, &Limits::default()).unwrap();
     let mut world = World::new(grid, 1);
     world.put(&HEIGHT, Field::from_fn(grid.width, grid.height, land)).unwrap();
     world
@@ -79,7 +79,7 @@ fn actions(found: &mut Findings) {
                 }
             }
             let (grid, sea_level_m) = (world.grid, 0.0);
-            let moment = Moment { grid, step: 0, turn: 0, sea_level_m };
+            let moment = Moment::whole(grid, 0, sea_level_m);
             let (measured, outcome) = peak(&grid, || {
                 let mut instance = action.instantiate(&world)?;
                 instance.act(&moment, &mut world, &Control::none())

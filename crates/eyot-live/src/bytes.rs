@@ -3,7 +3,7 @@
 use crate::record::Malformed;
 
 /// Longest text in a record, bytes.
-pub(crate) const MOST_TEXT: usize = 4096;
+pub(crate) const MAX_TEXT: usize = 4096;
 
 /// Writes numbers and texts.
 pub(crate) trait Put {
@@ -31,7 +31,7 @@ pub(crate) trait Put {
     }
     /// Its length as 16 bits, then its bytes; cut where it is too long.
     fn text(&mut self, v: &str) {
-        let text = &v[..v.floor_char_boundary(MOST_TEXT)];
+        let text = &v[..v.floor_char_boundary(MAX_TEXT)];
         self.u16(text.len() as u16);
         self.bytes(text.as_bytes());
     }
@@ -100,8 +100,8 @@ impl<'a> Take<'a> {
 
     pub(crate) fn text(&mut self) -> Result<String, Malformed> {
         let length = usize::from(self.u16()?);
-        if length > MOST_TEXT {
-            return Err(self.wrong(format!("a text of {length} bytes, at most {MOST_TEXT}")));
+        if length > MAX_TEXT {
+            return Err(self.wrong(format!("a text of {length} bytes, at most {MAX_TEXT}")));
         }
         let bytes = self.data.get(self.at..self.at + length);
         let bytes = bytes.ok_or_else(|| self.wrong(format!("a text of {length} bytes is cut off")))?;

@@ -1,7 +1,7 @@
 //! A client: connects, reads records, gives orders.
 
 use crate::mirror::Mirror;
-use crate::record::{Body, MOST_RECORD, Order, Record};
+use crate::record::{Body, MAX_RECORD, Order, Record};
 use std::io;
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
@@ -50,7 +50,7 @@ impl Client {
             let value = origin.parse().map_err(|e: tungstenite::http::header::InvalidHeaderValue| broken(&e))?;
             request.headers_mut().insert("Origin", value);
         }
-        let config = WebSocketConfig::default().max_message_size(Some(MOST_RECORD)).max_frame_size(Some(MOST_RECORD));
+        let config = WebSocketConfig::default().max_message_size(Some(MAX_RECORD)).max_frame_size(Some(MAX_RECORD));
         let (socket, _) =
             tungstenite::client::client_with_config(request, stream, Some(config)).map_err(|e| broken(&e))?;
         Ok(Self { socket, mirror: Mirror::default() })

@@ -39,8 +39,8 @@ mod visit;
 pub use client::{Client, Gone};
 pub use mirror::Mirror;
 pub use record::{
-    Alga, Body, Colony, Ending, HEADER, Hello, LayerInfo, MAGIC, MOST_RECORD, MOST_STEPS, Malformed, Moment, Order,
-    PART, RAYS, Record, SpeciesInfo, Status, Tile, VERSION, Why,
+    Alga, Body, Colony, Ending, HEADER, Hello, LayerInfo, MAGIC, MAX_RECORD, MAX_STEPS, Malformed, Moment, Order, PART,
+    RAYS, Record, SpeciesInfo, Status, Tile, VERSION, Why,
 };
 pub use scene::{Raster, Scene};
 pub use server::{Error, Notice, Options, Server};

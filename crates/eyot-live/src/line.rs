@@ -6,7 +6,7 @@ use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// Answers to pings and closes that may wait, bytes. Whoever does not read them has no use for more.
-const MOST_ANSWERS: usize = 64 << 10;
+const MAX_ANSWERS: usize = 64 << 10;
 
 /// What may be sent, already as frames of the WebSocket.
 pub(crate) enum Item {
@@ -150,7 +150,7 @@ impl Line {
         q.answers += frame.len();
         q.items.push_back(Item::Answer(frame.to_vec()));
         self.ready.notify_all();
-        q.answers <= MOST_ANSWERS
+        q.answers <= MAX_ANSWERS
     }
 
     /// Closes after everything that waits, a whole state included.

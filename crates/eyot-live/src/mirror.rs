@@ -5,7 +5,7 @@ use crate::scene::{Raster, Scene};
 use std::collections::BTreeMap;
 
 /// Most cells of all layers together that a mirror keeps unless it is told otherwise: 256 MiB.
-const MOST_CELLS: u64 = 1 << 26;
+const MAX_CELLS: u64 = 1 << 26;
 
 /// The state of a run as records have told it. Refuses what no server would send.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct Mirror {
 
 impl Default for Mirror {
     fn default() -> Self {
-        Self::within(MOST_CELLS)
+        Self::within(MAX_CELLS)
     }
 }
 

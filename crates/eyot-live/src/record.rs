@@ -9,13 +9,13 @@ pub const VERSION: u16 = 1;
 /// Bytes before a record's own: magic, version, kind, length, and how many records of the same moment follow.
 pub const HEADER: usize = 16;
 /// Longest record, bytes. Those of a server are at most about [`PART`] long.
-pub const MOST_RECORD: usize = 16 << 20;
+pub const MAX_RECORD: usize = 16 << 20;
 /// What does not fit into so many bytes is sent in several records.
 pub const PART: usize = 1 << 20;
 /// Rays of a colony, 15 degrees apart, the first one to the east, the next ones towards the south.
 pub const RAYS: usize = 24;
 /// Most steps that a client may ask for at once.
-pub const MOST_STEPS: u64 = 1_000_000_000;
+pub const MAX_STEPS: u64 = 1_000_000_000;
 
 /// Bytes of a colony without rays, and of an alga.
 const COLONY: usize = 40;
@@ -377,8 +377,8 @@ impl Record {
         }
         let kind = take.u16()?;
         let length = take.u32()? as usize;
-        if length != bytes.len() || length > MOST_RECORD {
-            let what = format!("a record of {length} bytes in {}; at most {MOST_RECORD}", bytes.len());
+        if length != bytes.len() || length > MAX_RECORD {
+            let what = format!("a record of {length} bytes in {}; at most {MAX_RECORD}", bytes.len());
             return Err(Malformed { at: 8, what });
         }
         let more = take.u32()?;
@@ -472,8 +472,8 @@ fn body(kind: u16, take: &mut Take<'_>) -> Result<Body, Malformed> {
         32 => Body::Order(Order::Pause),
         33 => Body::Order(Order::Resume),
         34 => match take.u64()? {
-            n @ 1..=MOST_STEPS => Body::Order(Order::Step(n)),
-            n => return Err(take.wrong(format!("{n} steps; ask for 1 to {MOST_STEPS}"))),
+            n @ 1..=MAX_STEPS => Body::Order(Order::Step(n)),
+            n => return Err(take.wrong(format!("{n} steps; ask for 1 to {MAX_STEPS}"))),
         },
         n => return Err(Malformed { at: 6, what: format!("kind {n}, which there is not") }),
     })
@@ -489,7 +489,7 @@ fn why(take: &mut Take<'_>) -> Result<Why, Malformed> {
 }
 
 fn put_hello(out: &mut Vec<u8>, h: &Hello) {
-    const MOST: usize = u16::MAX as usize;
+    const MAX: usize = u16::MAX as usize;
     out.u64(h.seed);
     h.size.into_iter().for_each(|v| out.u32(v));
     h.cell_m.into_iter().for_each(|v| out.f64(v));
@@ -498,22 +498,22 @@ fn put_hello(out: &mut Vec<u8>, h: &Hello) {
     out.u16(if h.rays { RAYS as u16 } else { 0 });
     out.u16(u16::from(h.orders));
     for count in [h.species.len(), h.layers.len(), h.columns.len()] {
-        out.u16(count.min(MOST) as u16);
+        out.u16(count.min(MAX) as u16);
     }
     out.bytes(&[0; 6]);
     out.text(&h.engine);
     out.text(&h.recipe);
-    for s in h.species.iter().take(MOST) {
+    for s in h.species.iter().take(MAX) {
         out.text(&s.name);
         out.bytes(&[s.form, s.shape, s.colour[0], s.colour[1], s.colour[2]]);
     }
-    for l in h.layers.iter().take(MOST) {
+    for l in h.layers.iter().take(MAX) {
         out.text(&l.name);
         out.text(&l.unit);
         l.range.into_iter().for_each(|v| out.f32(v));
         out.u8(l.stagger);
     }
-    h.columns.iter().take(MOST).for_each(|c| out.text(c));
+    h.columns.iter().take(MAX).for_each(|c| out.text(c));
 }
 
 fn hello(take: &mut Take<'_>) -> Result<Hello, Malformed> {

@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Connections whose handshake is not done yet; when one more comes, the oldest is cut: whoever says nothing keeps nobody out.
-const MOST_HANDSHAKES: usize = 16;
+const MAX_HANDSHAKES: usize = 16;
 /// After a failure to accept, such as too many open files.
 const PAUSE: Duration = Duration::from_millis(50);
 
@@ -310,7 +310,7 @@ impl Handshake {
         let number = hub.numbers.fetch_add(1, Ordering::Relaxed);
         let mut waiting = hub.waiting();
         waiting.push((number, cutter));
-        if waiting.len() > MOST_HANDSHAKES {
+        if waiting.len() > MAX_HANDSHAKES {
             // What is gone already needs no cut.
             let _ = waiting.remove(0).1.shutdown(Shutdown::Both);
         }

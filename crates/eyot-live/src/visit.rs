@@ -17,11 +17,11 @@ use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket};
 
 /// Longest message of a client, bytes: an order has 24.
-const MOST_MESSAGE: usize = 1024;
+const MAX_MESSAGE: usize = 1024;
 /// After a close of ours, a client may take so long to answer.
 const FAREWELL: Duration = Duration::from_secs(2);
 /// Bytes of a client that are read after a close of ours, so that it comes to see it.
-const MOST_FAREWELL: usize = 1 << 20;
+const MAX_FAREWELL: usize = 1 << 20;
 
 /// Codes of closes, RFC 6455, section 7.4.1.
 mod code {
@@ -96,8 +96,8 @@ fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<(Web
     let config = WebSocketConfig::default()
         .read_buffer_size(4096)
         .write_buffer_size(0)
-        .max_message_size(Some(MOST_MESSAGE))
-        .max_frame_size(Some(MOST_MESSAGE));
+        .max_message_size(Some(MAX_MESSAGE))
+        .max_frame_size(Some(MAX_MESSAGE));
     // The error holds on to the judge.
     let socket = tungstenite::accept_hdr_with_config(wire, judge, Some(config)).map_err(|e| match e {
         HandshakeError::Failure(e) => e,
@@ -192,7 +192,7 @@ fn listen(hub: &Hub, line: &Line, socket: &mut WebSocket<Wire>) {
                 return line.cut("it went");
             }
             Err(Error::Capacity(e)) => {
-                return line.refuse(code::TOO_LONG, &format!("{e}; at most {MOST_MESSAGE} bytes"));
+                return line.refuse(code::TOO_LONG, &format!("{e}; at most {MAX_MESSAGE} bytes"));
             }
             Err(Error::Utf8(e)) => return line.refuse(code::MALFORMED, &e),
             Err(e) => return line.refuse(code::PROTOCOL, &e.to_string()),
@@ -220,7 +220,7 @@ fn listen(hub: &Hub, line: &Line, socket: &mut WebSocket<Wire>) {
 fn say_farewell(mut stream: &TcpStream) {
     let until = Instant::now() + FAREWELL;
     let (mut waste, mut read) = ([0; 4096], 0);
-    while read < MOST_FAREWELL {
+    while read < MAX_FAREWELL {
         let Some(left) = until.checked_duration_since(Instant::now()).filter(|d| !d.is_zero()) else { return };
         match stream.set_read_timeout(Some(left)).and_then(|()| stream.read(&mut waste)) {
             Ok(0) | Err(_) => return,

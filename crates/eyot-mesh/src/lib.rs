@@ -6,12 +6,12 @@
 //! height 0. That is the convention of glTF, so exporters write the arrays as they are.
 //!
 //! ```
-//! use eyot_core::{Field, Grid, Limits, Rim};
+//! use eyot_core::{Field, Grid, Limits, Boundary};
 //! use eyot_mesh::{MeshOptions, levels_of_detail, terrain};
 //!
 //! # fn main() -> Result<(), eyot_mesh::Error> {
 //! let limits = Limits::default();
-//! let grid = Grid::new(65, 65, 10.0, Rim::CLOSED, &limits)?;
+//! let grid = Grid::new(65, 65, 10.0, Boundary::CLOSED, &limits)?;
 //! let height = Field::from_fn(65, 65, |x, y| 20.0 * (x as f32 * 0.2).sin() + y as f32);
 //! let green = vec![[0.1, 0.5, 0.1]; grid.cells()];
 //! let full = terrain(&height, &grid, &green, &MeshOptions::default(), &limits)?;

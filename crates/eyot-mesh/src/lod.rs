@@ -180,11 +180,11 @@ fn compact(mesh: &TerrainMesh, indices: &[u32]) -> TerrainMesh {
 mod tests {
     use super::*;
     use crate::terrain::{MeshOptions, terrain};
-    use eyot_core::{Field, Grid, Limits, Rim};
+    use eyot_core::{Boundary, Field, Grid, Limits};
     use std::collections::{BTreeMap, BTreeSet};
 
     fn land(w: usize, h: usize, cell: (f64, f64), height: impl FnMut(usize, usize) -> f32) -> Terrain {
-        let grid = Grid { cell_y_m: cell.1, ..Grid::new(w, h, cell.0, Rim::CLOSED, &Limits::default()).unwrap() };
+        let grid = Grid { cell_y_m: cell.1, ..Grid::new(w, h, cell.0, Boundary::CLOSED, &Limits::default()).unwrap() };
         let grey = vec![[0.5; 3]; w * h];
         let height = Field::from_fn(w, h, height);
         terrain(&height, &grid, &grey, &MeshOptions::default(), &Limits::default()).unwrap()

@@ -238,10 +238,10 @@ fn quantise(rgb: [f32; 3]) -> [u8; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::Rim;
+    use eyot_core::Boundary;
 
     fn grid(w: usize, h: usize, cell: f64) -> Grid {
-        Grid::new(w, h, cell, Rim::CLOSED, &Limits::default()).unwrap()
+        Grid::new(w, h, cell, Boundary::CLOSED, &Limits::default()).unwrap()
     }
 
     fn build(height: &Field, grid: &Grid, max_vertices: u64) -> Result<Terrain> {

@@ -1,5 +1,5 @@
 //! Draws worlds of plates as an atlas would: `cargo run --release -p eyot-plates --example plates_pictures -- OUT [SEED] [STEPS] [SIDE] [KEY=VALUE...]`
-use eyot_core::{Edge, Grid, Limits, Rim};
+use eyot_core::{Boundary, BoundaryCondition, Grid, Limits};
 use eyot_plates::{Plates, Start, Tectonics, hypsometry};
 use std::fs::File;
 use std::path::Path;
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
         table[key] = serde_json::from_str(value)?;
     }
-    let rim = Rim { x: Edge::Wrap, y: Edge::Closed };
+    let rim = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed };
     let grid = Grid::new(width, height, 4e7 / width as f64, rim, &Limits::default())?;
     let mut plates = Plates::new(&grid, seed, serde_json::from_value(table)?, Start::Noise)?;
     std::fs::create_dir_all(out)?;

@@ -69,11 +69,11 @@ fn flow(g: &Geometry, crust: &mut [i32], full: i32, over: &[u32], into_sea: bool
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Grid, Limits, Rim};
+    use eyot_core::{Boundary, Grid, Limits};
 
     #[test]
     fn thick_crust_flows_and_none_is_lost() {
-        let g = Geometry::new(&Grid::new(16, 16, 1.0, Rim::WRAP, &Limits::default()).unwrap());
+        let g = Geometry::new(&Grid::new(16, 16, 1.0, Boundary::WRAP, &Limits::default()).unwrap());
         let mut crust = vec![units(36_000.0); 256];
         let mut changes = Changes::default();
         (0..20).for_each(|_| changes.add(100, units(9_000.0)));

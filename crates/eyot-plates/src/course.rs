@@ -39,11 +39,11 @@ impl Course {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Edge, Grid, Limits, Rim};
+    use eyot_core::{Boundary, BoundaryCondition, Grid, Limits};
 
     #[test]
     fn crust_is_traced_back_round_the_world_and_not_over_closed_rims() {
-        let rim = Rim { x: Edge::Wrap, y: Edge::Closed };
+        let rim = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed };
         let g = Geometry::new(&Grid::new(4, 3, 1.0, rim, &Limits::default()).unwrap());
         let before = [0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1];
         // Plate 0 went one column to the west and one row to the south, over plate 1; a gap opened behind it.

@@ -45,7 +45,7 @@ struct Rates {
 /// What a cell at the edge of a shelf can be given at most, m of crust per million years and at once.
 const DELTA_M: (f64, f64) = (500.0, 4000.0);
 /// Share of its height that land can lose at once.
-const MOST_LOST: f32 = 0.25;
+const MAX_LOST: f32 = 0.25;
 /// Height of the edge of the shelves, m.
 const SHELF_M: f32 = -130.0;
 
@@ -65,7 +65,7 @@ pub(crate) fn denude(
     let w = g.width;
     let runs = runs::of_rows(owner, w);
     let per_m3 = (f64::from(p.denudation) * years * 1e-15 * f64::from(UNITS_PER_M) / f64::from(RISE)) as f32;
-    let most = MOST_LOST * UNITS_PER_M as f32 / RISE;
+    let most = MAX_LOST * UNITS_PER_M as f32 / RISE;
     let taken = |h: f32, factor: f32| {
         let p = h.max(0.0);
         (factor * p * p * p).min(most * p) as i32
@@ -241,12 +241,12 @@ mod tests {
     use super::*;
     use crate::crust::units;
     use crate::isostasy::height_m;
-    use eyot_core::{Grid, Limits, Rim};
+    use eyot_core::{Boundary, Grid, Limits};
 
     /// A ridge between two shelves: what it loses the edges of the shelves gain, however long the step and fast the rivers are.
     #[test]
     fn denudation_feeds_the_shelves_and_loses_nothing() {
-        let g = Geometry::new(&Grid::new(64, 16, 78_125.0, Rim::WRAP, &Limits::default()).unwrap());
+        let g = Geometry::new(&Grid::new(64, 16, 78_125.0, Boundary::WRAP, &Limits::default()).unwrap());
         let level = 4900.0;
         let thick = |x: usize| {
             if (20..24).contains(&x) {

@@ -1,6 +1,6 @@
 //! Cells and their neighbours under the rim of a grid.
 
-use eyot_core::{Edge, Grid};
+use eyot_core::{BoundaryCondition, Grid};
 
 /// The grid as plates see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -8,7 +8,7 @@ pub(crate) struct Geometry {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) cell_m: (f64, f64),
-    pub(crate) rim: (Edge, Edge),
+    pub(crate) rim: (BoundaryCondition, BoundaryCondition),
 }
 
 impl Geometry {
@@ -78,9 +78,9 @@ impl Geometry {
 
     /// Shortest way from `a` to `b` in cells, `(x, y)`.
     pub(crate) fn way(&self, a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-        let along = |d: f64, n: usize, edge: Edge| {
+        let along = |d: f64, n: usize, edge: BoundaryCondition| {
             let n = n as f64;
-            if edge == Edge::Wrap { d - (d / n).round() * n } else { d }
+            if edge == BoundaryCondition::Wrap { d - (d / n).round() * n } else { d }
         };
         (along(b.0 - a.0, self.width, self.rim.0), along(b.1 - a.1, self.height, self.rim.1))
     }
@@ -92,10 +92,10 @@ pub(crate) fn rows_at_once(width: usize) -> usize {
 }
 
 #[inline]
-fn resolve(i: isize, n: usize, edge: Edge) -> Option<usize> {
+fn resolve(i: isize, n: usize, edge: BoundaryCondition) -> Option<usize> {
     if (0..n as isize).contains(&i) {
         Some(i as usize)
-    } else if edge == Edge::Wrap {
+    } else if edge == BoundaryCondition::Wrap {
         Some(i.rem_euclid(n as isize) as usize)
     } else {
         None

@@ -9,7 +9,7 @@ use crate::geometry::Geometry;
 use crate::noise::Fractal;
 use crate::parts;
 use crate::runs;
-use eyot_core::Edge;
+use eyot_core::BoundaryCondition;
 use eyot_core::rng::mix64;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -70,7 +70,9 @@ fn fronts(g: &Geometry, count: usize, seed: u64) -> Vec<u8> {
 
 /// Bends borders by fractal noise: rifts are as uneven as the coasts that they leave, and no front of growth is.
 fn fray(g: &Geometry, owner: Vec<u8>, seed: u64) -> Vec<u8> {
-    let inside = |i: isize, n: usize, edge: Edge| if edge == Edge::Wrap { i } else { i.clamp(0, n as isize - 1) };
+    let inside = |i: isize, n: usize, edge: BoundaryCondition| {
+        if edge == BoundaryCondition::Wrap { i } else { i.clamp(0, n as isize - 1) }
+    };
     // Noise this smooth needs no value for each cell.
     let apart = (g.width.min(g.height) / 128).max(1);
     let coarse = Geometry { width: g.width.div_ceil(apart), height: g.height.div_ceil(apart), ..*g };
@@ -143,12 +145,12 @@ fn seeds(g: &Geometry, count: usize, seed: u64) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Grid, Limits, Rim};
+    use eyot_core::{Boundary, Grid, Limits};
 
     #[test]
     fn plates_cover_the_grid_and_are_of_different_sizes() {
         for (w, h, n) in [(64, 32, 10), (3, 2, 30), (1, 1, 2), (1, 40, 5)] {
-            let g = Geometry::new(&Grid::new(w, h, 1.0, Rim::WRAP, &Limits::default()).unwrap());
+            let g = Geometry::new(&Grid::new(w, h, 1.0, Boundary::WRAP, &Limits::default()).unwrap());
             let owner = grow(&g, n, 7);
             let mut sizes = vec![0; n.min(w * h)];
             owner.iter().for_each(|&o| sizes[usize::from(o)] += 1);

@@ -24,7 +24,7 @@ pub(crate) enum Kind {
     /// Continental crust under continental crust.
     Collides,
     /// Crust that went over the rim of the grid, in this direction (columns, rows).
-    Rim(i8, i8),
+    Boundary(i8, i8),
 }
 
 /// Crust that lost its cell.
@@ -48,7 +48,15 @@ pub(crate) struct Contact {
 impl Contact {
     pub(crate) fn at_rim(cell: u32, owner: u8, crust: i32, out: (i8, i8)) -> Self {
         let c = is_continental(crust);
-        Self { cell, kind: Kind::Rim(out.0, out.1), over: owner, under: owner, crust, age: 0.0, continental: (c, c) }
+        Self {
+            cell,
+            kind: Kind::Boundary(out.0, out.1),
+            over: owner,
+            under: owner,
+            crust,
+            age: 0.0,
+            continental: (c, c),
+        }
     }
 }
 

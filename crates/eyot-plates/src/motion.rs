@@ -20,7 +20,7 @@ const RESPONSE_MYR: f64 = 20.0;
 /// Plates that are so much nearer or farther than they should be slip by a cell, cells.
 const APART: f64 = 0.8;
 /// Most cells that a plate may cross in a step; each is a shift of its own.
-pub(crate) const MOST_SHIFTS: f64 = 32.0;
+pub(crate) const MAX_SHIFTS: f64 = 32.0;
 
 /// Moves the velocities on by a step.
 pub(crate) fn accelerate(plates: &mut [Plate], p: &Tectonics) {
@@ -58,7 +58,7 @@ pub(crate) fn way(g: &Geometry, plate: &Plate, years: f64) -> [f64; 2] {
 /// Shifts that the fastest plate needs in a step.
 pub(crate) fn shifts(g: &Geometry, plates: &[Plate], years: f64) -> u32 {
     let most = plates.iter().flat_map(|p| way(g, p, years)).fold(0.0, |m: f64, w| m.max(w.abs()));
-    most.ceil().clamp(1.0, MOST_SHIFTS) as u32
+    most.ceil().clamp(1.0, MAX_SHIFTS) as u32
 }
 
 /// Moves each plate on by one of `parts` parts of a step, and returns by how many whole cells it shifts.
@@ -135,10 +135,10 @@ pub(crate) fn set_off(plates: &mut [Plate], areas: &[u32], away: &[(f64, f64)], 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Grid, Limits, Rim};
+    use eyot_core::{Boundary, Grid, Limits};
 
     fn slips(velocities: [f64; 2], steps: usize) -> (usize, f64) {
-        let g = Geometry::new(&Grid::new(64, 64, 1000.0, Rim::WRAP, &Limits::default()).unwrap());
+        let g = Geometry::new(&Grid::new(64, 64, 1000.0, Boundary::WRAP, &Limits::default()).unwrap());
         let mut plates = velocities.map(|v| Plate { velocity: [v, 0.0], ..Plate::default() });
         plates[1].rest[0] = 0.4;
         let mut borders = Pairs::new(2);

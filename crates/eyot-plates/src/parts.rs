@@ -120,7 +120,7 @@ pub(crate) fn smooth(g: &Geometry, rows: &[Vec<Run>], owner: &mut [u8]) {
 mod tests {
     use super::*;
     use crate::runs::of_rows;
-    use eyot_core::{Grid, Limits, Rim};
+    use eyot_core::{Boundary, Grid, Limits};
 
     #[test]
     fn parts_are_connected_over_the_rim_and_islands_are_parts() {
@@ -130,7 +130,7 @@ mod tests {
             1, 2, 1, 0, 1, //
             0, 1, 1, 1, 0,
         ];
-        let parts = |rim: Rim| {
+        let parts = |rim: Boundary| {
             let g = Geometry::new(&Grid::new(5, 4, 1.0, rim, &Limits::default()).unwrap());
             let rows = of_rows(&map, 5);
             let found = find(&g, &rows);
@@ -139,7 +139,7 @@ mod tests {
             assert_eq!(two.iter(5, &rows).collect::<Vec<_>>(), [11]);
             found.iter().map(|p| (p.owner, p.cells)).collect::<Vec<_>>()
         };
-        assert_eq!(parts(Rim::CLOSED), [(0, 2), (1, 13), (0, 1), (2, 1), (0, 1), (0, 1), (0, 1)]);
-        assert_eq!(parts(Rim::WRAP), [(0, 5), (1, 13), (2, 1), (0, 1)]);
+        assert_eq!(parts(Boundary::CLOSED), [(0, 2), (1, 13), (0, 1), (2, 1), (0, 1), (0, 1), (0, 1)]);
+        assert_eq!(parts(Boundary::WRAP), [(0, 5), (1, 13), (2, 1), (0, 1)]);
     }
 }

@@ -25,7 +25,7 @@ use crate::subduction::{Arcs, Volcanoes, scrape};
 use crate::suture;
 use eyot_core::process::check_ranges;
 use eyot_core::rng::mix64;
-use eyot_core::{Edge, Error, Grid, Result};
+use eyot_core::{BoundaryCondition, Error, Grid, Result};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -40,13 +40,13 @@ const OWN_PLATE: f64 = 0.01;
 /// Plates below this share of the world join a neighbour.
 const SMALLEST_PLATE: f64 = 0.002;
 /// Most plates that there can be: more are not made by cutting.
-const MOST_PLATES: usize = 100;
+const MAX_PLATES: usize = 100;
 /// A cycle is no shorter, Myr, unless it is asked for.
 const SHORTEST_MYR: f64 = 25.0;
 /// A cycle ends when one plate has grown to this share of the world.
 const LARGEST_PLATE: f64 = 0.7;
 /// Pairs that grow together at once.
-const MOST_SUTURES: usize = 8;
+const MAX_SUTURES: usize = 8;
 /// How much more a plate must bring to a border than the other one to turn its polarity, cells.
 const TURN: (f64, f64) = (1.5, 6.0);
 /// Cosine of the angle to a border from which on a plate sinks there and does not slide along it.
@@ -78,10 +78,10 @@ pub(crate) struct Clock {
 /// Plates on a grid: a step moves them, and folds, sinks and makes crust at their borders.
 ///
 /// ```
-/// use eyot_core::{Grid, Limits, Rim};
+/// use eyot_core::{Grid, Limits, Boundary};
 /// use eyot_plates::{Plates, Start, Tectonics};
 ///
-/// let grid = Grid::new(96, 48, 400_000.0, Rim::WRAP, &Limits::default())?;
+/// let grid = Grid::new(96, 48, 400_000.0, Boundary::WRAP, &Limits::default())?;
 /// let mut plates = Plates::new(&grid, 7, Tectonics::default(), Start::Noise)?;
 /// for _ in 0..50 {
 ///     plates.step();
@@ -275,16 +275,16 @@ impl Plates {
                 *self.brought.at(c.under, c.over) += f64::from(u8::from(c.continental.1));
             }
             match c.kind {
-                Kind::Rim(dx, _) if self.rim(dx) == Edge::Open => {
+                Kind::Boundary(dx, _) if self.rim(dx) == BoundaryCondition::Open => {
                     self.budget.left += i64::from(c.crust);
                 }
-                Kind::Rim(dx, dy) if c.continental.0 => {
+                Kind::Boundary(dx, dy) if c.continental.0 => {
                     let inward = (-f64::from(dx), -f64::from(dy));
                     fold(&self.g, crust, cell, c.crust, inward, (0, 2 * reach), max_crust, changes);
                     at_rim[usize::from(c.over)][0] += f64::from(dx);
                     at_rim[usize::from(c.over)][1] += f64::from(dy);
                 }
-                Kind::Rim(..) => {
+                Kind::Boundary(..) => {
                     let (scraped, sunk) = scrape(c.crust);
                     changes.add(cell, scraped);
                     self.budget.subducted += i64::from(sunk);
@@ -327,7 +327,7 @@ impl Plates {
         slab.0 * x + slab.1 * y < -SLIDES * x.hypot(y)
     }
 
-    fn rim(&self, dx: i8) -> Edge {
+    fn rim(&self, dx: i8) -> BoundaryCondition {
         if dx != 0 { self.g.rim.0 } else { self.g.rim.1 }
     }
 
@@ -379,7 +379,7 @@ impl Plates {
 
     fn join_continents(&mut self) {
         let cell_km2 = self.g.cell_area_m2() * 1e-6;
-        for _ in 0..MOST_SUTURES {
+        for _ in 0..MAX_SUTURES {
             let continents = self.continents();
             let Some((taker, giver)) = suture::due(&self.overlap, &continents, cell_km2, &self.parameters) else {
                 return;
@@ -405,7 +405,7 @@ impl Plates {
             let own = largest[usize::from(part.owner)].1 == i;
             let becomes = if own && share >= SMALLEST_PLATE {
                 None
-            } else if !own && share >= OWN_PLATE && self.plates.len() < MOST_PLATES {
+            } else if !own && share >= OWN_PLATE && self.plates.len() < MAX_PLATES {
                 Some(self.split(part.owner))
             } else {
                 part.neighbour(&self.g, rows, &self.maps.owner)
@@ -421,7 +421,7 @@ impl Plates {
         let (w, h) = (self.g.width, self.g.height);
         let rows = [0, h - 1].into_iter().flat_map(|y| (0..w).map(move |x| (1, y * w + x)));
         let columns = [0, w - 1].into_iter().flat_map(|x| (0..h).map(move |y| (0, y * w + x)));
-        let closed = [self.g.rim.0, self.g.rim.1].map(|e| e == Edge::Closed);
+        let closed = [self.g.rim.0, self.g.rim.1].map(|e| e == BoundaryCondition::Closed);
         let mut touching = vec![[0u32; 2]; self.plates.len()];
         for (axis, cell) in rows.chain(columns) {
             if closed[axis] && is_continental(self.maps.crust[cell]) {
@@ -664,12 +664,12 @@ pub(crate) fn check(p: &Tectonics, grid: &Grid) -> Result<()> {
     check_ranges("plates", p)?;
     let cell = grid.cell_x_m.min(grid.cell_y_m);
     let cells = p.top_speed() * f64::from(p.years_per_step) / cell;
-    if cells > motion::MOST_SHIFTS {
-        let most = motion::MOST_SHIFTS * cell / p.top_speed();
+    if cells > motion::MAX_SHIFTS {
+        let most = motion::MAX_SHIFTS * cell / p.top_speed();
         let reason = format!(
             "in {} years a plate could cross {cells:.0} cells of {cell} m, {} at most; make it {most:.0} at most, or the cells larger",
             p.years_per_step,
-            motion::MOST_SHIFTS
+            motion::MAX_SHIFTS
         );
         return Err(Error::BadParameter { owner: "plates".into(), field: "years_per_step".into(), reason });
     }

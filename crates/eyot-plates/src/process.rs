@@ -61,7 +61,8 @@ use crate::start::Start;
 use crate::store::PlateState;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{
-    Action, ActionInstance, Entry, LayerUse, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from, schema_of,
+    Action, ActionInstance, Entry, LayerUse, Locality, Moment, Process, SECONDS_PER_YEAR, defaults_of, parameters_from,
+    schema_of,
 };
 use eyot_core::{Control, Grid, LayerSpec, Result, World, about};
 use rayon::prelude::*;
@@ -151,6 +152,10 @@ impl Action for Drift {
 
     fn cannot_fail(&self) -> bool {
         true
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Whole
     }
 
     fn bytes_per_cell(&self) -> usize {

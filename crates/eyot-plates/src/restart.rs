@@ -11,7 +11,7 @@ use crate::motion;
 use crate::pairs::Pairs;
 use crate::plate::Plate;
 use crate::plates::Plates;
-use eyot_core::Edge;
+use eyot_core::BoundaryCondition;
 use eyot_core::math64::{acos, cos_degrees, sin_degrees};
 use eyot_core::rng::mix64;
 
@@ -97,8 +97,8 @@ pub(crate) fn centres(g: &Geometry, n: usize, set: impl Fn(usize) -> Option<u8>)
     sums.iter()
         .map(|s| {
             let count = s[0].max(1.0);
-            let along = |edge: Edge, cos: f64, sin: f64, plain: f64, n: usize| {
-                if edge != Edge::Wrap {
+            let along = |edge: BoundaryCondition, cos: f64, sin: f64, plain: f64, n: usize| {
+                if edge != BoundaryCondition::Wrap {
                     return (plain / count, 1.0);
                 }
                 let r = cos.hypot(sin);
@@ -116,11 +116,11 @@ pub(crate) fn centres(g: &Geometry, n: usize, set: impl Fn(usize) -> Option<u8>)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Grid, Limits, Rim};
+    use eyot_core::{Boundary, Grid, Limits};
 
     #[test]
     fn middles_are_found_over_the_rim() {
-        let g = Geometry::new(&Grid::new(20, 10, 1.0, Rim::WRAP, &Limits::default()).unwrap());
+        let g = Geometry::new(&Grid::new(20, 10, 1.0, Boundary::WRAP, &Limits::default()).unwrap());
         let near = |c: usize| [18, 19, 0, 1].contains(&(c % 20)) && [4, 5].contains(&(c / 20));
         let ((x, y), gathered) = centres(&g, 1, |c| near(c).then_some(0))[0];
         assert!(((x + 0.5).abs() < 1e-9 || (x - 19.5).abs() < 1e-9) && (y - 4.5).abs() < 1e-9, "{x} {y}");

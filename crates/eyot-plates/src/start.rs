@@ -4,7 +4,7 @@ use crate::crust::{LOWLAND_M, OCEANIC_M, units};
 use crate::geometry::Geometry;
 use crate::isostasy::{age_of_depth, buoyancy, crust_m};
 use crate::noise::{Fractal, quantile};
-use eyot_core::Edge;
+use eyot_core::BoundaryCondition;
 use eyot_core::rng::mix64;
 
 /// What a world of plates begins with.
@@ -75,8 +75,8 @@ pub(crate) fn from_noise(g: &Geometry, seed: u64, land: f64, gather: f32) -> Cru
 /// Half axes, cells, of the roundest ellipse of a share of the grid that keeps away from rims that are no rings.
 fn half_axes(g: &Geometry, share: f64) -> (f64, f64) {
     let area = g.cells() as f64 * g.cell_area_m2() * share / std::f64::consts::PI;
-    let most = |n: usize, cell_m: f64, edge: Edge| {
-        if edge == Edge::Wrap { f64::INFINITY } else { 0.36 * n as f64 * cell_m }
+    let most = |n: usize, cell_m: f64, edge: BoundaryCondition| {
+        if edge == BoundaryCondition::Wrap { f64::INFINITY } else { 0.36 * n as f64 * cell_m }
     };
     let (x, y) = (most(g.width, g.cell_m.0, g.rim.0), most(g.height, g.cell_m.1, g.rim.1));
     // The one that is short makes the other one long.
@@ -88,9 +88,9 @@ fn half_axes(g: &Geometry, share: f64) -> (f64, f64) {
 /// Keeps continents away from rims that are no rings: what leaves such a rim has a straight coast.
 fn fade_at_rims(g: &Geometry, shape: &mut [f32]) {
     let depth = 0.12 * g.width.min(g.height) as f64;
-    let near = |i: usize, n: usize, edge: Edge| {
+    let near = |i: usize, n: usize, edge: BoundaryCondition| {
         let from_rim = i.min(n - 1 - i) as f64;
-        if edge == Edge::Wrap { 0.0 } else { (1.0 - from_rim / depth).max(0.0) }
+        if edge == BoundaryCondition::Wrap { 0.0 } else { (1.0 - from_rim / depth).max(0.0) }
     };
     for (cell, v) in shape.iter_mut().enumerate() {
         let x = near(cell % g.width, g.width, g.rim.0);

@@ -1,7 +1,7 @@
 //! What plates hold beside the world is what they say: runs are refused by this number before they begin.
 
 use eyot_core::process::{Moment, Process};
-use eyot_core::{Control, Edge, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Control, Grid, Limits, World};
 use eyot_plates::{Drift, Tectonics};
 use eyot_testing::counting::{Counting, peak};
 
@@ -10,7 +10,14 @@ static COUNTING: Counting = Counting;
 
 #[test]
 fn a_step_holds_what_it_says() {
-    let grid = Grid::new(515, 261, 78_125.0, Rim { x: Edge::Wrap, y: Edge::Closed }, &Limits::default()).unwrap();
+    let grid = Grid::new(
+        515,
+        261,
+        78_125.0,
+        Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed },
+        &Limits::default(),
+    )
+    .unwrap();
     let mut most: f64 = 0.0;
     for (count, cycle) in [(2, 0.0), (10, 300.0), (30, 5.0)] {
         let plates = Drift::new(Tectonics { count, cycle, ..Tectonics::default() });
@@ -23,7 +30,7 @@ fn a_step_holds_what_it_says() {
             plates.prepare(&mut world).unwrap();
             let mut instance = plates.action().unwrap().instantiate(&world).unwrap();
             for step in 0..12 {
-                let moment = Moment { grid, step, turn: step, sea_level_m: 0.0 };
+                let moment = Moment { turn: step, ..Moment::whole(grid, step, 0.0) };
                 instance.act(&moment, &mut world, &Control::none()).unwrap();
             }
         });

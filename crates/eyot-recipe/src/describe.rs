@@ -6,8 +6,8 @@ use crate::keys;
 use crate::registry::Registry;
 use eyot_core::process::{Entry, Process, schema_of};
 use eyot_core::remedy::{Action, Neutral, Wording};
-use eyot_rules::Replaced;
-use eyot_rules::functions::{FUNCTIONS, NAMES};
+use eyot_expr::ParameterizedProcess;
+use eyot_expr::functions::{FUNCTIONS, NAMES};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt;
@@ -88,8 +88,8 @@ pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> 
         let schema = (e.schema)().to_value();
         let mut description = from_schema(name, "process", &schema, &(e.defaults)(), e.about, e.cites);
         if takes_expressions(e) {
-            let cells = Replaced::possible(e);
-            let number = |name: &String| eyot_rules::numbers(&schema).any(|(n, _)| n == name);
+            let cells = ParameterizedProcess::possible(e);
+            let number = |name: &String| eyot_expr::numbers(&schema).any(|(n, _)| n == name);
             for p in description.parameters.iter_mut().filter(|p| number(&p.name)) {
                 p.expression = if cells.contains(&p.name) { Expression::Cells } else { Expression::Time };
             }

@@ -56,11 +56,11 @@ impl Diagnostic {
 }
 
 /// Problems that are told; the others follow from these, or are of the same kind.
-const MOST: usize = 20;
+const MAX: usize = 20;
 /// Problems after which nothing more is looked for.
 pub(crate) const ENOUGH: usize = 200;
 /// Words that a list of alternatives names.
-const MOST_WORDS: usize = 60;
+const MAX_WORDS: usize = 60;
 
 /// What is wrong with a recipe, in the order of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,14 +78,14 @@ impl Problems {
     pub fn new(sources: Vec<Source>, mut diagnostics: Vec<Diagnostic>) -> Self {
         diagnostics.sort_by_key(|d| d.span.as_ref().map_or((usize::MAX, 0), |s| (s.source, s.start)));
         diagnostics.dedup();
-        let more = diagnostics.len().saturating_sub(MOST);
-        diagnostics.truncate(MOST);
+        let more = diagnostics.len().saturating_sub(MAX);
+        diagnostics.truncate(MAX);
         Self { sources: Arc::new(sources), diagnostics, more }
     }
 
     /// A line on those that are not told, if there are any.
     pub fn rest(&self) -> Option<String> {
-        let at_least = if self.more + MOST >= ENOUGH { "at least " } else { "" };
+        let at_least = if self.more + MAX >= ENOUGH { "at least " } else { "" };
         (self.more > 0).then(|| format!("and {at_least}{} more; mend these first", self.more))
     }
 
@@ -159,7 +159,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 /// `a, b or c`.
 pub fn alternatives<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     let mut all = words.into_iter();
-    let mut words: Vec<String> = all.by_ref().take(MOST_WORDS).map(|w| format!("`{w}`")).collect();
+    let mut words: Vec<String> = all.by_ref().take(MAX_WORDS).map(|w| format!("`{w}`")).collect();
     let more = all.count();
     if more > 0 {
         words.push(format!("{more} others"));

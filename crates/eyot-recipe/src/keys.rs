@@ -2,7 +2,7 @@
 
 use crate::export::former_formats;
 use crate::merge::Merge;
-use eyot_core::Edge;
+use eyot_core::BoundaryCondition;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -46,8 +46,8 @@ pub enum Lengths {
 #[serde(untagged)]
 #[allow(missing_docs, reason = "texts on variants would stand in the schema")]
 pub enum Edges {
-    One(Edge),
-    Two([Edge; 2]),
+    One(BoundaryCondition),
+    Two([BoundaryCondition; 2]),
 }
 
 /// The grid.

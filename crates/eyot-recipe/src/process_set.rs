@@ -13,7 +13,7 @@ use eyot_core::Grid;
 use eyot_core::process::schema_of;
 use eyot_core::remedy;
 use eyot_core::remedy::Remedy;
-use eyot_rules::Mistake;
+use eyot_expr::ParseError;
 use serde_json::Value;
 
 /// Applies a change to the processes of a step, or says why not; then nothing has changed. `has` says which layers are there.
@@ -85,7 +85,7 @@ pub fn apply(
         let numbers = u.parameters.as_object().into_iter().flatten().filter(|(key, _)| !is_new(key));
         let parameters = Value::Object(numbers.map(|(key, v)| (key.clone(), v.clone())).collect());
         let kept: Vec<_> = u.terms.list().iter().filter(|t| !is_new(t.parameter())).cloned().collect();
-        let say = |node: &Node, mistake: &Mistake| {
+        let say = |node: &Node, mistake: &ParseError| {
             let sources = [Source { name: "set".to_owned(), text: text.clone() }];
             rules::mistaken(registry, rules::inside(&sources, node, mistake), mistake)
         };

@@ -9,7 +9,7 @@ use crate::registry::Registry;
 use crate::validate;
 use eyot_core::process::{Entry, Generator, Process, Scheduled};
 use eyot_core::{Georeference, Grid, Limits};
-use eyot_rules::{Acting, Replaced, Scope, Terms, TextRule};
+use eyot_expr::{ExprProcess, ParameterizedProcess, Scope, Terms, TextRule};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -229,7 +229,7 @@ impl Actor {
             Self::Rule(rule) => {
                 let value = |(name, usual): &(String, f32)| parameters[name].as_f64().map_or(*usual, |v| v as f32);
                 let values = rule.parameters.iter().map(value).collect();
-                Ok(Box::new(Acting { rule: Arc::clone(rule), values }))
+                Ok(Box::new(ExprProcess { rule: Arc::clone(rule), values }))
             }
         }
     }
@@ -240,7 +240,7 @@ impl ProcessUse {
     pub fn make(&self) -> Result<Box<dyn Process>, serde_json::Error> {
         match self.actor {
             Actor::Process(entry) if !self.terms.list().is_empty() => {
-                Ok(Box::new(Replaced::new(entry, self.parameters.clone(), Arc::clone(&self.terms))?))
+                Ok(Box::new(ParameterizedProcess::new(entry, self.parameters.clone(), Arc::clone(&self.terms))?))
             }
             _ => self.actor.make(&self.parameters),
         }

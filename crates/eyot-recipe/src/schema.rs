@@ -66,7 +66,7 @@ fn simulate(registry: &Registry) -> Value {
         let mut process = (e.schema)().to_value();
         let mut properties: Map<String, Value> = process["properties"].as_object().cloned().unwrap_or_default();
         if describe::takes_expressions(e) {
-            let numbers: Vec<String> = eyot_rules::numbers(&process).map(|(name, _)| name.clone()).collect();
+            let numbers: Vec<String> = eyot_expr::numbers(&process).map(|(name, _)| name.clone()).collect();
             numbers.iter().for_each(|name| properties[name]["type"] = json!(["number", "string"]));
         }
         properties.extend(schedule.clone());

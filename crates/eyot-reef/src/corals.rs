@@ -39,8 +39,8 @@ use crate::community::{MONTH_DAYS, YEAR_DAYS};
 use eyot_core::component::{Numbers, Shape, Table, Type};
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
 use eyot_core::process::{
-    Access, Action, ActionInstance, Entry, LayerUse, Moment, Process, check_ranges, defaults_of, parameters_from,
-    schema_of,
+    Access, Action, ActionInstance, Entry, LayerUse, Locality, Moment, Process, check_ranges, defaults_of,
+    parameters_from, schema_of,
 };
 use eyot_core::{Control, Error, Field, Grid, LayerSpec, Limits, Result, World, about, math64};
 use schemars::JsonSchema;
@@ -180,6 +180,10 @@ impl Process for Colonies {
 impl Action for Colonies {
     fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
         Ok(Box::new(Growing { corals: self.corals.clone(), forcing: None }))
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Whole
     }
 
     fn bytes_per_cell(&self) -> usize {

@@ -1,7 +1,7 @@
 //! Draws synthetic worlds to PNG files: `cargo run --release -p eyot-render --example look -- FOLDER [SIZE [NAME]]`.
 
 use eyot_core::layer::known;
-use eyot_core::{Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Field, Grid, Limits, World};
 use eyot_render::{MapOptions, Picture, ReliefOptions, ViewOptions, layer_map, perspective, relief};
 use std::time::Instant;
 
@@ -88,7 +88,7 @@ fn time(folder: &Folder, name: &str, draw: impl Fn() -> eyot_core::Result<Pictur
 
 /// A volcanic island of 5 km with a barrier reef.
 fn island(n: usize) -> Outcome<World> {
-    let mut world = World::new(Grid::new(n, n, 5120.0 / n as f64, Rim::CLOSED, &Limits::default())?, 7);
+    let mut world = World::new(Grid::new(n, n, 5120.0 / n as f64, Boundary::CLOSED, &Limits::default())?, 7);
     let mut limestone = Field::new(n, n, 0.0);
     let land = Field::from_fn(n, n, |x, y| {
         let (u, v) = ((x as f32 + 0.5) / n as f32 - 0.5, (y as f32 + 0.5) / n as f32 - 0.5);
@@ -135,7 +135,7 @@ fn island(n: usize) -> Outcome<World> {
 
 /// Inland mountains of 20 km with a river and a lake.
 fn mountains(n: usize) -> Outcome<World> {
-    let mut world = World::new(Grid::new(n, n, 20_000.0 / n as f64, Rim::OPEN, &Limits::default())?, 11);
+    let mut world = World::new(Grid::new(n, n, 20_000.0 / n as f64, Boundary::OPEN, &Limits::default())?, 11);
     let mut water = Field::new(n, n, 0.0);
     let land = Field::from_fn(n, n, |x, y| {
         let (u, v) = ((x as f32 + 0.5) / n as f32, (y as f32 + 0.5) / n as f32);

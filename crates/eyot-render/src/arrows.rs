@@ -85,13 +85,13 @@ fn stroke(map: &mut Picture, from: [f32; 2], to: [f32; 2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Grid, LayerSpec, Limits, Rim};
+    use eyot_core::{Boundary, Grid, LayerSpec, Limits};
 
     /// East wind draws level strokes, and calm air none.
     #[test]
     fn arrows_follow_the_flow() {
         let world = |u: f32, v: f32| {
-            let mut w = World::new(Grid::new(8, 8, 1.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+            let mut w = World::new(Grid::new(8, 8, 1.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
             for (name, value) in [("u", u), ("v", v)] {
                 w.put(&LayerSpec::new(name, "m/s", "", (-9.0, 9.0)), Field::new(8, 8, value)).unwrap();
             }

@@ -7,10 +7,10 @@
 //! - [`terrain_colours`] gives the colours of the ground that all of them use, for meshes too.
 //!
 //! ```
-//! use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
+//! use eyot_core::{Field, Grid, Limits, Boundary, World, layer::known};
 //! use eyot_render::{MapOptions, ReliefOptions, ViewOptions, layer_map, perspective, relief};
 //!
-//! let mut world = World::new(Grid::new(48, 48, 20.0, Rim::CLOSED, &Limits::default())?, 7);
+//! let mut world = World::new(Grid::new(48, 48, 20.0, Boundary::CLOSED, &Limits::default())?, 7);
 //! let cone = |x: usize, y: usize| 200.0 - 12.0 * (x as f32 - 24.0).hypot(y as f32 - 24.0);
 //! world.put(&known::HEIGHT, Field::from_fn(48, 48, cone))?;
 //!

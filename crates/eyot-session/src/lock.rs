@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Name of the lock file in an output folder.
 pub(crate) const LOCK_FILE: &str = "eyot.lock";
 /// A process number is far shorter; anything longer is no lock.
-const MOST_BYTES: u64 = 64;
+const MAX_BYTES: u64 = 64;
 
 /// Holds the lock of a folder until it is dropped.
 pub(crate) struct FolderLock {
@@ -35,7 +35,7 @@ impl FolderLock {
             let locked = file.try_lock();
             let mut text = String::new();
             // On some systems a file that another process has locked cannot be read, and no number stands in one of letters.
-            let read = (&mut file).take(MOST_BYTES).read_to_string(&mut text);
+            let read = (&mut file).take(MAX_BYTES).read_to_string(&mut text);
             match locked {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {

@@ -96,7 +96,7 @@ impl Watching {
         self.is_seen
     }
 
-    pub(crate) fn unsee(&mut self) {
+    pub(crate) fn invalidate_view(&mut self) {
         self.is_seen = false;
     }
 

@@ -185,11 +185,11 @@ fn from_bank(wet: &[bool], w: usize, h: usize) -> Vec<u32> {
 mod tests {
     use super::*;
     use eyot_core::layer::known;
-    use eyot_core::{Grid, LayerSpec, Limits, Rim};
+    use eyot_core::{Boundary, Grid, LayerSpec, Limits};
 
     #[test]
     fn water_that_flows_east_flows_east() {
-        let mut world = World::new(Grid::new(5, 4, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+        let mut world = World::new(Grid::new(5, 4, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
         assert!(flow(&world).is_none());
         let spec = |n: &'static str| LayerSpec::new(n, "m/s", "Flux", (-1e6, 1e6));
         world.put(&known::WATER, Field::from_fn(5, 4, |_, y| if y == 2 { 1.0 } else { 0.0 })).unwrap();
@@ -202,7 +202,7 @@ mod tests {
     /// A valley that falls to the south, with a river that bends and a lake that does not flow.
     fn river() -> World {
         let (w, h) = (40, 60);
-        let mut world = World::new(Grid::new(w, h, 30.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+        let mut world = World::new(Grid::new(w, h, 30.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
         world.sea_level_m = 0.0;
         let bed = |x: usize, y: usize| x == if y < 30 { 10 } else { 14 } || (y == 30 && (10..=14).contains(&x));
         let lake = |x: usize, y: usize| (26..34).contains(&x) && (20..30).contains(&y);
@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn wide_water_is_slow() {
         let (w, h) = (30, 30);
-        let mut world = World::new(Grid::new(w, h, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+        let mut world = World::new(Grid::new(w, h, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
         world.sea_level_m = -1e3;
         world.put(&known::HEIGHT, Field::from_fn(w, h, |_, y| 90.0 - y as f32)).unwrap();
         let wide = |y: usize| if (10..20).contains(&y) { 9 } else { 1 };

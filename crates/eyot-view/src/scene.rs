@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 use wgpu::BufferUsages;
 
 /// Heights of patches that may be on their way back at a time: more than pictures that a host has under way.
-const MOST_SPANS: usize = 4;
+const MAX_SPANS: usize = 4;
 
 /// A world's surface, colours and light on the device.
 pub struct Scene {
@@ -175,7 +175,7 @@ impl Scene {
         }
         // Light looks for what stands between a place and the sun, however high that is.
         self.maps.remake(gpu, renderer.maker(), &self.stage, f32::MAX, true, worn.is_some());
-        if self.spans.len() == MOST_SPANS {
+        if self.spans.len() == MAX_SPANS {
             // The oldest ones are about to arrive.
             self.spans.pop_back();
         }

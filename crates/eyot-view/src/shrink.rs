@@ -49,12 +49,12 @@ fn means(field: &Field, width: usize, height: usize, cells: usize) -> Field {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::Rim;
+    use eyot_core::Boundary;
     use eyot_core::layer::known;
 
     #[test]
     fn means_keep_extent_and_values() {
-        let mut world = World::new(Grid::new(7, 4, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 3);
+        let mut world = World::new(Grid::new(7, 4, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 3);
         world.put(&known::HEIGHT, Field::from_fn(7, 4, |x, _| x as f32)).unwrap();
         let s = shrunk(&world, 2, None).unwrap();
         assert_eq!((s.grid.width, s.grid.height, s.grid.cell_x_m), (4, 2, 20.0));

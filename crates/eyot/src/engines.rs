@@ -1,10 +1,10 @@
 //! Engines of this program: the processor, and with the feature `gpu` graphics cards.
 
 use eyot_core::engine::CpuEngine;
-use eyot_core::isa::Isa;
 
 #[cfg(feature = "gpu")]
 pub use crate::card::{Engines, adapter, card, keep_pipelines};
+pub use eyot_core::isa::Isa;
 #[cfg(not(feature = "gpu"))]
 pub use eyot_session::Processor as Engines;
 

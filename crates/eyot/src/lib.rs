@@ -25,25 +25,19 @@
 //!
 //! What is wrong with a recipe comes back as [`Problems`], each with its place and its remedy.
 
-pub use eyot_climate as climate;
-pub use eyot_core as core;
-pub use eyot_io as io;
-pub use eyot_land as land;
-pub use eyot_plates as plates;
-pub use eyot_reef as reef;
-pub use eyot_render as render;
-pub use eyot_rules as rules;
-
 #[cfg(feature = "gpu")]
 mod card;
-pub mod convert;
+mod convert;
 pub mod engines;
 mod registry;
 #[cfg(feature = "run")]
 mod run;
 pub mod store;
 
-pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
+pub use eyot_core::{
+    Boundary, BoundaryCondition, Cancel, Control, Error, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits,
+    World,
+};
 pub use eyot_export::Import;
 pub use eyot_recipe::{
     Actor, BuiltIn, Bytes, Change, Choice, Citation, Citations, Description, Diagnostic, Export, ExportFormat,
@@ -51,15 +45,72 @@ pub use eyot_recipe::{
     RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, What, Work, all_citations, cite,
     describe, keys, merge, nearest, recipe_schema,
 };
-pub use eyot_session as session;
 pub use eyot_session::{
-    Command, EngineChoice, EngineOptions, Event, Handle, JournalEntry, Look, OVERVIEW, Outcome, Progress, Record,
-    Remote, RunError, RunOptions, Stream, Timeline, Watch, Watcher, shell_word, timeline,
+    Command, EngineChoice, EngineOptions, Event, JournalEntry, Look, OVERVIEW, Outcome, Progress, Record, RunError,
+    Stream, Timeline, Watch, Watcher, shell_word,
 };
+#[cfg(feature = "run")]
+pub use eyot_session::{Handle, Remote, RunOptions};
+
+/// Measures of landscapes: of terrain, of climates, and of plates.
+pub mod analyse {
+    pub use eyot_climate::stats::{Planet, Zonal, planet};
+    pub use eyot_land::analyse::{
+        HortonRatios, Landform, LandformShares, Moments, PitCount, StreamOrder, TerrainOptions, TerrainStats,
+        concavity, count_pits, curvatures, geomorphons, hack_exponent, horton_ratios, hurst_exponent, moments,
+        quantile, slope_deg, spectral_beta, strahler_orders, streams_by_order, terrain_stats,
+    };
+    pub use eyot_plates::report as plates;
+}
+
+/// Files of other programs, in and out, and checkpoints.
+pub mod formats {
+    pub use crate::convert::{ConvertOptions, Converted, convert};
+    pub use eyot_io::{
+        ByteOrder, Error, Raster, RasterFormat, ReadOptions, RowOrder, Sample, WriteOptions, checkpoint, layer_names,
+        read_raster, write_layer, write_rgb_png,
+    };
+}
+
+/// Rules, plans, generators and processes: those that come with Eyot, and what one's own are made of.
+pub mod process {
+    pub use eyot_climate::PROCESSES as CLIMATE;
+    pub use eyot_core::engine::CpuEngine;
+    pub use eyot_core::layer::known;
+    pub use eyot_core::plan::Plan;
+    pub use eyot_core::process::{Around, Entry, Generator, LayerUse, Moment, Process, Reach, Scheduled, Site, Span};
+    pub use eyot_core::real::Real;
+    pub use eyot_core::rule::{Cell, Read, Rule, read};
+    pub use eyot_core::{Result, given, rule_params};
+    pub use eyot_land::{generate, simulate};
+    pub use eyot_plates::PROCESSES as PLATES;
+    pub use eyot_reef::PROCESSES as REEFS;
+    pub use eyot_reef::corals::POPULATION as COLONIES;
+}
+
+/// What to do about errors, as values that front ends word.
+pub mod remedy {
+    pub use eyot_core::remedy::{Action, Neutral, Part, Remedy, Setting, Worded, Wording};
+}
+
+/// Recipes being carried out by a program's own loop, with storage of its own.
+pub mod session {
+    pub use eyot_io::storage::{Folder, Memory, Storage};
+    pub use eyot_session::{
+        Branches, Budget, Clock, Engines, Events, Host, NewBranch, OpenEngine, Opened, Outputs, Results, Session,
+        SessionOptions, State, Status,
+    };
+}
+
+/// Recordings of runs, and ways back.
+pub mod timeline {
+    pub use eyot_session::timeline::{Branched, Branching, Damaged, Frame, Moment, Rewound, Timeline, branch, rewind};
+}
+
 /// Films of worlds, runs and recordings.
 #[cfg(feature = "film")]
 pub mod film {
-    pub use eyot_film::{FilmOptions, FilmPath, FilmProgress, Filmed, MOST_FRAMES, Subject, Video, film};
+    pub use eyot_film::{FilmOptions, FilmPath, FilmProgress, Filmed, MAX_FRAMES, Subject, Video, film};
 }
 
 /// Worlds over the network as they change: a server and its clients, and runs that are served.
@@ -70,6 +121,12 @@ pub mod live {
         Alga, Body, Client, Colony, Ending, Error, Gone, HEADER, Hello, LayerInfo, Mirror, Moment, Notice, Options,
         Order, Raster, Record, Scene, Server, SpeciesInfo, Status, Tile, Why,
     };
+}
+
+/// Views of a world from a camera, by the processor or a graphics card.
+#[cfg(feature = "film")]
+pub mod view {
+    pub use eyot_film::{Drawn, ViewRequest, draw_view};
 }
 
 #[cfg(feature = "film")]

@@ -120,7 +120,7 @@ fn land_does_no_io_and_its_rooms_are_apart() {
 
 #[test]
 fn processes_do_no_io() {
-    for krate in ["eyot-climate", "eyot-noise", "eyot-plates", "eyot-reef", "eyot-rules"] {
+    for krate in ["eyot-climate", "eyot-noise", "eyot-plates", "eyot-reef", "eyot-expr"] {
         assert_absent(&format!("crates/{krate}/src"), &["std::fs", "std::net", "File::"], &[]);
     }
 }

@@ -17,7 +17,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-plates", &["core", "noise"]),
     ("eyot-reef", &["core", "mesh"]),
     // Layers and rules of a recipe's own.
-    ("eyot-rules", &["core"]),
+    ("eyot-expr", &["core"]),
     // What a recipe says, and how it is carried out: no pictures, meshes, cards or network.
     ("eyot-recipe", &["core", "rules"]),
     ("eyot-session", &["core", "io", "recipe", "rules"]),
@@ -36,7 +36,7 @@ const ABOVE: &[(&str, &[&str])] = &[
     ("eyot-cli", &["eyot", "eyot-bench"]),
     (
         "eyot-bench",
-        &["eyot", "eyot-climate", "eyot-core", "eyot-gpu", "eyot-land", "eyot-plates", "eyot-reef", "eyot-rules"],
+        &["eyot", "eyot-climate", "eyot-core", "eyot-gpu", "eyot-land", "eyot-plates", "eyot-reef", "eyot-expr"],
     ),
     ("eyot-wasm", &["eyot"]),
     ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land"]),

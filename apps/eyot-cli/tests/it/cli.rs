@@ -352,13 +352,16 @@ fn a_forged_world_is_refused() {
     let f = folder.path();
     std::fs::write(f.join("small.toml"), SMALL).unwrap();
     said(f, &["run", "small.toml"], 0, &[]);
-    let saved =
-        eyot::io::checkpoint::load(&f.join("small/world.eyot"), &eyot::Limits::default(), &eyot::component_kinds())
-            .unwrap();
+    let saved = eyot::formats::checkpoint::load(
+        &f.join("small/world.eyot"),
+        &eyot::Limits::default(),
+        &eyot::component_kinds(),
+    )
+    .unwrap();
     let mut world = saved.world;
-    let spec = eyot::core::LayerSpec { name: "../../../x".into(), ..eyot::core::layer::known::WATER };
+    let spec = eyot::LayerSpec { name: "../../../x".into(), ..eyot::process::known::WATER };
     world.ensure(&spec, 1.0);
-    eyot::io::checkpoint::save(&f.join("small/world.eyot"), &world, &saved.recipe_toml, &saved.state).unwrap();
+    eyot::formats::checkpoint::save(&f.join("small/world.eyot"), &world, &saved.recipe_toml, &saved.state).unwrap();
     std::fs::remove_file(f.join("small/run.json")).unwrap();
     for args in [
         &["resume", "small"][..],

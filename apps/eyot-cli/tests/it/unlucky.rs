@@ -243,14 +243,14 @@ fn damaged_and_foreign_checkpoints_are_refused_and_nothing_is_lost() {
     }
     // A sound file whose recipe is about another grid, and one without the state of a run.
     std::fs::write(&path, &original).unwrap();
-    let saved = eyot::io::checkpoint::load(&path, &eyot::Limits::default(), &eyot::component_kinds()).unwrap();
+    let saved = eyot::formats::checkpoint::load(&path, &eyot::Limits::default(), &eyot::component_kinds()).unwrap();
     let other = RECIPE.replace("size = 200", "size = 100");
     for (recipe, state, answer) in [
         (other.as_str(), saved.state.clone(), "does not fit its recipe"),
         ("seed = ", saved.state.clone(), "not valid TOML"),
         (RECIPE, serde_json::json!({ "done": "much" }), "no state of a run"),
     ] {
-        eyot::io::checkpoint::save(&path, &saved.world, recipe, &state).unwrap();
+        eyot::formats::checkpoint::save(&path, &saved.world, recipe, &state).unwrap();
         said(f, &["resume", "out"], 2, &[answer]);
     }
     std::fs::write(&path, &original).unwrap();

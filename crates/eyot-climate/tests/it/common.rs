@@ -3,13 +3,13 @@
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::rng::{self, Key};
-use eyot_core::{Control, Edge, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, Limits, World};
 
 /// The default world's rim: a ring with closed poles.
-pub(crate) const CYLINDER: Rim = Rim { x: Edge::Wrap, y: Edge::Closed };
+pub(crate) const CYLINDER: Boundary = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed };
 
 /// A planet of the Earth's size.
-pub(crate) fn planet(width: usize, rim: Rim) -> World {
+pub(crate) fn planet(width: usize, rim: Boundary) -> World {
     let grid = Grid::new(width, width / 2, 4e7 / width as f64, rim, &Limits::default()).unwrap();
     World::new(grid, 5)
 }

@@ -5,7 +5,7 @@ use eyot_climate::PROCESSES;
 use eyot_core::conformance;
 use eyot_core::plan::Plan;
 use eyot_core::process::Moment;
-use eyot_core::{Grid, Limits, Rim};
+use eyot_core::{Boundary, Grid, Limits};
 use eyot_testing::climate::{climate_start, climate_variants, world};
 
 #[test]
@@ -24,9 +24,18 @@ fn steps_keep_to_the_layers_that_they_declare() {
     }
 }
 
+/// What a window makes of its inside is what the whole world has there.
+#[test]
+fn windows_have_the_bytes_of_the_whole_grid() {
+    for (name, processes) in climate_variants() {
+        println!("{name}");
+        assert!(conformance::check_windows(&processes, &climate_start).unwrap(), "{name} is rules");
+    }
+}
+
 #[test]
 fn graphs_mean_what_the_rules_mean() {
-    let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
+    let grid = Grid::new(64, 32, 3.0, Boundary::OPEN, &Limits::default()).unwrap();
     for (_, processes) in climate_variants() {
         conformance::check_graphs(&processes, grid);
     }
@@ -35,11 +44,11 @@ fn graphs_mean_what_the_rules_mean() {
 /// What a step of all processes costs for a cell; `docs/performance.md` gives the numbers that this prints.
 #[test]
 fn a_step_is_lean() {
-    let grid = Grid::new(64, 32, 6e5, Rim::WRAP, &Limits::default()).unwrap();
+    let grid = Grid::new(64, 32, 6e5, Boundary::WRAP, &Limits::default()).unwrap();
     let (mut operations, mut accesses) = (0.0, 0.0);
     for s in world() {
         let mut plan = Plan::default();
-        s.process.plan(&Moment { grid, step: 1, turn: 0, sea_level_m: 0.0 }, &mut plan);
+        s.process.plan(&Moment::whole(grid, 1, 0.0), &mut plan);
         // Zones are drawn in every tenth step.
         let share = if s.name == "zones" { 0.1 } else { 1.0 };
         for p in plan.passes() {
@@ -73,6 +82,6 @@ fn registry_is_sound() {
                 );
             }
         }
-        process.check(&Grid::new(8, 8, 1e5, Rim::WRAP, &Limits::default()).unwrap()).unwrap();
+        process.check(&Grid::new(8, 8, 1e5, Boundary::WRAP, &Limits::default()).unwrap()).unwrap();
     }
 }

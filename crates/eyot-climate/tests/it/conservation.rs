@@ -5,7 +5,7 @@ use eyot_climate::units::AIR_WATER;
 use eyot_climate::*;
 use eyot_core::conformance::{random_world, rims};
 use eyot_core::process::Scheduled;
-use eyot_core::{Rim, World};
+use eyot_core::{Boundary, World};
 use eyot_testing::climate::{climate_start, world};
 use eyot_testing::one;
 
@@ -84,7 +84,7 @@ fn a_world_with_everything() {
 fn ground_is_conserved_on_a_ring() {
     let processes =
         [one(Weathering { min_difference: 1.0, max_difference: 500.0, strength: 5.0 }), one(Sand::default())];
-    let mut world = planet(64, Rim::WRAP);
+    let mut world = planet(64, Boundary::WRAP);
     world.sea_level_m = -1e4;
     fill(&mut world, &processes, "height", |x, y| 300.0 * random(1, x, y));
     fill(&mut world, &processes, "sand", |x, y| 5.0 * random(2, x, y));

@@ -4,7 +4,7 @@ use common::{CYLINDER, fill, planet, run};
 use eyot_climate::units::FULL_WIND_CELLS;
 use eyot_climate::{Humidity, Temperature, Wind};
 use eyot_core::process::Scheduled;
-use eyot_core::{Rim, World};
+use eyot_core::{Boundary, World};
 use eyot_testing::one;
 
 use crate::common;
@@ -40,7 +40,7 @@ fn middle(world: &World, layer: &str) -> f64 {
 fn a_blob_keeps_its_mass_and_moves_with_the_wind() {
     for (wind, steps) in [(10.0f32, 100u64), (-5.0, 120)] {
         let processes = [air()];
-        let mut world = planet(128, Rim::WRAP);
+        let mut world = planet(128, Boundary::WRAP);
         fill(&mut world, &processes, "wind_x", |_, _| wind);
         // So hot that nothing rains.
         fill(&mut world, &processes, "temperature", |_, _| 290.0);

@@ -3,7 +3,7 @@
 use common::{CYLINDER, fill, mirrored_land, planet, random, run};
 use eyot_climate::*;
 use eyot_core::process::Scheduled;
-use eyot_core::{Control, Field, Rim, World};
+use eyot_core::{Boundary, Control, Field, World};
 use eyot_testing::climate::world;
 use eyot_testing::one;
 use proptest::prelude::*;
@@ -129,7 +129,7 @@ fn nothing_leaves_its_bounds() {
                     };
                 }
             });
-            let rims = [CYLINDER, Rim::WRAP, Rim::OPEN];
+            let rims = [CYLINDER, Boundary::WRAP, Boundary::OPEN];
             let mut w = planet(32, rims[rim]);
             fill(&mut w, &processes, "height", |x, y| 12_000.0 * (random(1, x, y) - 0.6));
             run(&mut w, &processes, 150);
@@ -330,7 +330,7 @@ fn mountains_cast_a_rain_shadow() {
 #[test]
 fn water_runs_down_and_stands_in_hollows() {
     let processes = [one(Water { evaporate: 0.0, ..Default::default() })];
-    let mut w = planet(32, Rim::CLOSED);
+    let mut w = planet(32, Boundary::CLOSED);
     w.sea_level_m = -1e4;
     fill(&mut w, &processes, "height", |x, y| ((x as f32 - 16.0).abs() + (y as f32 - 8.0).abs()) * 100.0);
     fill(&mut w, &processes, "water", |_, _| 1.0);
@@ -347,7 +347,7 @@ fn water_runs_down_and_stands_in_hollows() {
 #[test]
 fn rock_weathers_between_its_limits() {
     let processes = [one(Weathering { min_difference: 300.0, max_difference: 3000.0, strength: 1.0 })];
-    let mut w = planet(32, Rim::CLOSED);
+    let mut w = planet(32, Boundary::CLOSED);
     fill(&mut w, &processes, "height", |x, y| match (x, y) {
         (4, 4) => 200.0,
         (12, 4) => 1000.0,

@@ -5,10 +5,11 @@
 
 use super::cpu::CpuEngine;
 use super::sweep::{SumsPointer, Sweep, finish_row};
+use crate::domain::{Domain, End};
 use crate::error::Result;
-use crate::field::{Field, RawField, STAGGERS};
-use crate::grid::{Edge, Grid};
-use crate::layer::{LayerSpec, Stagger};
+use crate::field::{CACHE_OFFSETS, Field, RawField};
+use crate::grid::{BoundaryCondition, Grid};
+use crate::layer::{Centering, LayerSpec};
 use crate::ledger::Ledger;
 use crate::plan::{Pass, Plan};
 use crate::rule::{MAX_WRITES, Tally, TallyUnit};
@@ -18,6 +19,8 @@ use std::borrow::Cow;
 
 /// Buffers of a simulation: two copies of each layer as needed, scratch layers, sums.
 pub(super) struct Arena {
+    domain: Domain,
+    /// The cells that are held.
     grid: Grid,
     seed: u64,
     specs: Vec<LayerSpec>,
@@ -39,6 +42,7 @@ impl Arena {
         let g = world.grid;
         let specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
         let mut arena = Self {
+            domain: world.domain(),
             grid: g,
             seed: world.seed,
             current: vec![0; specs.len()],
@@ -56,13 +60,13 @@ impl Arena {
 
     /// Takes the world's fields and makes their padding what the rim says.
     fn take(&mut self, world: &mut World) {
-        let mut taken = Staggers::default();
+        let mut taken = CacheOffsets::default();
         for (l, layer) in world.layers_mut().iter_mut().enumerate().take(self.world_layers) {
             let mut field = std::mem::replace(&mut layer.field, Field::new(0, 0, 0.0));
             // Fields that were put into the world may all have the same one.
-            let stagger = taken.this_or_free(field.stagger());
-            if stagger != field.stagger() {
-                field = field.restaggered(stagger);
+            let cache_offset = taken.this_or_free(field.cache_offset());
+            if cache_offset != field.cache_offset() {
+                field = field.at_cache_offset(cache_offset);
             }
             self.finish(&self.specs[l], &mut field);
             self.fields[l][self.current[l]] = Some(field);
@@ -72,10 +76,16 @@ impl Arena {
     /// Makes the padding of a layer what the rim says.
     fn finish(&self, spec: &LayerSpec, field: &mut Field) {
         // Faces north of an open rim are a row of their own.
-        let first = if spec.stagger == Stagger::FaceY && self.grid.rim.y == Edge::Open { -1 } else { 0 };
+        let first = if spec.centering == Centering::FaceY
+            && self.domain.ends_y()[0] == End::Boundary(BoundaryCondition::Open)
+        {
+            -1
+        } else {
+            0
+        };
         for y in first..self.grid.height as isize {
             // SAFETY: this thread owns the field.
-            unsafe { finish_row(field.raw().row(y), &self.grid, spec, y) };
+            unsafe { finish_row(field.raw().row(y), &self.domain, spec, y) };
         }
     }
 
@@ -124,10 +134,10 @@ impl Arena {
             }
         }
         let sums = chains.iter().map(|(passes, _)| count_sums(passes)).max().unwrap_or(0) * self.grid.height;
-        let mut taken = Staggers::default();
-        self.fields.iter().flatten().flatten().for_each(|f| taken.0[f.stagger()] += 1);
+        let mut taken = CacheOffsets::default();
+        self.fields.iter().flatten().flatten().for_each(|f| taken.0[f.cache_offset()] += 1);
         for b in missing {
-            let field = Field::staggered(self.grid.width, self.grid.height, 0.0, taken.free());
+            let field = Field::with_cache_offset(self.grid.width, self.grid.height, 0.0, taken.free());
             self.fields[b.layer][b.copy] = Some(field);
         }
         self.sums.resize(self.sums.len().max(sums), 0.0);
@@ -147,6 +157,7 @@ impl Arena {
         let first_sums = starts.collect();
         let sweep = Sweep {
             isa: engine.isa,
+            domain: self.domain,
             grid: self.grid,
             seed: self.seed,
             passes,
@@ -185,7 +196,7 @@ impl Arena {
         changes: &[Cow<'static, str>],
         f: impl FnOnce(&mut World) -> Result<()>,
     ) -> Result<()> {
-        let staggers: Vec<usize> = self.world_fields().map(Field::stagger).collect();
+        let cache_offsets: Vec<usize> = self.world_fields().map(Field::cache_offset).collect();
         self.put_back(world);
         self.flush_ledger(world);
         let outcome = f(world);
@@ -197,8 +208,8 @@ impl Arena {
         assert!(sound, "an action changed what layers there are, or their size");
         for (l, layer) in world.layers_mut().iter_mut().enumerate() {
             let mut field = std::mem::replace(&mut layer.field, Field::new(0, 0, 0.0));
-            if field.stagger() != staggers[l] {
-                field = field.restaggered(staggers[l]);
+            if field.cache_offset() != cache_offsets[l] {
+                field = field.at_cache_offset(cache_offsets[l]);
             }
             // The padding of the others is what it was, and there are too many rows to look at for nothing.
             if changes.contains(&self.specs[l].name) {
@@ -254,14 +265,14 @@ fn fold(rows: &[f64]) -> f64 {
     (parts[0] + parts[1]) + (parts[2] + parts[3])
 }
 
-/// How many buffers have each stagger. Buffers of one simulation get different ones as long as there are any.
+/// How many buffers have each cache offset. Buffers of one simulation get different ones as long as there are any.
 #[derive(Default)]
-struct Staggers([usize; STAGGERS]);
+struct CacheOffsets([usize; CACHE_OFFSETS]);
 
-impl Staggers {
+impl CacheOffsets {
     /// The first of those that the fewest have; now one more has it.
     fn free(&mut self) -> usize {
-        let least = (0..STAGGERS).min_by_key(|&i| self.0[i]).unwrap_or(0);
+        let least = (0..CACHE_OFFSETS).min_by_key(|&i| self.0[i]).unwrap_or(0);
         self.0[least] += 1;
         least
     }
@@ -283,7 +294,7 @@ mod tests {
     #[test]
     fn the_size_of_a_field_is_known_before_there_is_one() {
         for (width, height) in [(1, 1), (7, 300), (192, 3), (208, 5), (1000, 2)] {
-            let most = (0..STAGGERS).map(|s| Field::staggered(width, height, 0.0, s).bytes()).max();
+            let most = (0..CACHE_OFFSETS).map(|s| Field::with_cache_offset(width, height, 0.0, s).bytes()).max();
             assert_eq!(most.map(|n| n as u128), Some(Field::bytes_of(width, height)), "{width} x {height}");
         }
     }
@@ -291,19 +302,19 @@ mod tests {
     /// Whether they were made by the world, copied or put in: the buffers of a simulation must not alias each other.
     #[test]
     fn buffers_get_different_staggers_however_the_world_came_about() {
-        let grid = Grid { width: 20, height: 20, cell_x_m: 1.0, cell_y_m: 1.0, rim: crate::Rim::CLOSED };
+        let grid = Grid { width: 20, height: 20, cell_x_m: 1.0, cell_y_m: 1.0, rim: crate::Boundary::CLOSED };
         let mut world = World::new(grid, 1);
         let names = ["a", "b", "c", "d", "e"];
         for name in names {
             let spec = LayerSpec::new(name, "1", "", (0.0, 1.0));
             world.put(&spec, Field::from_fn(20, 20, |x, y| (x + y) as f32)).unwrap();
         }
-        let staggers = |w: &World| w.layers().iter().map(|l| l.field.stagger()).collect::<Vec<_>>();
+        let cache_offsets = |w: &World| w.layers().iter().map(|l| l.field.cache_offset()).collect::<Vec<_>>();
         let before = world.clone();
         Arena::new(&mut world).give_back(&mut world);
         assert_eq!(world, before);
-        let mut found = staggers(&world);
-        assert_eq!(found, staggers(&world.clone()), "a copy is as quick as the original");
+        let mut found = cache_offsets(&world);
+        assert_eq!(found, cache_offsets(&world.clone()), "a copy is as quick as the original");
         found.sort_unstable();
         found.dedup();
         assert_eq!(found.len(), names.len());

@@ -129,10 +129,10 @@ impl Engine for CpuRunner {
     }
 
     fn begin(&mut self, world: &mut World, ahead: &Ahead<'_>) -> Result<(), EngineError> {
-        let need = MemoryEstimate::of(&world.grid, world.layers().len(), ahead.processes);
+        let need = MemoryEstimate::of(world.domain().global(), world.layers().len(), ahead.processes);
         self.engine.limits.check_bytes("this simulation", need.bytes(&world.grid))?;
         let mut first = Plan::default();
-        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut moment = Moment::of(world);
         plan_step(ahead.processes, 0, &mut moment, &mut first);
         self.chain = self.engine.chain_length(&world.grid, first.passes.len());
         self.completed = 0;

@@ -16,10 +16,11 @@ pub struct MemoryEstimate {
 }
 
 impl MemoryEstimate {
-    /// What simulating these processes needs on a world that has `layers` layers, those of the processes included.
+    /// What simulating these processes needs on a world that has `layers` layers, those of the processes included. The grid is the
+    /// whole one, as plans depend on it.
     pub fn of(grid: &Grid, layers: usize, processes: &[Scheduled]) -> Self {
         let mut plan = Plan::default();
-        let mut moment = Moment { grid: *grid, step: 0, turn: 0, sea_level_m: 0.0 };
+        let mut moment = Moment::whole(*grid, 0, 0.0);
         plan_step(processes, 0, &mut moment, &mut plan);
         let actions: Vec<_> = processes.iter().filter_map(|s| s.process.action()).collect();
         let copies = if actions.iter().any(|a| !a.cannot_fail()) {

@@ -8,12 +8,13 @@
 // Reason for the exception: rows of one field are handed to several threads at once, as the schedule allows.
 #![allow(unsafe_code)]
 
+use crate::domain::{Domain, End};
 use crate::field::RawField;
-use crate::grid::{Edge, Grid};
+use crate::grid::{BoundaryCondition, Grid};
 use crate::isa::Isa;
-use crate::kernel::{ROWS, RowJob};
+use crate::kernel::{Place, ROWS, RowJob};
 use crate::lanes::WIDTH;
-use crate::layer::{Beyond, LayerSpec, Stagger};
+use crate::layer::{Centering, GhostFill, LayerSpec};
 use crate::plan::Pass;
 use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES};
 use crate::schedule::Schedule;
@@ -34,6 +35,8 @@ unsafe impl Sync for SumsPointer {}
 /// One chain of passes over the grid.
 pub(super) struct Sweep<'a> {
     pub(super) isa: Isa,
+    pub(super) domain: Domain,
+    /// The cells that are held.
     pub(super) grid: Grid,
     pub(super) seed: u64,
     pub(super) passes: &'a [Pass],
@@ -52,7 +55,7 @@ impl Sweep<'_> {
         let height = self.grid.height;
         let lag = self.schedule.longest_lag;
         let least = 2 * lag + 2 * MAX_REACH + 1;
-        let wraps = self.grid.rim.y == Edge::Wrap;
+        let wraps = self.closes();
         let threads = rayon::current_num_threads();
         // Enough bands that threads finish together, tall enough that wedges stay a small part.
         let wanted = if band > 0 { band } else { (height / (4 * threads)).max(4 * lag) };
@@ -84,11 +87,16 @@ impl Sweep<'_> {
         });
     }
 
+    /// True if the first row follows on the last one.
+    fn closes(&self) -> bool {
+        self.domain.ends_y()[0] == End::Boundary(BoundaryCondition::Wrap)
+    }
+
     /// Passes that write southern faces also compute the northern rim's faces when that rim is open.
     fn first_row(&self, pass: usize) -> isize {
         let writes = &self.schedule.passes[pass].writes;
-        let faces = writes.iter().any(|b| self.specs[b.layer].stagger == Stagger::FaceY);
-        if faces && self.grid.rim.y == Edge::Open { -1 } else { 0 }
+        let faces = writes.iter().any(|b| self.specs[b.layer].centering == Centering::FaceY);
+        if faces && self.domain.ends_y()[0] == End::Boundary(BoundaryCondition::Open) { -1 } else { 0 }
     }
 
     /// Sweeps the rows `range(p)` of the passes as a wave that starts at row `start`.
@@ -101,14 +109,12 @@ impl Sweep<'_> {
             .collect();
         let first = rows.iter().map(|(_, lag, low, _)| low + lag).min().unwrap_or(start);
         let last = rows.iter().map(|(_, lag, _, high)| high + lag).max().unwrap_or(start);
+        let closes = self.closes();
         for tick in first..last {
             for &(p, lag, low, high) in &rows {
                 let y = tick - lag;
                 if low <= y && y < high {
-                    self.row(
-                        p,
-                        if self.grid.rim.y == Edge::Wrap { y.rem_euclid(self.grid.height as isize) } else { y },
-                    );
+                    self.row(p, if closes { y.rem_euclid(self.grid.height as isize) } else { y });
                 }
             }
         }
@@ -117,12 +123,15 @@ impl Sweep<'_> {
     fn row(&self, p: usize, y: isize) {
         let (pass, scheduled) = (&self.passes[p], &self.schedule.passes[p]);
         let (g, last) = (&self.grid, self.grid.height as isize - 1);
+        let (ends_x, ends_y) = (self.domain.ends_x(), self.domain.ends_y());
+        let counted = usize::try_from(y).is_ok_and(|y| self.domain.inside_rows().contains(&y));
         let mut job = RowJob {
             rows: [[std::ptr::null(); ROWS]; MAX_READS],
             out: [std::ptr::null_mut(); MAX_WRITES],
             west_face: [false; MAX_WRITES],
             width: g.width,
-            y,
+            place: Place::new(&self.domain, y),
+            counted: if counted { self.domain.inside_columns() } else { 0..0 },
             seed: self.seed,
             step: pass.step,
             open: [false; 4],
@@ -135,24 +144,25 @@ impl Sweep<'_> {
             }
         }
         for (i, buffer) in scheduled.writes.iter().enumerate() {
-            let stagger = self.specs[buffer.layer].stagger;
-            job.out[i] = if y < 0 && stagger != Stagger::FaceY {
+            let centering = self.specs[buffer.layer].centering;
+            job.out[i] = if y < 0 && centering != Centering::FaceY {
                 self.dummy.row(i as isize)
             } else {
                 self.buffer(buffer.layer, buffer.copy).row(y)
             };
-            job.west_face[i] = y >= 0 && g.rim.x == Edge::Open && stagger == Stagger::FaceX;
+            job.west_face[i] =
+                y >= 0 && ends_x[0] == End::Boundary(BoundaryCondition::Open) && centering == Centering::FaceX;
         }
-        if y >= 0 {
-            let (open_x, open_y) = (g.rim.x == Edge::Open, g.rim.y == Edge::Open);
-            job.open = [open_x, open_x, open_y && y == 0, open_y && y == last];
+        if counted {
+            let open = |end| end == End::Boundary(BoundaryCondition::Open);
+            job.open = [open(ends_x[0]), open(ends_x[1]), open(ends_y[0]) && y == 0, open(ends_y[1]) && y == last];
         }
         pass.rule.row(self.isa, &mut job);
         for buffer in &scheduled.writes {
             let spec = &self.specs[buffer.layer];
-            if y >= 0 || spec.stagger == Stagger::FaceY {
+            if y >= 0 || spec.centering == Centering::FaceY {
                 // SAFETY: this row of the written buffers belongs to this call.
-                unsafe { finish_row(self.buffer(buffer.layer, buffer.copy).row(y), g, spec, y) };
+                unsafe { finish_row(self.buffer(buffer.layer, buffer.copy).row(y), &self.domain, spec, y) };
             }
         }
         if y >= 0 {
@@ -170,58 +180,65 @@ impl Sweep<'_> {
     }
 
     fn row_pointer(&self, raw: RawField, spec: &LayerSpec, y: isize) -> *const f32 {
-        let (height, rim) = (self.grid.height as isize, self.grid.rim.y);
-        if (0..height).contains(&y) || (y == -1 && rim == Edge::Open && spec.stagger == Stagger::FaceY) {
+        let (height, ends) = (self.grid.height as isize, self.domain.ends_y());
+        if (0..height).contains(&y)
+            || (y == -1 && ends[0] == End::Boundary(BoundaryCondition::Open) && spec.centering == Centering::FaceY)
+        {
             return raw.row(y);
         }
-        match (rim, beyond(spec, rim)) {
-            (Edge::Wrap, _) => raw.row(y.rem_euclid(height)),
-            (_, Beyond::Nearest) => raw.row(y.clamp(0, height - 1)),
-            (_, Beyond::Zero) => self.zeros.row(0),
+        let end = ends[usize::from(y > 0)];
+        match (end, beyond(spec, end)) {
+            (End::Boundary(BoundaryCondition::Wrap), _) => raw.row(y.rem_euclid(height)),
+            (_, GhostFill::Nearest) => raw.row(y.clamp(0, height - 1)),
+            (_, GhostFill::Zero) => self.zeros.row(0),
         }
     }
 }
 
-fn beyond(spec: &LayerSpec, edge: Edge) -> Beyond {
-    if edge == Edge::Open { spec.beyond_open } else { spec.beyond_closed }
+/// What rules read beyond an end. Whatever it is where the grid is cut, the halo is for that.
+fn beyond(spec: &LayerSpec, end: End) -> GhostFill {
+    match end {
+        End::Boundary(BoundaryCondition::Open) => spec.beyond_open,
+        End::Boundary(_) => spec.beyond_closed,
+        End::Cut => GhostFill::Nearest,
+    }
 }
 
 /// Makes the columns beyond both ends of a row what the rim says, and shuts faces on closed rims.
 ///
 /// # Safety
-/// `row` must be column 0 of a row of a `Field` as wide as the grid, and nobody else may be using it.
-pub(super) unsafe fn finish_row(row: *mut f32, g: &Grid, spec: &LayerSpec, y: isize) {
-    let width = g.width;
+/// `row` must be column 0 of a row of a `Field` as wide as what the domain holds, and nobody else may be using it.
+pub(super) unsafe fn finish_row(row: *mut f32, domain: &Domain, spec: &LayerSpec, y: isize) {
+    let (width, height) = domain.held_size();
+    let ([west, east], [_, south]) = (domain.ends_x(), domain.ends_y());
     // SAFETY: rows are padded by two blocks of lanes on the left and one block on the right after rounding up.
     let cells = unsafe { std::slice::from_raw_parts_mut(row.sub(WIDTH), WIDTH + width.next_multiple_of(WIDTH) + HALO) };
     let at = |x: isize| (x + WIDTH as isize) as usize;
-    if spec.stagger == Stagger::FaceY && g.rim.y == Edge::Closed && y == g.height as isize - 1 {
+    if spec.centering == Centering::FaceY
+        && south == End::Boundary(BoundaryCondition::Closed)
+        && y == height as isize - 1
+    {
         cells[at(0)..at(width as isize)].fill(0.0);
     }
-    if spec.stagger == Stagger::FaceX && g.rim.x == Edge::Closed {
+    if spec.centering == Centering::FaceX && east == End::Boundary(BoundaryCondition::Closed) {
         cells[at(width as isize - 1)] = 0.0;
     }
     let end = cells.len() - WIDTH;
-    match (g.rim.x, beyond(spec, g.rim.x)) {
-        (Edge::Wrap, _) => {
-            for i in 1..=HALO {
-                cells[at(-(i as isize))] = cells[at((-(i as isize)).rem_euclid(width as isize))];
-            }
-            for x in width..end {
-                cells[at(x as isize)] = cells[at((x % width) as isize)];
-            }
+    if west == End::Boundary(BoundaryCondition::Wrap) {
+        for i in 1..=HALO {
+            cells[at(-(i as isize))] = cells[at((-(i as isize)).rem_euclid(width as isize))];
         }
-        (edge, beyond) => {
-            let (west, east) = match beyond {
-                Beyond::Nearest => (cells[at(0)], cells[at(width as isize - 1)]),
-                Beyond::Zero => (0.0, 0.0),
-            };
-            // Column -1 of an open rim's faces has been computed.
-            let computed = usize::from(edge == Edge::Open && spec.stagger == Stagger::FaceX);
-            for i in 1 + computed..=HALO {
-                cells[at(-(i as isize))] = west;
-            }
-            cells[at(width as isize)..].fill(east);
+        for x in width..end {
+            cells[at(x as isize)] = cells[at((x % width) as isize)];
         }
+        return;
     }
+    let value = |end, nearest: f32| if beyond(spec, end) == GhostFill::Nearest { nearest } else { 0.0 };
+    let (before, behind) = (value(west, cells[at(0)]), value(east, cells[at(width as isize - 1)]));
+    // Column -1 of an open rim's faces has been computed.
+    let computed = usize::from(west == End::Boundary(BoundaryCondition::Open) && spec.centering == Centering::FaceX);
+    for i in 1 + computed..=HALO {
+        cells[at(-(i as isize))] = before;
+    }
+    cells[at(width as isize)..].fill(behind);
 }

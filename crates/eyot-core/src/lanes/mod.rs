@@ -87,7 +87,7 @@ impl Real for Lanes {
         Self(each!(i => f32::from_bits(bits.0[i])))
     }
     #[inline(always)]
-    fn whole(self) -> LaneBits {
+    fn to_int_bits(self) -> LaneBits {
         LaneBits(each!(i => (self.0[i] + WHOLE).to_bits().wrapping_sub(WHOLE.to_bits())))
     }
 }

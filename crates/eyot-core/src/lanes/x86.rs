@@ -127,7 +127,7 @@ impl Real for Avx2 {
         unsafe { Self(_mm256_castsi256_ps(b.0), _mm256_castsi256_ps(b.1)) }
     }
     #[inline(always)]
-    fn whole(self) -> Avx2Bits {
+    fn to_int_bits(self) -> Avx2Bits {
         (self + Self::of(WHOLE)).to_bits().add(Avx2Bits::of(WHOLE.to_bits().wrapping_neg()))
     }
 }
@@ -180,7 +180,7 @@ impl Real for Avx512 {
         unsafe { Self(_mm512_castsi512_ps(b.0)) }
     }
     #[inline(always)]
-    fn whole(self) -> Avx512Bits {
+    fn to_int_bits(self) -> Avx512Bits {
         (self + Self::of(WHOLE)).to_bits().add(Avx512Bits::of(WHOLE.to_bits().wrapping_neg()))
     }
 }

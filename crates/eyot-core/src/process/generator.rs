@@ -3,7 +3,7 @@
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::field::Field;
-use crate::grid::{Edge, Grid};
+use crate::grid::{BoundaryCondition, Grid};
 use crate::world::World;
 use std::ops::Range;
 
@@ -59,9 +59,9 @@ impl Reach {
         };
         let (from, to) = (rows.start - n, rows.end + n);
         match grid.rim.y {
-            Edge::Wrap if to - from < height => from..to,
-            Edge::Wrap => 0..height,
-            Edge::Closed | Edge::Open => from.max(0)..to.min(height),
+            BoundaryCondition::Wrap if to - from < height => from..to,
+            BoundaryCondition::Wrap => 0..height,
+            BoundaryCondition::Closed | BoundaryCondition::Open => from.max(0)..to.min(height),
         }
     }
 }

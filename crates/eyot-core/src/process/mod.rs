@@ -2,6 +2,7 @@
 
 use crate::component::Shape;
 use crate::control::Control;
+use crate::domain::Domain;
 use crate::error::Result;
 use crate::grid::Grid;
 use crate::layer::LayerSpec;
@@ -21,14 +22,29 @@ pub const SECONDS_PER_YEAR: f64 = 365.25 * 86_400.0;
 /// The moment for which a process plans a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    /// The whole grid, also where an engine holds a window of it.
+    /// The whole grid, also where the world is a window of it.
     pub grid: Grid,
+    /// The part of it that the world holds.
+    pub domain: Domain,
     /// Steps that the world has done; keys the random numbers.
     pub step: u64,
     /// How often this process has run before in this simulation.
     pub turn: u64,
     /// Level of the sea, m.
     pub sea_level_m: f64,
+}
+
+impl Moment {
+    /// That of a world, which begins a simulation.
+    pub fn of(world: &World) -> Self {
+        let domain = world.domain();
+        Self { grid: *domain.global(), domain, step: world.step, turn: 0, sea_level_m: world.sea_level_m }
+    }
+
+    /// The step `step` on the whole of a grid.
+    pub fn whole(grid: Grid, step: u64, sea_level_m: f64) -> Self {
+        Self { grid, domain: Domain::whole(grid), step, turn: 0, sea_level_m }
+    }
 }
 
 /// What a process does with a layer.
@@ -138,14 +154,17 @@ pub trait Process: Send + Sync {
     fn advance(&self, _moment: &mut Moment) {}
 }
 
-/// How far work that is not rules of cells looks, and so which part of a grid can do it.
+/// How far work that is not rules of cells looks, and so on which part of a grid it can be done.
+///
+/// On a window of a grid it is given the halo's cells too. It changes those like the others, if it can, and the ledger by what
+/// happened inside the window alone ([`Domain::inside_columns`], [`Domain::inside_rows`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Locality {
     /// A cell depends on nothing but its place and what was there.
     Cell,
-    /// Also on this many rows and columns to all sides.
+    /// Also on this many rows and columns to all sides, by which the halo of a window is spent.
     Rows(usize),
-    /// On everything: only the whole grid can do it.
+    /// On everything, or on what the world keeps beside its layers: only the whole grid will do.
     Whole,
 }
 
@@ -165,9 +184,7 @@ pub trait Action: Send + Sync {
     }
 
     /// How far it looks.
-    fn locality(&self) -> Locality {
-        Locality::Whole
-    }
+    fn locality(&self) -> Locality;
 
     /// The most that it holds for each cell while it acts, beside the world's layers, bytes. Runs are refused by this number
     /// before they begin, so it is measured and not guessed (`eyot-land/tests/memory.rs`).

@@ -146,6 +146,6 @@ impl ErasedRule for Bound {
     }
     fn leaving_f64(&self, view: &View<'_, f64>, side: Side) -> Option<Vec<f64>> {
         let params: Vec<f64> = self.params.iter().map(|&v| f64::from(v)).collect();
-        self.program.graph.evaluate_leaving(&params, view, side)
+        self.program.graph.evaluate_boundary_outflow(&params, view, side)
     }
 }

@@ -6,7 +6,7 @@
 use super::Bound;
 use super::compile::{Action, Code, Constant, Instruction, Pair};
 use crate::isa::{Isa, LaneTask, run_lanes};
-use crate::kernel::{RowJob, cell_number, leave_by};
+use crate::kernel::{RowJob, forget, leave_by};
 use crate::lanes::{LaneBlock, Lanes, WIDTH};
 use crate::real::{Bits, Real};
 use crate::rng::{self, Key};
@@ -18,7 +18,7 @@ pub(super) fn row(isa: Isa, bound: &Bound, job: &mut RowJob) {
     let (program, params) = (&*bound.program, &bound.params[..]);
     // What leaves is computed from the old state, so it comes before the row, which may overwrite it.
     if job.open.iter().any(|&o| o) {
-        leave_by(job, |cell, side| program.graph.evaluate_leaving(params, cell, side));
+        leave_by(job, |cell, side| program.graph.evaluate_boundary_outflow(params, cell, side));
     }
     if job.west_face.iter().any(|&f| f) {
         let (values, _) = program.graph.evaluate(params, &job.cell(-1));
@@ -27,6 +27,7 @@ pub(super) fn row(isa: Isa, bound: &Bound, job: &mut RowJob) {
             unsafe { *job.out[i].offset(-1) = *v };
         }
     }
+    let isa = job.place.isa(isa);
     if isa == Isa::Scalar {
         return scalar_row(bound, job);
     }
@@ -46,7 +47,7 @@ fn scalar_row(bound: &Bound, job: &mut RowJob) {
             // SAFETY: the schedule gives this row of the written layer to this job alone.
             unsafe { *job.out[i].add(x) = *v };
         }
-        for (sum, v) in sums.iter_mut().zip(&summands) {
+        for (sum, v) in sums.iter_mut().zip(&summands).filter(|_| job.counted.contains(&x)) {
             sum[x % WIDTH] += v;
         }
     }
@@ -78,7 +79,7 @@ impl Scratch {
         let used = job.width.div_ceil(WIDTH).min(block);
         let places = self.memory[registers..all].chunks_exact_mut(block);
         for ((lanes, constant), value) in places.zip(&code.constants).zip(constants) {
-            let value = if *constant == Constant::Row { job.y as f32 } else { *value };
+            let value = if *constant == Constant::Row { job.place.row() } else { *value };
             lanes[..used].fill(Lanes([value; WIDTH]));
         }
         self.places.clear();
@@ -155,7 +156,7 @@ functions! {
     Flush(a) a.flushed();
     Select(a, b, c, d) R::select_lt(a, b, c, d);
     ToReal(a) real_of(a.to_bits());
-    Whole(a) R::from_bits(a.whole());
+    Whole(a) R::from_bits(a.to_int_bits());
     BitsAdd(a, b) R::from_bits(a.to_bits().add(b.to_bits()));
     BitsMul(a, b) R::from_bits(a.to_bits().mul(b.to_bits()));
     BitsXor(a, b) R::from_bits(a.to_bits().xor(b.to_bits()));
@@ -208,6 +209,7 @@ impl LaneTask for Blocks<'_> {
     #[inline(always)]
     fn run<L: LaneBlock>(self) {
         let (code, width) = (self.code, self.job.width);
+        let (first, end) = (self.job.counted.start, self.job.counted.end as isize);
         let places = &self.scratch.places;
         let mut sums = [L::of(0.0); MAX_TALLIES];
         let mut x = 0;
@@ -242,8 +244,11 @@ impl LaneTask for Blocks<'_> {
                 let from = source(places, place, x);
                 for l in 0..lanes {
                     // Lanes beyond the last column hold nothing of this world.
-                    let live = L::of((width - x - l * WIDTH) as f32);
+                    let live = L::of((end - (x + l * WIDTH) as isize) as f32);
                     *sum = *sum + L::index().lt(live).pick(from.load::<L>(l), L::of(0.0));
+                    if x + l * WIDTH < first {
+                        forget(std::slice::from_mut(sum), first - x - l * WIDTH);
+                    }
                 }
             }
             x += code.block;
@@ -313,7 +318,7 @@ fn carry_out<L: LaneBlock>(instruction: &Instruction, to: Target, from: [Source;
         }
         Action::Column => {
             for i in 0..to.lanes {
-                to.store(i, L::of((x + i * WIDTH) as f32) + L::index());
+                to.store(i, job.place.columns::<L>(x + i * WIDTH));
             }
         }
         Action::Uniform(stream) => uniform::<L>(stream, to, job, x),
@@ -417,7 +422,7 @@ fn four<L: LaneBlock, F: Function>(to: Target, [a, b, c, d]: [Source; 4]) {
 fn uniform<L: LaneBlock>(stream: u32, to: Target, job: &RowJob, x: usize) {
     let key = Key::new(job.seed, stream, job.step);
     for i in 0..to.lanes {
-        let first = cell_number((x + i * WIDTH) as isize, job.y, job.width);
+        let first = job.place.first_number(x + i * WIDTH);
         let mut cells = [0; WIDTH];
         let mut l = 0;
         while l < WIDTH {

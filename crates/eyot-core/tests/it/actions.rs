@@ -2,10 +2,10 @@
 
 use eyot_core::engine::{CpuEngine, MemoryEstimate};
 use eyot_core::plan::Plan;
-use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Span};
+use eyot_core::process::{Action, ActionInstance, Locality, Moment, Process, Scheduled, Span};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
-use eyot_core::{Cancel, Control, Grid, LayerSpec, Limits, Result, Rim, World, rule_params};
+use eyot_core::{Boundary, Cancel, Control, Grid, LayerSpec, Limits, Result, World, rule_params};
 
 const LEVEL: LayerSpec = LayerSpec::new("level", "m", "", (-1e9, 1e9));
 
@@ -68,6 +68,10 @@ impl Action for AddOne {
         Ok(Box::new(self.clone()))
     }
 
+    fn locality(&self) -> Locality {
+        Locality::Cell
+    }
+
     fn bytes_per_cell(&self) -> usize {
         100
     }
@@ -97,13 +101,13 @@ fn scheduled(stop: Option<(u64, Cancel)>) -> Vec<Scheduled> {
     ]
 }
 
-fn world(rim: Rim) -> World {
+fn world(rim: Boundary) -> World {
     World::new(Grid::new(37, 9, 1.0, rim, &Limits::default()).unwrap(), 1)
 }
 
 #[test]
 fn actions_take_their_turn_between_rules() {
-    for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP] {
+    for rim in [Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP] {
         let mut w = world(rim);
         let span = Span { from: 0, steps: 7 };
         CpuEngine::default().simulate(&mut w, &scheduled(None), span, &Control::none()).unwrap();
@@ -120,7 +124,7 @@ fn actions_take_their_turn_between_rules() {
 
 #[test]
 fn a_stop_within_an_action_leaves_whole_steps() {
-    let (mut whole, mut stopped) = (world(Rim::WRAP), world(Rim::WRAP));
+    let (mut whole, mut stopped) = (world(Boundary::WRAP), world(Boundary::WRAP));
     let engine = CpuEngine::default();
     engine.simulate(&mut whole, &scheduled(None), Span { from: 0, steps: 4 }, &Control::none()).unwrap();
     let cancel = Cancel::default();
@@ -131,14 +135,14 @@ fn a_stop_within_an_action_leaves_whole_steps() {
     assert_eq!(stopped, whole);
     // Going on gives what an uninterrupted run gives.
     engine.simulate(&mut stopped, &scheduled(None), Span { from: 4, steps: 5 }, &Control::none()).unwrap();
-    let mut straight = world(Rim::WRAP);
+    let mut straight = world(Boundary::WRAP);
     engine.simulate(&mut straight, &scheduled(None), Span { from: 0, steps: 9 }, &Control::none()).unwrap();
     assert_eq!(stopped, straight);
 }
 
 #[test]
 fn what_an_action_takes_is_refused_before_the_first_step() {
-    let mut w = world(Rim::CLOSED);
+    let mut w = world(Boundary::CLOSED);
     let need = MemoryEstimate::of(&w.grid, 1, &scheduled(None));
     // The layer, its second copy for a rule that looks around, and the copy to go back to.
     assert_eq!((need.fields, need.action_bytes_per_cell), (3, 100));

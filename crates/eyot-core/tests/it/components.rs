@@ -1,12 +1,12 @@
 //! Components: what they keep, and what becomes of bytes that nobody of theirs wrote.
 
 use eyot_core::component::{Columns, Decoder, Encoder, Graph, Numbers, Points, Run, Shape, Table, Type, View};
-use eyot_core::{Component, ComponentKinds, Components, Fingerprint, Grid, Limits, Result, Rim, World};
+use eyot_core::{Boundary, Component, ComponentKinds, Components, Fingerprint, Grid, Limits, Result, World};
 use proptest::prelude::*;
 use std::sync::Arc;
 
 fn grid() -> Grid {
-    Grid::new(3, 2, 1.0, Rim::CLOSED, &Limits::default()).unwrap()
+    Grid::new(3, 2, 1.0, Boundary::CLOSED, &Limits::default()).unwrap()
 }
 
 fn table() -> Table {

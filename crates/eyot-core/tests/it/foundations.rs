@@ -2,20 +2,20 @@
 
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::rng::{self, Key};
-use eyot_core::{Edge, Error, Field, Grid, LayerSpec, Ledger, Limits, Rim, Stagger, World};
+use eyot_core::{Boundary, BoundaryCondition, Centering, Error, Field, Grid, LayerSpec, Ledger, Limits, World};
 use proptest::prelude::*;
 
 fn grid(width: usize, height: usize) -> Grid {
-    Grid::new(width, height, 10.0, Rim::OPEN, &Limits::default()).unwrap()
+    Grid::new(width, height, 10.0, Boundary::OPEN, &Limits::default()).unwrap()
 }
 
-const FACES: LayerSpec = LayerSpec::new("faces", "1", "On faces", (-1.0, 1.0)).on(Stagger::FaceX);
+const FACES: LayerSpec = LayerSpec::new("faces", "1", "On faces", (-1.0, 1.0)).on(Centering::FaceX);
 
 // ---------------------------------------------------------------------------------------------------------------- Grid
 
 #[test]
 fn unsound_grids_are_refused() {
-    let new = |w, h, cell| Grid::new(w, h, cell, Rim::CLOSED, &Limits::default());
+    let new = |w, h, cell| Grid::new(w, h, cell, Boundary::CLOSED, &Limits::default());
     assert!(new(1, 1, 1e-6).is_ok() && new(1, 1, 1e7).is_ok());
     for (w, h, cell) in [(0, 1, 1.0), (1, 0, 1.0), (1, 1, 0.0), (1, 1, -1.0), (1, 1, f64::NAN), (1, 1, f64::INFINITY)] {
         assert!(matches!(new(w, h, cell), Err(Error::BadGrid(_))), "{w}x{h} of {cell} m");
@@ -42,25 +42,25 @@ proptest! {
 
     #[test]
     fn columns_beyond_the_rim_are_resolved(width in 1..50usize, x in -200..200isize) {
-        let g = |edge| Grid { rim: Rim::both(edge), ..grid(width, 1) };
-        for edge in [Edge::Closed, Edge::Open, Edge::Wrap] {
+        let g = |edge| Grid { rim: Boundary::both(edge), ..grid(width, 1) };
+        for edge in [BoundaryCondition::Closed, BoundaryCondition::Open, BoundaryCondition::Wrap] {
             let inside = g(edge).wrap_x(x);
             prop_assert!(inside < width);
             if (0..width as isize).contains(&x) {
                 prop_assert_eq!(inside, x as usize);
-            } else if edge == Edge::Wrap {
+            } else if edge == BoundaryCondition::Wrap {
                 prop_assert_eq!((inside as isize - x).rem_euclid(width as isize), 0);
             } else {
                 prop_assert_eq!(inside, if x < 0 { 0 } else { width - 1 });
             }
         }
-        prop_assert_eq!(g(Edge::Closed).wrap_y(x), 0);
+        prop_assert_eq!(g(BoundaryCondition::Closed).wrap_y(x), 0);
     }
 
     // ----------------------------------------------------------------------------------------------------------- Field
 
     #[test]
-    fn fields_keep_what_they_are_given(width in 0..70usize, height in 0..20usize, stagger in 0..100usize, seed: u64) {
+    fn fields_keep_what_they_are_given(width in 0..70usize, height in 0..20usize, cache_offset in 0..100usize, seed: u64) {
         let value = |x: usize, y: usize| rng::unit::<f32>(rng::hash(Key::new(seed, 0, 0), (y * 100 + x) as u32)) - 0.5;
         let values: Vec<f32> = (0..height).flat_map(|y| (0..width).map(move |x| value(x, y))).collect();
         let f = Field::from_slice(width, height, &values).unwrap();
@@ -70,7 +70,7 @@ proptest! {
         prop_assert_eq!(f.iter().collect::<Vec<_>>(), values.clone());
         prop_assert_eq!(f.rows().len(), height);
 
-        let mut s = Field::staggered(width, height, 3.0, stagger);
+        let mut s = Field::with_cache_offset(width, height, 3.0, cache_offset);
         prop_assert!(s.iter().all(|v| v == 3.0));
         s.rows_mut().enumerate().for_each(|(y, r)| r.iter_mut().enumerate().for_each(|(x, v)| *v = value(x, y)));
         prop_assert_eq!(&s, &f);
@@ -196,7 +196,11 @@ fn the_ledger_adds_up_by_material() {
 
 #[test]
 fn grids_and_layers_round_trip_as_json() {
-    let g = Grid { cell_y_m: 0.1 + 0.2, rim: Rim { x: Edge::Wrap, y: Edge::Open }, ..grid(7, 9) };
+    let g = Grid {
+        cell_y_m: 0.1 + 0.2,
+        rim: Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open },
+        ..grid(7, 9)
+    };
     assert_eq!(serde_json::from_str::<Grid>(&serde_json::to_string(&g).unwrap()).unwrap(), g);
     assert_eq!(serde_json::from_str::<LayerSpec>(&serde_json::to_string(&FACES).unwrap()).unwrap(), FACES);
 }

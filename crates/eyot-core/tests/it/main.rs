@@ -5,3 +5,4 @@ mod components;
 mod foundations;
 mod programs;
 mod rules;
+mod windows;

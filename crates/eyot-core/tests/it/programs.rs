@@ -10,7 +10,7 @@ use eyot_core::process::{Moment, Process, Scheduled, Span};
 use eyot_core::program::{MAX_OPERATIONS, Program};
 use eyot_core::real::{Bits, Real};
 use eyot_core::rule::{Cell, MAX_READS, Read, Rule, Tally, TallyUnit, read};
-use eyot_core::{Error, LayerSpec, Stagger, rule_params};
+use eyot_core::{Centering, Error, LayerSpec, rule_params};
 use std::sync::Arc;
 
 rule_params! {
@@ -54,7 +54,7 @@ struct Programmed(Arc<Program>);
 
 fn layers() -> Vec<eyot_core::process::LayerUse> {
     let stuff = LayerSpec::new("stuff", "1", "", (-3.0, 3.0));
-    vec![stuff.changed(0.0), LayerSpec::new("flow", "1", "", (-9.0, 9.0)).on(Stagger::FaceX).changed(0.0)]
+    vec![stuff.changed(0.0), LayerSpec::new("flow", "1", "", (-9.0, 9.0)).on(Centering::FaceX).changed(0.0)]
 }
 
 impl Process for Typed {
@@ -174,7 +174,7 @@ fn a_program_takes_at_most_twice_the_time_of_its_rule() {
     let n = 512;
     let program = Program::new(Graph::of::<Slump>(), vec![]).unwrap();
     let both = [scheduled(Slumping(None)), scheduled(Slumping(Some(program)))];
-    let before = random_world((n, n), eyot_core::Rim::CLOSED, 3, &both[0], &start).unwrap();
+    let before = random_world((n, n), eyot_core::Boundary::CLOSED, 3, &both[0], &start).unwrap();
     let (mut worlds, mut best) = ([before.clone(), before], [f64::MAX; 2]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {

@@ -9,7 +9,7 @@ use eyot_core::process::{Moment, Process, Scheduled, Span};
 use eyot_core::real::Real;
 use eyot_core::reference::Reference;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
-use eyot_core::{Error, Grid, LayerSpec, Limits, Rim, Stagger, World, conformance, rule_params};
+use eyot_core::{Boundary, Centering, Error, Grid, LayerSpec, Limits, World, conformance, rule_params};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 rule_params! {
@@ -23,8 +23,8 @@ rule_params! {
 }
 
 const STUFF: LayerSpec = LayerSpec::new("stuff", "m", "Something that flows", (0.0, 10.0)).empty_outside();
-const FLOW_X: LayerSpec = LayerSpec::new("flow_x", "m", "Flow to the east", (-10.0, 10.0)).on(Stagger::FaceX);
-const FLOW_Y: LayerSpec = LayerSpec::new("flow_y", "m", "Flow to the south", (-10.0, 10.0)).on(Stagger::FaceY);
+const FLOW_X: LayerSpec = LayerSpec::new("flow_x", "m", "Flow to the east", (-10.0, 10.0)).on(Centering::FaceX);
+const FLOW_Y: LayerSpec = LayerSpec::new("flow_y", "m", "Flow to the south", (-10.0, 10.0)).on(Centering::FaceY);
 
 /// Flows remember and are pushed by differences and by chance.
 struct Push;
@@ -82,14 +82,14 @@ fn flowing() -> Vec<Scheduled> {
     vec![Scheduled { name: "flowing", process: Box::new(Flowing), every: 1 }]
 }
 
-fn first_world(rim: Rim) -> World {
+fn first_world(rim: Boundary) -> World {
     conformance::random_world((29, 37), rim, 5, &flowing(), &|name, u| if name == "stuff" { u } else { 0.0 }).unwrap()
 }
 
 #[test]
 fn rules_of_a_users_own_conform() {
     conformance::check(&flowing(), &|name, u| if name == "stuff" { u } else { u - 0.5 }).unwrap();
-    conformance::check_graphs(&flowing(), Grid::new(20, 10, 1.0, Rim::OPEN, &Limits::default()).unwrap());
+    conformance::check_graphs(&flowing(), Grid::new(20, 10, 1.0, Boundary::OPEN, &Limits::default()).unwrap());
 }
 
 /// What leaves over an open rim is on faces beyond the first row and column; who copies a world copies them.
@@ -133,14 +133,14 @@ fn a_cancelled_run_leaves_whole_steps() {
                 raised.raise();
             }
         };
-        let mut stopped = first_world(Rim::OPEN);
+        let mut stopped = first_world(Boundary::OPEN);
         let outcome =
             engine.simulate(&mut stopped, &flowing(), Span { from: 0, steps: 20 }, &Control::new(cancel, &progress));
         assert!(matches!(outcome, Err(Error::Cancelled(_))), "chain {chain}");
         assert_eq!(stopped.step, last.load(Ordering::Relaxed), "the world says how far it is");
         assert!((when..=20).contains(&stopped.step));
 
-        let mut straight = first_world(Rim::OPEN);
+        let mut straight = first_world(Boundary::OPEN);
         let span = Span { from: 0, steps: stopped.step };
         engine.simulate(&mut straight, &flowing(), span, &Control::none()).unwrap();
         assert_eq!(stopped.fingerprint(), straight.fingerprint(), "chain {chain} stopped at {}", stopped.step);
@@ -149,7 +149,7 @@ fn a_cancelled_run_leaves_whole_steps() {
         // And it may be carried on to where it would have been.
         let rest = Span { from: stopped.step, steps: 20 - stopped.step };
         engine.simulate(&mut stopped, &flowing(), rest, &Control::none()).unwrap();
-        let mut whole = first_world(Rim::OPEN);
+        let mut whole = first_world(Boundary::OPEN);
         engine.simulate(&mut whole, &flowing(), Span { from: 0, steps: 20 }, &Control::none()).unwrap();
         assert_eq!(stopped.fingerprint(), whole.fingerprint());
         assert_eq!(stopped.ledger, whole.ledger);
@@ -158,7 +158,7 @@ fn a_cancelled_run_leaves_whole_steps() {
 
 #[test]
 fn a_refused_run_changes_nothing() {
-    let mut w = first_world(Rim::CLOSED);
+    let mut w = first_world(Boundary::CLOSED);
     let before = w.fingerprint();
     let limits = Limits { max_bytes: 1000, ..Limits::default() };
     let engine = CpuEngine { limits, ..Default::default() };
@@ -204,7 +204,7 @@ impl Process for Late {
 #[test]
 fn a_step_that_lacks_memory_for_its_last_pass_is_not_begun() {
     let late = || vec![Scheduled { name: "late", process: Box::new(Late), every: 1 }];
-    let mut w = conformance::random_world((29, 37), Rim::OPEN, 5, &late(), &|_, u| u).unwrap();
+    let mut w = conformance::random_world((29, 37), Boundary::OPEN, 5, &late(), &|_, u| u).unwrap();
     let before = w.clone();
     // Four fields of 93 x 39 values with their rims, 12 sums of 37 rows; a fifth field does not fit.
     let limits = Limits { max_bytes: 4 * 93 * 39 * 4 + 8 * 12 * 37, ..Limits::default() };
@@ -244,7 +244,7 @@ impl Process for Exploding {
 
 #[test]
 fn what_is_not_finite_is_reported() {
-    let mut w = World::new(Grid::new(3, 3, 1.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+    let mut w = World::new(Grid::new(3, 3, 1.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
     let processes = [Scheduled { name: "exploding", process: Box::new(Exploding), every: 1 }];
     let outcome = CpuEngine::default().simulate(&mut w, &processes, Span { from: 0, steps: 3 }, &Control::none());
     assert!(matches!(outcome, Err(Error::NotFinite { x: 0, y: 0, .. })), "{outcome:?}");

@@ -1,8 +1,8 @@
 //! Plans as dispatches, and their submissions.
 
 use super::resident::Resident;
-use super::timer::{MOST_TIMED, Timer};
-use super::{GpuEngine, IN_FLIGHT, MOST_DISPATCHES};
+use super::timer::{MAX_TIMED, Timer};
+use super::{GpuEngine, IN_FLIGHT, MAX_DISPATCHES};
 use crate::error::{GpuError, Result};
 use crate::group::{Group, JOB_WORDS, Layers, TILE, groups};
 use crate::shader::{self, Setting};
@@ -71,7 +71,7 @@ impl GpuEngine {
             let of_group = &passes[first..first + group.stages.len()];
             first += group.stages.len();
             let waiting = self.batch.dispatches.len();
-            if waiting >= self.pace.most || waiting + r.arena.slabs.len() > MOST_DISPATCHES {
+            if waiting >= self.pace.most || waiting + r.arena.slabs.len() > MAX_DISPATCHES {
                 self.flush(r)?;
             }
             let kernel = self.kernel(r, group, of_group)?;
@@ -102,7 +102,7 @@ impl GpuEngine {
     /// Submits the batch, and waits until one submission less than may be is under way.
     fn flush(&mut self, r: &Resident) -> Result<()> {
         let passes = if r.arena.split() { self.batch.dispatches.len() / r.arena.slabs.len() } else { 1 };
-        if self.timer.as_ref().is_some_and(|t| t.used as usize + passes > MOST_TIMED as usize) {
+        if self.timer.as_ref().is_some_and(|t| t.used as usize + passes > MAX_TIMED as usize) {
             self.read_timer()?;
         }
         let Batch { jobs, dispatches, steps } = &mut self.batch;
@@ -130,7 +130,7 @@ impl GpuEngine {
             }
             drop(pass);
             if let Some(timer) = &mut self.timer {
-                timer.used = (timer.used + 1).min(MOST_TIMED);
+                timer.used = (timer.used + 1).min(MAX_TIMED);
             }
             r.arena.share(&mut encoder);
             next = end;

@@ -40,7 +40,7 @@ pub(crate) use resident::block_end;
 /// Bytes of the uniform block of a dispatch.
 pub(crate) const JOB_BYTES: u64 = 4 * JOB_WORDS as u64;
 /// Most dispatches of one submission.
-const MOST_DISPATCHES: usize = 4096;
+const MAX_DISPATCHES: usize = 4096;
 /// Bytes of a workgroup's memory that every WebGPU device has.
 pub(crate) const SHARED_BYTES: usize = 16384;
 /// Numbers in a workgroup's memory that every WebGPU device has, less those that the sums need.
@@ -105,7 +105,7 @@ impl GpuEngine {
             immediate_size: 0,
         });
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-        let job = gpu.buffer("jobs", JOB_BYTES * MOST_DISPATCHES as u64, usage)?;
+        let job = gpu.buffer("jobs", JOB_BYTES * MAX_DISPATCHES as u64, usage)?;
         let timed = options.timed && device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let timer = if timed { Some(Timer::new(&gpu)?) } else { None };
         let cache = crate::cache::open(&gpu, cache);

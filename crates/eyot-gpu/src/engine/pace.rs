@@ -1,6 +1,6 @@
 //! How many dispatches go into a submission, and which submissions are under way.
 
-use super::MOST_DISPATCHES;
+use super::MAX_DISPATCHES;
 use crate::clock::Instant;
 use crate::device::Gpu;
 use crate::error::Result;
@@ -41,7 +41,7 @@ impl Pace {
             let wanted = (dispatches as f64 * long.as_secs_f64() / took.as_secs_f64().max(1e-6)) as usize;
             // The end of a span says nothing about how many there could be.
             if dispatches >= self.most || wanted < self.most {
-                self.most = wanted.clamp(1, (2 * self.most).min(MOST_DISPATCHES));
+                self.most = wanted.clamp(1, (2 * self.most).min(MAX_DISPATCHES));
             }
             self.done += steps;
         }

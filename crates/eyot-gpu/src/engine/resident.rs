@@ -12,7 +12,7 @@ use eyot_core::graph::Graph;
 use eyot_core::plan::{Pass, Plan, RuleKind};
 use eyot_core::process::{Moment, Scheduled, Span, acts, plan_step};
 use eyot_core::rule::Tally;
-use eyot_core::{Edge, Field, Grid, LayerSpec, Stagger, World};
+use eyot_core::{BoundaryCondition, Centering, Field, Grid, LayerSpec, World};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ impl Resident {
         let mut specs: Vec<LayerSpec> = world.layers().iter().map(|l| l.spec.clone()).collect();
         let world_layers = specs.len();
         // Which layers are looked at from other cells, and which are written, over enough steps to see every schedule.
-        let mut moment = Moment { grid: world.grid, step: world.step, turn: 0, sea_level_m: world.sea_level_m };
+        let mut moment = Moment::of(world);
         let (end, block) = (span.from + span.steps.clamp(1, 64), engine.block(&world.grid));
         let (mut plans, mut at) = (Vec::new(), span.from);
         while at < end {
@@ -203,14 +203,14 @@ pub(crate) fn block_end(processes: &[Scheduled], at: u64, block: u64) -> u64 {
 
 /// The layer as rules must find it: shut on the faces of closed rims.
 fn shut<'a>(spec: &LayerSpec, grid: &Grid, field: &'a Field) -> Cow<'a, Field> {
-    let (x, y) = (grid.rim.x == Edge::Closed, grid.rim.y == Edge::Closed);
-    match spec.stagger {
-        Stagger::FaceX if x => {
+    let (x, y) = (grid.rim.x == BoundaryCondition::Closed, grid.rim.y == BoundaryCondition::Closed);
+    match spec.centering {
+        Centering::FaceX if x => {
             let mut field = field.clone();
             field.rows_mut().for_each(|r| r[grid.width - 1] = 0.0);
             Cow::Owned(field)
         }
-        Stagger::FaceY if y => {
+        Centering::FaceY if y => {
             let mut field = field.clone();
             field.row_mut(grid.height - 1).fill(0.0);
             Cow::Owned(field)

@@ -4,7 +4,7 @@ use crate::device::Gpu;
 use crate::error::Result;
 
 /// Most passes that are timed between two readings: twice as many time stamps are what one set of queries may hold.
-pub(super) const MOST_TIMED: u32 = 2048;
+pub(super) const MAX_TIMED: u32 = 2048;
 
 /// Time stamps of compute passes.
 pub(super) struct Timer {
@@ -19,16 +19,16 @@ impl Timer {
         let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
             label: Some("timer"),
             ty: wgpu::QueryType::Timestamp,
-            count: 2 * MOST_TIMED,
+            count: 2 * MAX_TIMED,
         });
         let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
-        let resolved = gpu.buffer("timer", 16 * u64::from(MOST_TIMED), usage)?;
+        let resolved = gpu.buffer("timer", 16 * u64::from(MAX_TIMED), usage)?;
         Ok(Self { queries, resolved, used: 0 })
     }
 
     /// Where the next pass is to write its times, if there is room.
     pub(super) fn writes(&self) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        (self.used < MOST_TIMED).then(|| wgpu::ComputePassTimestampWrites {
+        (self.used < MAX_TIMED).then(|| wgpu::ComputePassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(2 * self.used),
             end_of_pass_write_index: Some(2 * self.used + 1),

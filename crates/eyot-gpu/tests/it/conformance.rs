@@ -5,7 +5,7 @@ use eyot_core::control::Control;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Scheduled, Span, plan_step};
 use eyot_core::reference::Reference;
-use eyot_core::{Rim, World};
+use eyot_core::{Boundary, World};
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_testing::climate::{climate_start, climate_variants};
 use eyot_testing::land;
@@ -61,14 +61,14 @@ fn run(engine: &mut GpuEngine, world: &mut World, processes: &[Scheduled], steps
 
 /// Passes of a step.
 fn passes(world: &World, processes: &[Scheduled]) -> usize {
-    let mut moment = Moment { grid: world.grid, step: 0, turn: 0, sea_level_m: 0.0 };
+    let mut moment = Moment::whole(world.grid, 0, 0.0);
     let mut plan = Plan::default();
     plan_step(processes, 0, &mut moment, &mut plan);
     plan.passes().len()
 }
 
 /// Compares every variant; D2 allows 8 units in the last place after one step.
-fn check(gpu: Gpu, options: Options, shapes: &[(usize, usize)], rims: &[Rim], steps: u64) -> f64 {
+fn check(gpu: Gpu, options: Options, shapes: &[(usize, usize)], rims: &[Boundary], steps: u64) -> f64 {
     let mut engine = GpuEngine::new(gpu, options, None).unwrap();
     let mut worst: f64 = 0.0;
     for (name, processes) in variants() {
@@ -123,7 +123,7 @@ fn some_steps_in_groups_equal_the_reference() {
 fn passes_one_by_one_equal_the_reference() {
     let Some(gpu) = common::gpu() else { return };
     let options = Options::default().most_passes(1);
-    let worst = check(gpu, options, &[(27, 51)], &[Rim::CLOSED, Rim::OPEN, Rim::WRAP], 5);
+    let worst = check(gpu, options, &[(27, 51)], &[Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP], 5);
     println!("largest difference: {worst} ulp");
 }
 
@@ -137,7 +137,7 @@ fn slabs_equal_the_reference() {
             blocking::open(&Choice::Best).unwrap(),
             options,
             &[(27, 97), (64, 64)],
-            &[Rim::CLOSED, Rim::OPEN, Rim::WRAP],
+            &[Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP],
             5,
         );
         println!("largest difference: {worst} ulp");

@@ -4,8 +4,8 @@ use eyot_core::component::Numbers;
 use eyot_core::control::{Cancel, Control};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known;
-use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Site, Span};
-use eyot_core::{Error, Field, Grid, Limits, Rim, World};
+use eyot_core::process::{Action, ActionInstance, Locality, Moment, Process, Scheduled, Site, Span};
+use eyot_core::{Boundary, Error, Field, Grid, Limits, World};
 use eyot_gpu::{Choice, GpuEngine, GpuError, Options, blocking};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::Hydraulic;
@@ -20,7 +20,7 @@ fn engine(options: Options) -> Option<GpuEngine> {
 }
 
 /// A mountain of noise, 100 m high.
-fn mountain(side: usize, rim: Rim) -> World {
+fn mountain(side: usize, rim: Boundary) -> World {
     let grid = Grid::new(side, side, 10.0, rim, &Limits::default()).unwrap();
     let mut world = World::new(grid, 3);
     let fbm = GENERATORS.iter().find(|e| e.name == "fbm").unwrap();
@@ -83,7 +83,7 @@ fn hypsometric_integral(world: &World) -> f64 {
 fn long_runs_agree_with_the_processor() {
     let Some(mut engine) = engine(Options::default()) else { return };
     let processes = erosion();
-    let start = mountain(64, Rim::CLOSED);
+    let start = mountain(64, Boundary::CLOSED);
     let (low, high) = start.get("height").unwrap().min_max();
     let (mut a, mut b) = (start.clone(), start);
     on_cpu(&mut a, &processes, 0, 100);
@@ -117,7 +117,7 @@ fn actions_run_between_dispatches() {
     let entry = PROCESSES.iter().find(|e| e.name == "streampower").unwrap();
     let mut processes = erosion();
     processes.push(Scheduled { name: "streampower", process: (entry.make)((entry.defaults)()).unwrap(), every: 4 });
-    let start = mountain(48, Rim::OPEN);
+    let start = mountain(48, Boundary::OPEN);
     let (mut a, mut b) = (start.clone(), start.clone());
     on_cpu(&mut a, &processes, 0, 10);
     engine.simulate(&mut b, &processes, Span { from: 0, steps: 10 }, &Control::none()).unwrap();
@@ -133,7 +133,7 @@ fn actions_run_between_dispatches() {
 #[test]
 fn neither_pace_nor_looks_change_a_bit() {
     let processes = erosion();
-    let start = mountain(40, Rim::OPEN);
+    let start = mountain(40, Boundary::OPEN);
     let run = |submission: Duration, blocks_a_span: u64, looks: bool| {
         let mut engine = engine(Options::default().submission(submission))?;
         let mut world = start.clone();
@@ -170,7 +170,7 @@ fn neither_pace_nor_looks_change_a_bit() {
 fn a_request_to_stop_leaves_whole_steps() {
     let Some(mut engine) = engine(Options::default()) else { return };
     let processes = erosion();
-    let start = mountain(40, Rim::WRAP);
+    let start = mountain(40, Boundary::WRAP);
     let cancel = Cancel::default();
     let raised = cancel.clone();
     let progress = move |done: u64, _: u64| {
@@ -196,7 +196,7 @@ fn a_request_to_stop_leaves_whole_steps() {
 fn a_device_lost_on_the_way_leaves_the_last_sound_world() {
     let Some(mut engine) = engine(Options::default()) else { return };
     let processes = erosion();
-    let start = mountain(40, Rim::CLOSED);
+    let start = mountain(40, Boundary::CLOSED);
     let mut whole = start.clone();
     engine.simulate(&mut whole, &processes, Span { from: 0, steps: 50 }, &Control::none()).unwrap();
     engine.download(&mut whole).unwrap();
@@ -243,6 +243,10 @@ impl Action for Lift {
         true
     }
 
+    fn locality(&self) -> Locality {
+        Locality::Cell
+    }
+
     fn bytes_per_cell(&self) -> usize {
         0
     }
@@ -271,7 +275,7 @@ fn quick_actions_leave_the_world_on_the_card() {
         processes.insert(1, Scheduled { name: "lift", process: Box::new(Lift(lift)), every: 4 });
         processes
     };
-    let (processes, start) = (with(None), mountain(40, Rim::CLOSED));
+    let (processes, start) = (with(None), mountain(40, Boundary::CLOSED));
     let (mut cpu, mut whole, mut parts) = (start.clone(), start.clone(), start.clone());
     on_cpu(&mut cpu, &processes, 0, 30);
     engine.simulate(&mut whole, &processes, Span { from: 0, steps: 30 }, &Control::none()).unwrap();
@@ -315,7 +319,7 @@ fn quick_actions_leave_the_world_on_the_card() {
 fn a_card_without_memory_left_says_so_and_the_world_stays_sound() {
     let Some(mut engine) = engine(Options::default()) else { return };
     let processes = erosion();
-    let mut world = mountain(100, Rim::CLOSED);
+    let mut world = mountain(100, Boundary::CLOSED);
     let start = world.clone();
     let span = |from, steps| Span { from, steps };
     engine.gpu().run_short_of_memory(100_000);
@@ -350,7 +354,7 @@ fn a_card_without_memory_left_says_so_and_the_world_stays_sound() {
 fn a_world_too_large_for_the_limits_is_refused_before_it_moves() {
     let limits = Limits { max_bytes: 100_000, ..Limits::default() };
     let Some(mut engine) = engine(Options::default().limits(limits)) else { return };
-    let mut world = mountain(100, Rim::CLOSED);
+    let mut world = mountain(100, Boundary::CLOSED);
     let before = world.get("height").unwrap().clone();
     let outcome = engine.simulate(&mut world, &erosion(), Span { from: 0, steps: 1 }, &Control::none());
     let Err(GpuError::Core(e @ Error::Limit { .. })) = outcome else { panic!("{outcome:?}") };
@@ -362,7 +366,7 @@ fn a_world_too_large_for_the_limits_is_refused_before_it_moves() {
 fn a_world_too_large_for_the_card_is_refused() {
     // A single row of which exceeds what one buffer may hold.
     let Some(mut engine) = engine(Options::default().most_bytes(4096)) else { return };
-    let mut world = mountain(100, Rim::CLOSED);
+    let mut world = mountain(100, Boundary::CLOSED);
     let outcome = engine.simulate(&mut world, &erosion(), Span { from: 0, steps: 1 }, &Control::none());
     assert!(matches!(outcome, Err(GpuError::Limits { .. })), "{outcome:?}");
     // It is of further use.
@@ -373,7 +377,7 @@ fn a_world_too_large_for_the_card_is_refused() {
 #[test]
 fn values_that_are_not_finite_are_found_and_named() {
     let Some(mut engine) = engine(Options::default()) else { return };
-    let mut world = mountain(40, Rim::CLOSED);
+    let mut world = mountain(40, Boundary::CLOSED);
     world.layer_mut("height").unwrap().field.set(7, 9, f32::NAN);
     let outcome = engine.simulate(&mut world, &erosion(), Span { from: 0, steps: 3 }, &Control::none());
     let Err(GpuError::Core(Error::NotFinite { .. })) = outcome else { panic!("{outcome:?}") };
@@ -383,7 +387,7 @@ fn values_that_are_not_finite_are_found_and_named() {
 fn layers_come_back_while_the_simulation_goes_on() {
     let Some(mut engine) = engine(Options::default()) else { return };
     let processes = erosion();
-    let mut world = mountain(40, Rim::CLOSED);
+    let mut world = mountain(40, Boundary::CLOSED);
     engine.simulate(&mut world, &processes, Span { from: 0, steps: 10 }, &Control::none()).unwrap();
     let pending = engine.request("height").unwrap().unwrap();
     assert!(engine.request("no such layer").unwrap().is_none());
@@ -405,7 +409,7 @@ fn work_is_what_the_plan_says() {
     let mut moved = Vec::new();
     for (most_passes, dispatches) in [(1, 200), (2, 100)] {
         let Some(mut engine) = engine(Options::default().most_passes(most_passes)) else { return };
-        let mut world = mountain(40, Rim::CLOSED);
+        let mut world = mountain(40, Boundary::CLOSED);
         engine.simulate(&mut world, &hydraulic(), Span { from: 0, steps: 100 }, &Control::none()).unwrap();
         let work = engine.work();
         assert_eq!((work.steps, work.dispatches), (100, dispatches));

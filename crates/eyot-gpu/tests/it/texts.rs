@@ -4,10 +4,10 @@ use eyot_core::conformance::{random_world, rims};
 use eyot_core::control::Control;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::reference::Reference;
-use eyot_core::{LayerSpec, Rim, World};
+use eyot_core::{Boundary, LayerSpec, World};
+use eyot_expr::{ExprProcess, Known, LayerDefinition, RuleDefinition, Scope, layer, rule};
 use eyot_gpu::{GpuEngine, Options};
 use eyot_land::simulate::Thermal;
-use eyot_rules::{Acting, Known, LayerDefinition, RuleDefinition, Scope, layer, rule};
 
 use crate::common;
 
@@ -33,7 +33,7 @@ fn scheduled(name: &'static str, values: &[(&str, &str)], mask: Option<&str>) ->
     let d = RuleDefinition { name: name.into(), values, mask: mask.map(Into::into), parameters };
     let rule = rule(&d, None, &scope()).unwrap_or_else(|e| panic!("{e:?}"));
     let values = rule.parameters.iter().map(|(_, v)| *v).collect();
-    Scheduled { name, process: Box::new(Acting { rule, values }), every: 1 }
+    Scheduled { name, process: Box::new(ExprProcess { rule, values }), every: 1 }
 }
 
 /// Texts with every function, choices that rounding cannot turn, and rules in Rust between them.
@@ -87,7 +87,7 @@ fn check(options: Options, shapes: &[(usize, usize)], steps: u64) {
     }
 }
 
-fn compare(name: &str, world: &World, reference: &Reference<f32>, rim: Rim) {
+fn compare(name: &str, world: &World, reference: &Reference<f32>, rim: Boundary) {
     for l in world.layers() {
         let scale = l.field.iter().fold(1.0_f32, |m, v| m.max(v.abs()));
         for y in 0..world.grid.height {
@@ -129,9 +129,9 @@ fn what_is_no_number_does_not_become_one() {
         let text = format!("hole = if(column == 3 and row == 2, 0, 1); none = hole / hole - 1 + loop; {value}");
         let values = vec![("loop".to_owned(), text)];
         let d = RuleDefinition { name: "r".into(), values, mask: None, parameters: Vec::new() };
-        let process = Box::new(Acting { rule: rule(&d, None, &scope).unwrap(), values: Vec::new() });
+        let process = Box::new(ExprProcess { rule: rule(&d, None, &scope).unwrap(), values: Vec::new() });
         let processes = vec![Scheduled { name: "r", process, every: 1 }];
-        let mut world = random_world((21, 5), Rim::CLOSED, 1, &processes, &start).unwrap();
+        let mut world = random_world((21, 5), Boundary::CLOSED, 1, &processes, &start).unwrap();
         let span = Span { from: 0, steps: 1 };
         let ended = engine.simulate(&mut world, &processes, span, &Control::none());
         let ended =

@@ -3,15 +3,15 @@
 use eyot_core::conformance::rims;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Scheduled, plan_step};
-use eyot_core::{Grid, LayerSpec, Limits, Rim};
+use eyot_core::{Boundary, Grid, LayerSpec, Limits};
 use eyot_gpu::shaders;
 use eyot_testing::climate::climate_variants;
 use eyot_testing::land::variants;
 
 /// A plan of some steps, the layers that it works on, and how many of them are the world's.
-fn plan(processes: &[Scheduled], rim: Rim, steps: u64) -> (Plan, Vec<LayerSpec>, usize) {
+fn plan(processes: &[Scheduled], rim: Boundary, steps: u64) -> (Plan, Vec<LayerSpec>, usize) {
     let grid = Grid::new(64, 32, 3.0, rim, &Limits::default()).unwrap();
-    let mut moment = Moment { grid, step: 0, turn: 0, sea_level_m: 0.0 };
+    let mut moment = Moment::whole(grid, 0, 0.0);
     let mut plan = Plan::default();
     (0..steps).for_each(|i| plan_step(processes, i, &mut moment, &mut plan));
     let mut specs: Vec<LayerSpec> = Vec::new();
@@ -73,7 +73,7 @@ fn every_group_prints_as_valid_wgsl() {
 /// Three rules as they are read by people.
 #[test]
 fn three_rules_look_as_they_did() {
-    for (variant, rim) in [("thermal", Rim::CLOSED), ("hydraulic", Rim::OPEN), ("wetness", Rim::WRAP)] {
+    for (variant, rim) in [("thermal", Boundary::CLOSED), ("hydraulic", Boundary::OPEN), ("wetness", Boundary::WRAP)] {
         let (_, processes) = variants().into_iter().find(|(name, _)| *name == variant).unwrap();
         let (plan, specs, world_layers) = plan(&processes, rim, 1);
         let shaders = shaders::of_plan(&plan, &specs, world_layers, rim, 4, false).unwrap();

@@ -11,7 +11,7 @@ use crate::storage::{Blob, Folder, ReadSeek, Storage, within};
 use crate::zarr::metadata::{Axis, FACES, X, X_FACE, Y, Y_FACE};
 use crate::zarr::{Array, METADATA, SHARD, TIME, check_name, node_from};
 use eyot_core::remedy::Action;
-use eyot_core::{ComponentKinds, Layer, Limits, Stagger};
+use eyot_core::{Centering, ComponentKinds, Layer, Limits};
 use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -166,7 +166,7 @@ impl Timeline {
         let HeadFile { head, mut input, .. } = file;
         head.restore(components, |layer| {
             self.read_layer(i, layer)?;
-            if layer.spec.stagger == Stagger::Cell {
+            if layer.spec.centering == Centering::Cell {
                 return Ok(());
             }
             let mut crc = crc32fast::Hasher::new();
@@ -278,14 +278,14 @@ impl Timeline {
     }
 
     /// The array of a layer and its rows and columns, which are those of a world of `size`.
-    fn array_of(&self, name: &str, stagger: Stagger, size: (usize, usize)) -> Result<(Array, [Axis; 2])> {
+    fn array_of(&self, name: &str, centering: Centering, size: (usize, usize)) -> Result<(Array, [Axis; 2])> {
         check_name(&self.place(""), name)?;
         let folder = self.place(name);
         let Some(described) = self.arrays.get(name) else {
             return Err(damaged(&folder, "the store does not name this array"));
         };
         let array = Array::described(&folder, described, &self.limits)?;
-        let axes = axes(stagger, size);
+        let axes = axes(centering, size);
         if array.shape.get(1..) != Some(&axes.map(|a| a.n as u64)) {
             let problem =
                 format!("an array of {:?} values, a frame of {} x {} cells has no such", array.shape, size.0, size.1);
@@ -312,7 +312,7 @@ impl Timeline {
     /// The values of a layer in frame `i`, its outer faces apart.
     fn read_layer(&self, i: usize, layer: &mut Layer) -> Result<()> {
         let (width, height) = (layer.field.width(), layer.field.height());
-        let (array, [rows, columns]) = self.array_of(&layer.spec.name, layer.spec.stagger, (width, height))?;
+        let (array, [rows, columns]) = self.array_of(&layer.spec.name, layer.spec.centering, (width, height))?;
         // Faces before the first row or column come from the frame's head.
         let (skip_y, skip_x) = (rows.n - height, columns.n - width);
         for top in 0..rows.n.div_ceil(SHARD) {

@@ -35,7 +35,7 @@ use crate::rows::Rows;
 use crate::storage::{Folder, Keep, Storage, within};
 use crate::zarr::metadata::{self, Axis, X_FACE, Y_FACE};
 use crate::zarr::{CHUNK, METADATA, SECONDS, SHARD, TIME, check_name, write_coordinates, write_layer};
-use eyot_core::{Layer, Limits, Stagger, World};
+use eyot_core::{Centering, Layer, Limits, World};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -260,7 +260,7 @@ impl Timeline {
         for layer in world.layers() {
             let name = &*layer.spec.name;
             check_name(&self.place(""), name)?;
-            let (about, axes) = (About::of(world, layer), axes(layer.spec.stagger, size));
+            let (about, axes) = (About::of(world, layer), axes(layer.spec.centering, size));
             let is = metadata::layer(&about, n, axes, false);
             // Their length is all that changes from frame to frame.
             let former = arrays.insert(name.to_owned(), is);
@@ -278,8 +278,8 @@ impl Timeline {
             }
             let folder = self.place(name);
             let put = |piece: &str, bytes: &[u8]| self.swap(&within(name, piece), Keep::Loose, bytes);
-            match layer.spec.stagger {
-                Stagger::Cell => write_layer(&folder, n, &mut &layer.field, &put)?,
+            match layer.spec.centering {
+                Centering::Cell => write_layer(&folder, n, &mut &layer.field, &put)?,
                 _ => write_layer(&folder, n, &mut OnFaces::of(layer), &put)?,
             }
             let put = |piece: &str, bytes: &[u8]| self.swap(piece, Keep::Loose, bytes);
@@ -289,7 +289,7 @@ impl Timeline {
         self.storage.write(&self.head_name(n), Keep::Loose, &mut |mut file| {
             head.write(&path, &mut file)?;
             let mut buffer = Vec::new();
-            for layer in world.layers().iter().filter(|l| l.spec.stagger != Stagger::Cell) {
+            for layer in world.layers().iter().filter(|l| l.spec.centering != Centering::Cell) {
                 let mut crc = crc32fast::Hasher::new();
                 write_faces(&path, &mut file, layer, &mut crc, &mut buffer)?;
                 file.write_all(&crc.finalize().to_le_bytes()).map_err(Error::io(&path, "write"))?;
@@ -359,12 +359,12 @@ fn most_bytes(world: &World, head: &Sealed<'_>) -> u64 {
 }
 
 /// Rows and columns of the array of a layer.
-fn axes(stagger: Stagger, (width, height): (usize, usize)) -> [Axis; 2] {
+fn axes(centering: Centering, (width, height): (usize, usize)) -> [Axis; 2] {
     let [rows, columns] = Axis::of_cells((width, height));
-    match stagger {
-        Stagger::Cell => [rows, columns],
-        Stagger::FaceX => [rows, Axis { name: X_FACE, n: width + 1 }],
-        Stagger::FaceY => [Axis { name: Y_FACE, n: height + 1 }, columns],
+    match centering {
+        Centering::Cell => [rows, columns],
+        Centering::FaceX => [rows, Axis { name: X_FACE, n: width + 1 }],
+        Centering::FaceY => [Axis { name: Y_FACE, n: height + 1 }, columns],
     }
 }
 
@@ -382,15 +382,15 @@ impl<'a> OnFaces<'a> {
 
 impl Rows for OnFaces<'_> {
     fn size(&self) -> (usize, usize) {
-        let [rows, columns] = axes(self.layer.spec.stagger, (self.layer.field.width(), self.layer.field.height()));
+        let [rows, columns] = axes(self.layer.spec.centering, (self.layer.field.width(), self.layer.field.height()));
         (columns.n, rows.n)
     }
 
     fn read(&mut self, first: usize, out: &mut [f32]) -> eyot_core::Result<()> {
         let (field, columns) = (&self.layer.field, self.size().0);
         for (y, row) in (first..).zip(out.chunks_exact_mut(columns)) {
-            match self.layer.spec.stagger {
-                Stagger::FaceX => {
+            match self.layer.spec.centering {
+                Centering::FaceX => {
                     row[0] = self.outer[y];
                     row[1..].copy_from_slice(field.row(y));
                 }

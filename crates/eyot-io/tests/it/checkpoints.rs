@@ -2,7 +2,8 @@
 
 use eyot_core::component::Numbers;
 use eyot_core::{
-    ComponentKinds, Edge, Field, Georeference, Grid, LayerSpec, Limits, Rim, Stagger, World, layer::known,
+    Boundary, BoundaryCondition, Centering, ComponentKinds, Field, Georeference, Grid, LayerSpec, Limits, World,
+    layer::known,
 };
 use eyot_io::checkpoint::{Checkpoint, save};
 use proptest::prelude::*;
@@ -15,7 +16,7 @@ fn load(path: &Path, limits: &Limits) -> eyot_io::Result<Checkpoint> {
 }
 
 fn world(w: usize, h: usize, values: &[f32]) -> World {
-    let rim = Rim { x: Edge::Wrap, y: Edge::Open };
+    let rim = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open };
     let mut world = World::new(
         Grid { cell_y_m: 0.1 + 0.2, ..Grid::new(w, h, 10.0, rim, &Limits::default()).unwrap() },
         u64::MAX - 3,
@@ -37,7 +38,7 @@ fn world(w: usize, h: usize, values: &[f32]) -> World {
     world.components.insert("plates", Numbers(vec![1.0 / 3.0, -1e-300, 12.0]));
     world.ledger.add("water.out", 5e-324, "m3", "Left over the rim", -1);
     world.put(&known::HEIGHT, Field::from_slice(w, h, values).unwrap()).unwrap();
-    let flux = LayerSpec::new("flux", "m3/s", "Flux", (f32::NEG_INFINITY, f32::INFINITY)).on(Stagger::FaceX);
+    let flux = LayerSpec::new("flux", "m3/s", "Flux", (f32::NEG_INFINITY, f32::INFINITY)).on(Centering::FaceX);
     world.put(&flux, Field::from_fn(w, h, |x, y| -(x as f32) / (y as f32 + 3.0))).unwrap();
     world
 }
@@ -93,9 +94,9 @@ proptest! {
 fn outer_faces_come_back() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("w.eyot");
-    let grid = Grid::new(3, 2, 1.0, eyot_core::Rim::OPEN, &Limits::default()).unwrap();
+    let grid = Grid::new(3, 2, 1.0, eyot_core::Boundary::OPEN, &Limits::default()).unwrap();
     let mut world = World::new(grid, 1);
-    let spec = LayerSpec::new("flux_x", "m/s", "Flux", (-1.0, 1.0)).on(eyot_core::Stagger::FaceX);
+    let spec = LayerSpec::new("flux_x", "m/s", "Flux", (-1.0, 1.0)).on(eyot_core::Centering::FaceX);
     world.ensure(&spec, 0.5).field.set_outer_faces(&[1.0, -2.0, 3.0, 4.0, -0.0]).unwrap();
     save(&path, &world, "", &Value::Null).unwrap();
     let back = load(&path, &Limits::default()).unwrap().world;

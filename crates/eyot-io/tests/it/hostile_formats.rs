@@ -3,14 +3,14 @@
 use crate::common;
 
 use common::{Fixture, read, refused};
-use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
+use eyot_core::{Boundary, Field, Grid, Limits, World, layer::known};
 use eyot_io::{RasterFormat, ReadOptions, Sample, read_raster, write_layer};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 fn world(w: usize, h: usize) -> World {
-    let mut world = World::new(Grid::new(w, h, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+    let mut world = World::new(Grid::new(w, h, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
     world.put(&known::HEIGHT, Field::from_fn(w, h, |x, y| (x * 7 + y) as f32 * 0.5)).unwrap();
     world
 }

@@ -3,7 +3,7 @@
 use crate::common;
 
 use common::{Fixture, read, refused};
-use eyot_core::{Field, Grid, Limits, Rim, World, layer::known};
+use eyot_core::{Boundary, Field, Grid, Limits, World, layer::known};
 use eyot_io::{RasterFormat, write_layer};
 use std::fs;
 
@@ -72,7 +72,7 @@ fn exrs_of_tiles_far_larger_than_the_image_are_refused() {
 #[test]
 fn a_description_with_a_place_of_no_use_is_one_without() {
     let f = Fixture::new();
-    let mut world = World::new(Grid::new(3, 2, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+    let mut world = World::new(Grid::new(3, 2, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
     world.put(&known::HEIGHT, Field::new(3, 2, 1.0)).unwrap();
     for format in [RasterFormat::R32, RasterFormat::R16, RasterFormat::Npy] {
         let path = f.0.path().join(format!("a.{}", format.extension()));

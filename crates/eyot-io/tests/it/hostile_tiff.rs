@@ -151,7 +151,7 @@ fn broken_tiffs_never_panic() {
 #[test]
 fn damaged_cogs_never_panic() {
     let f = Fixture::new();
-    let grid = eyot_core::Grid::new(300, 270, 10.0, eyot_core::Rim::CLOSED, &Limits::default()).unwrap();
+    let grid = eyot_core::Grid::new(300, 270, 10.0, eyot_core::Boundary::CLOSED, &Limits::default()).unwrap();
     let mut world = eyot_core::World::new(grid, 1);
     let field = eyot_core::Field::from_fn(300, 270, |x, y| (x * y) as f32 * 0.01);
     world.put(&eyot_core::layer::known::HEIGHT, field).unwrap();

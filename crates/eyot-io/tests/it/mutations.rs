@@ -2,7 +2,7 @@
 //!
 //! `EYOT_MUTATIONS` sets how many files of each kind are tried.
 
-use eyot_core::{Field, Georeference, Grid, Limits, Rim, World, layer::known};
+use eyot_core::{Boundary, Field, Georeference, Grid, Limits, World, layer::known};
 use eyot_io::{RasterFormat, ReadOptions, checkpoint, read_raster, write_layer};
 use std::path::Path;
 
@@ -54,7 +54,7 @@ fn mutate(bytes: &mut Vec<u8>, r: &mut Random) {
 }
 
 fn world() -> World {
-    let mut world = World::new(Grid::new(70, 40, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+    let mut world = World::new(Grid::new(70, 40, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
     world.georeference = Some(Georeference {
         transform: [5e5, 10.0, 0.0, 4e6, 0.0, -10.0],
         epsg: Some(32611),

@@ -1,12 +1,12 @@
 //! What is written comes back: exactly for formats of floats, within half a step for those of 16 bits.
 
-use eyot_core::{Field, Georeference, Grid, LayerSpec, Limits, Rim, World, layer::known};
+use eyot_core::{Boundary, Field, Georeference, Grid, LayerSpec, Limits, World, layer::known};
 use eyot_io::{Raster, RasterFormat, ReadOptions, read_raster, write_layer};
 use proptest::prelude::*;
 use std::path::Path;
 
 fn world(width: usize, height: usize, values: &[f32]) -> World {
-    let grid = Grid { cell_y_m: 7.5, ..Grid::new(width, height, 10.0, Rim::CLOSED, &Limits::default()).unwrap() };
+    let grid = Grid { cell_y_m: 7.5, ..Grid::new(width, height, 10.0, Boundary::CLOSED, &Limits::default()).unwrap() };
     let mut world = World::new(grid, 7);
     world.put(&known::HEIGHT, Field::from_slice(width, height, values).unwrap()).unwrap();
     world

@@ -1,7 +1,8 @@
 //! Recordings come back bit by bit, keep within their bound, survive a kill at any moment, and are refused if they are broken.
 
 use eyot_core::{
-    ComponentKinds, Edge, Field, Georeference, Grid, LayerSpec, Limits, Rim, Stagger, World, layer::known,
+    Boundary, BoundaryCondition, Centering, ComponentKinds, Field, Georeference, Grid, LayerSpec, Limits, World,
+    layer::known,
 };
 use eyot_io::timeline::{Record, Timeline, is_recording, remove};
 use eyot_io::{ReadOptions, read_raster};
@@ -15,7 +16,7 @@ const SIZE: (usize, usize) = (140, 9);
 /// A world at a step: every value says which; a late layer from step 20 on.
 fn world(step: u64) -> World {
     let (w, h) = SIZE;
-    let rim = Rim { x: Edge::Wrap, y: Edge::Open };
+    let rim = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open };
     let mut world = World::new(Grid::new(w, h, 10.0, rim, &Limits::default()).unwrap(), 7);
     world.step = step;
     world.sea_level_m = step as f64 / 3.0;
@@ -25,8 +26,8 @@ fn world(step: u64) -> World {
     world.ledger.add("water.rain", 1e300 / (step as f64 + 3.0), "m3", "Rain", 1);
     let value = |x: usize, y: usize| ((x * 31 + y * 17) as u64 ^ step.wrapping_mul(0x9e37_79b9)) as f32 / 7.0;
     world.put(&known::HEIGHT, Field::from_fn(w, h, value)).unwrap();
-    for (name, stagger, n) in [("flux_x", Stagger::FaceX, 1.0), ("flux_y", Stagger::FaceY, 2.0)] {
-        let spec = LayerSpec::new(name, "m3/s", "Flux", (-1.0, 1.0)).on(stagger);
+    for (name, centering, n) in [("flux_x", Centering::FaceX, 1.0), ("flux_y", Centering::FaceY, 2.0)] {
+        let spec = LayerSpec::new(name, "m3/s", "Flux", (-1.0, 1.0)).on(centering);
         let field = &mut world.ensure(&spec, 0.0).field;
         field.rows_mut().enumerate().for_each(|(y, r)| r.iter_mut().for_each(|v| *v = -n - (y as f32)));
         // On both sides: a checkpoint keeps them, whatever the layer means.

@@ -41,12 +41,12 @@ pub fn curvatures(height: &Field, grid: &Grid, keep: impl Fn(usize) -> bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Limits, Rim};
+    use eyot_core::{Boundary, Limits};
 
     #[test]
     fn a_paraboloid_has_constant_curvature() {
         let grid =
-            Grid { cell_x_m: 2.0, cell_y_m: 3.0, ..Grid::new(8, 6, 1.0, Rim::OPEN, &Limits::default()).unwrap() };
+            Grid { cell_x_m: 2.0, cell_y_m: 3.0, ..Grid::new(8, 6, 1.0, Boundary::OPEN, &Limits::default()).unwrap() };
         let z = Field::from_fn(8, 6, |x, y| {
             let (e, s) = (x as f32 * 2.0, y as f32 * 3.0);
             0.5 * e * e + 0.25 * s * s
@@ -59,8 +59,8 @@ mod tests {
     #[test]
     fn rims_cut_off_and_rings_do_not() {
         let z = Field::new(1, 5, 3.0);
-        let grid = Grid::new(1, 5, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
+        let grid = Grid::new(1, 5, 1.0, Boundary::CLOSED, &Limits::default()).unwrap();
         assert!(curvatures(&z, &grid, |_| true).unwrap().is_empty());
-        assert_eq!(curvatures(&z, &Grid { rim: Rim::WRAP, ..grid }, |i| i != 2).unwrap(), [0.0; 4]);
+        assert_eq!(curvatures(&z, &Grid { rim: Boundary::WRAP, ..grid }, |i| i != 2).unwrap(), [0.0; 4]);
     }
 }

@@ -17,7 +17,7 @@
 
 use super::check_fits;
 use crate::drainage::STEPS;
-use eyot_core::{Edge, Field, Grid, Result};
+use eyot_core::{BoundaryCondition, Field, Grid, Result};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -151,12 +151,12 @@ impl Framed {
         let mut data = vec![f32::NAN; stride * (grid.height + 2 * r)];
         for (y, out) in data.chunks_exact_mut(stride).enumerate() {
             let y = y as isize - r as isize;
-            if grid.rim.y != Edge::Wrap && !(0..grid.height as isize).contains(&y) {
+            if grid.rim.y != BoundaryCondition::Wrap && !(0..grid.height as isize).contains(&y) {
                 continue;
             }
             let row = height.row(grid.wrap_y(y));
             out[r..r + width].copy_from_slice(row);
-            if grid.rim.x == Edge::Wrap {
+            if grid.rim.x == BoundaryCondition::Wrap {
                 for i in 0..r {
                     out[r - 1 - i] = row[width - 1 - i % width];
                     out[r + width + i] = row[i % width];
@@ -176,11 +176,11 @@ impl Framed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Limits, Rim};
+    use eyot_core::{Boundary, Limits};
 
     /// The form in the middle of a 21 x 21 grid of 10 m cells whose height is `f(east, south)` in m from the middle.
     fn middle(f: impl Fn(f32, f32) -> f32) -> Landform {
-        let grid = Grid::new(21, 21, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+        let grid = Grid::new(21, 21, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
         let z = Field::from_fn(21, 21, |x, y| f((x as f32 - 10.0) * 10.0, (y as f32 - 10.0) * 10.0));
         geomorphons(&z, &grid, 10, 1.0).unwrap()[10 * 21 + 10]
     }
@@ -204,7 +204,14 @@ mod tests {
     fn turning_the_land_upside_down_swaps_the_forms() {
         let grid = Grid {
             cell_x_m: 7.0,
-            ..Grid::new(50, 40, 10.0, Rim { x: Edge::Wrap, y: Edge::Open }, &Limits::default()).unwrap()
+            ..Grid::new(
+                50,
+                40,
+                10.0,
+                Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open },
+                &Limits::default(),
+            )
+            .unwrap()
         };
         let mut s = 5_u64;
         let mut z = Field::from_fn(50, 40, |_, _| {
@@ -243,7 +250,7 @@ mod tests {
 
     #[test]
     fn one_cell_is_flat() {
-        for rim in [Rim::CLOSED, Rim::WRAP] {
+        for rim in [Boundary::CLOSED, Boundary::WRAP] {
             let grid = Grid::new(1, 1, 10.0, rim, &Limits::default()).unwrap();
             assert_eq!(geomorphons(&Field::new(1, 1, 4.0), &grid, 10, 1.0).unwrap(), [Landform::Flat]);
         }

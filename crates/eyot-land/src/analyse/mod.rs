@@ -4,11 +4,11 @@
 //! here changes a world. Neighbourhoods follow the grid's rim: a wrapping axis is a ring, other rims end.
 //!
 //! ```
-//! use eyot_core::{Field, Grid, Limits, Rim};
+//! use eyot_core::{Field, Grid, Limits, Boundary};
 //! use eyot_land::analyse::{TerrainOptions, terrain_stats};
 //!
 //! let limits = Limits::default();
-//! let grid = Grid::new(64, 64, 30.0, Rim::CLOSED, &limits)?;
+//! let grid = Grid::new(64, 64, 30.0, Boundary::CLOSED, &limits)?;
 //! let ramp = Field::from_fn(64, 64, |x, _| 30.0 * x as f32);
 //! let stats = terrain_stats(&ramp, &grid, None, &TerrainOptions::default(), &limits)?;
 //! assert_eq!(stats.relief_m, Some(1890.0));

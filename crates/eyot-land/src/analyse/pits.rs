@@ -45,21 +45,25 @@ pub fn count_pits(height: &Field, grid: &Grid, keep: impl Fn(usize) -> bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Limits, Rim};
+    use eyot_core::{Boundary, Limits};
 
     #[test]
     fn only_strict_minima_inside_count() {
-        let grid = Grid::new(7, 5, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
+        let grid = Grid::new(7, 5, 1.0, Boundary::CLOSED, &Limits::default()).unwrap();
         let low = [(0, 0), (2, 2), (4, 2), (5, 2)];
         let z = Field::from_fn(7, 5, |x, y| if low.contains(&(x, y)) { 0.0 } else { 1.0 });
         let c = count_pits(&z, &grid, |_| true).unwrap();
         assert_eq!(c, PitCount { cells: 15, pits: 1 });
         assert_eq!(c.per_1000(), Some(1000.0 / 15.0));
-        assert_eq!(count_pits(&z, &Grid { rim: Rim::WRAP, ..grid }, |_| true).unwrap().pits, 2);
+        assert_eq!(count_pits(&z, &Grid { rim: Boundary::WRAP, ..grid }, |_| true).unwrap().pits, 2);
         assert_eq!(
-            count_pits(&Field::new(1, 1, 0.0), &Grid::new(1, 1, 1.0, Rim::WRAP, &Limits::default()).unwrap(), |_| true)
-                .unwrap()
-                .pits,
+            count_pits(
+                &Field::new(1, 1, 0.0),
+                &Grid::new(1, 1, 1.0, Boundary::WRAP, &Limits::default()).unwrap(),
+                |_| true
+            )
+            .unwrap()
+            .pits,
             0
         );
     }

@@ -13,7 +13,7 @@
 //! smaller (11.90 against 12.36 degrees at 90 m). The reference table was made with central differences.
 
 use super::check_fits;
-use eyot_core::{Edge, Field, Grid, Result};
+use eyot_core::{BoundaryCondition, Field, Grid, Result};
 
 /// Slope of each cell in degrees, 0..90.
 ///
@@ -37,10 +37,10 @@ pub fn slope_deg(height: &Field, grid: &Grid) -> Result<Field> {
 }
 
 /// The two cells whose difference is the gradient at `i`, and one over their distance (0 if they are the same cell).
-fn span(i: usize, n: usize, edge: Edge, cell_m: f64) -> (usize, usize, f64) {
+fn span(i: usize, n: usize, edge: BoundaryCondition, cell_m: f64) -> (usize, usize, f64) {
     let (before, after, cells) = match edge {
-        Edge::Wrap => ((i + n - 1) % n, (i + 1) % n, 2),
-        Edge::Closed | Edge::Open => {
+        BoundaryCondition::Wrap => ((i + n - 1) % n, (i + 1) % n, 2),
+        BoundaryCondition::Closed | BoundaryCondition::Open => {
             let (before, after) = (i.saturating_sub(1), (i + 1).min(n - 1));
             (before, after, after - before)
         }
@@ -51,12 +51,15 @@ fn span(i: usize, n: usize, edge: Edge, cell_m: f64) -> (usize, usize, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Limits, Rim};
+    use eyot_core::{Boundary, Limits};
 
     #[test]
     fn a_plane_is_exact_everywhere_and_on_oblong_cells() {
-        let grid =
-            Grid { cell_x_m: 20.0, cell_y_m: 5.0, ..Grid::new(9, 7, 1.0, Rim::CLOSED, &Limits::default()).unwrap() };
+        let grid = Grid {
+            cell_x_m: 20.0,
+            cell_y_m: 5.0,
+            ..Grid::new(9, 7, 1.0, Boundary::CLOSED, &Limits::default()).unwrap()
+        };
         // 0.3 m/m east, 0.4 m/m south: tan = 0.5.
         let z = Field::from_fn(9, 7, |x, y| 6.0 * x as f32 + 2.0 * y as f32);
         assert!(slope_deg(&z, &grid).unwrap().iter().all(|s| (s - 0.5_f32.atan().to_degrees()).abs() < 1e-5));
@@ -64,10 +67,10 @@ mod tests {
 
     #[test]
     fn rings_see_their_far_side_and_single_rows_are_level() {
-        let ring = Grid::new(4, 1, 1.0, Rim::WRAP, &Limits::default()).unwrap();
+        let ring = Grid::new(4, 1, 1.0, Boundary::WRAP, &Limits::default()).unwrap();
         let z = Field::from_slice(4, 1, &[0.0, 1.0, 2.0, 1.0]).unwrap();
         assert_eq!(slope_deg(&z, &ring).unwrap().to_vec(), [0.0, 45.0, 0.0, 45.0]);
-        let one = Grid::new(1, 1, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
+        let one = Grid::new(1, 1, 1.0, Boundary::CLOSED, &Limits::default()).unwrap();
         assert_eq!(slope_deg(&Field::new(1, 1, 7.0), &one).unwrap().to_vec(), [0.0]);
     }
 }

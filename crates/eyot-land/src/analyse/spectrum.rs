@@ -145,11 +145,11 @@ fn transpose(data: &[Complex<f64>], w: usize, h: usize) -> Vec<Complex<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Limits, Rim};
+    use eyot_core::{Boundary, Limits};
 
     #[test]
     fn the_plane_is_taken_off() {
-        let grid = Grid::new(64, 48, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+        let grid = Grid::new(64, 48, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
         let plane = Field::from_fn(64, 48, |x, y| 5.0 + 3.0 * x as f32 - 2.0 * y as f32);
         assert_eq!(spectral_beta(&plane, &grid).unwrap(), None);
         assert_eq!(spectral_beta(&Field::new(64, 48, 0.1), &grid).unwrap(), None);
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn small_grids_have_none() {
         for (w, h) in [(1, 1), (1, 50), (2, 2), (20, 20)] {
-            let grid = Grid::new(w, h, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
+            let grid = Grid::new(w, h, 1.0, Boundary::CLOSED, &Limits::default()).unwrap();
             assert_eq!(spectral_beta(&Field::from_fn(w, h, |x, y| ((x * y) % 3) as f32), &grid).unwrap(), None);
         }
     }

@@ -23,7 +23,7 @@ use super::spectrum::{spectral_beta, spectrum_bytes};
 use super::strahler::strahler_orders;
 use super::variogram::hurst_exponent;
 use crate::drainage::{Base, FlatRule, Routing, fill, outlets};
-use eyot_core::{Control, Edge, Error, Field, Grid, Limits, Result};
+use eyot_core::{BoundaryCondition, Control, Error, Field, Grid, Limits, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -324,7 +324,7 @@ fn landform_shares(
     options: &TerrainOptions,
 ) -> Result<Option<LandformShares>> {
     let r = options.geomorphon_radius_cells;
-    let inside = |i: usize, n: usize, edge: Edge| edge == Edge::Wrap || (i >= r && i + r < n);
+    let inside = |i: usize, n: usize, edge: BoundaryCondition| edge == BoundaryCondition::Wrap || (i >= r && i + r < n);
     if !((0..grid.width).any(|x| inside(x, grid.width, grid.rim.x))
         && (0..grid.height).any(|y| inside(y, grid.height, grid.rim.y)))
     {

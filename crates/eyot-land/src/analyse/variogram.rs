@@ -15,7 +15,7 @@
 use super::check_fits;
 use super::moments::line_slope;
 use crate::drainage::check_length;
-use eyot_core::{Edge, Field, Grid, Result};
+use eyot_core::{BoundaryCondition, Field, Grid, Result};
 
 /// Distances in cells at which heights are compared: nearly even steps of the logarithm up to 16.
 const LAGS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
@@ -57,10 +57,10 @@ fn gamma(
     n: usize,
     line_step: usize,
     lines: usize,
-    edge: Edge,
+    edge: BoundaryCondition,
 ) -> Option<f64> {
     let pairs_a_line = match edge {
-        Edge::Wrap if h < n => n,
+        BoundaryCondition::Wrap if h < n => n,
         _ => n.saturating_sub(h),
     };
     let (mut sum, mut pairs) = (0.0, 0_u64);
@@ -86,9 +86,9 @@ fn gamma(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Limits, Rim};
+    use eyot_core::{Boundary, Limits};
 
-    fn h_of(z: &Field, rim: Rim) -> Option<f64> {
+    fn h_of(z: &Field, rim: Boundary) -> Option<f64> {
         let grid = Grid::new(z.width(), z.height(), 1.0, rim, &Limits::default()).unwrap();
         hurst_exponent(z, &grid, &vec![true; grid.cells()]).unwrap()
     }
@@ -102,11 +102,13 @@ mod tests {
 
     #[test]
     fn planes_are_smooth_noise_is_not() {
-        assert!((h_of(&Field::from_fn(40, 40, |x, y| (2 * x + y) as f32), Rim::CLOSED).unwrap() - 1.0).abs() < 1e-9);
+        assert!(
+            (h_of(&Field::from_fn(40, 40, |x, y| (2 * x + y) as f32), Boundary::CLOSED).unwrap() - 1.0).abs() < 1e-9
+        );
         let mut s = 7;
         let noise = Field::from_fn(256, 256, |_, _| uniform(&mut s));
-        assert!(h_of(&noise, Rim::CLOSED).unwrap().abs() < 0.005);
-        assert!(h_of(&noise, Rim::WRAP).unwrap().abs() < 0.005);
+        assert!(h_of(&noise, Boundary::CLOSED).unwrap().abs() < 0.005);
+        assert!(h_of(&noise, Boundary::WRAP).unwrap().abs() < 0.005);
     }
 
     #[test]
@@ -119,15 +121,19 @@ mod tests {
                 at
             })
             .collect();
-        assert!((h_of(&Field::from_slice(walk.len(), 1, &walk).unwrap(), Rim::CLOSED).unwrap() - 0.5).abs() < 0.01);
-        assert!((h_of(&Field::from_slice(1, walk.len(), &walk).unwrap(), Rim::CLOSED).unwrap() - 0.5).abs() < 0.01);
+        assert!(
+            (h_of(&Field::from_slice(walk.len(), 1, &walk).unwrap(), Boundary::CLOSED).unwrap() - 0.5).abs() < 0.01
+        );
+        assert!(
+            (h_of(&Field::from_slice(1, walk.len(), &walk).unwrap(), Boundary::CLOSED).unwrap() - 0.5).abs() < 0.01
+        );
     }
 
     #[test]
     fn level_or_tiny_ground_has_none() {
-        assert_eq!(h_of(&Field::new(40, 40, 3.0), Rim::CLOSED), None);
+        assert_eq!(h_of(&Field::new(40, 40, 3.0), Boundary::CLOSED), None);
         for (w, h) in [(1, 1), (1, 5), (2, 2), (5, 5)] {
-            assert_eq!(h_of(&Field::from_fn(w, h, |x, y| (x + y) as f32), Rim::WRAP), None);
+            assert_eq!(h_of(&Field::from_fn(w, h, |x, y| (x + y) as f32), Boundary::WRAP), None);
         }
     }
 }

@@ -5,10 +5,10 @@
 //! be finite. The usual chain is
 //!
 //! ```
-//! use eyot_core::{Control, Grid, Limits, Rim};
+//! use eyot_core::{Control, Grid, Limits, Boundary};
 //! use eyot_land::drainage::{Base, Routing, fill, outlets};
 //!
-//! let grid = Grid::new(64, 64, 30.0, Rim::OPEN, &Limits::default())?;
+//! let grid = Grid::new(64, 64, 30.0, Boundary::OPEN, &Limits::default())?;
 //! let mut height: Vec<f32> = (0..grid.cells()).map(|i| (i * 7919 % 101) as f32).collect();
 //! let outlets = outlets(&height, &grid, &Base::default())?;
 //! fill(&mut height, &grid, &outlets, &Control::none())?;

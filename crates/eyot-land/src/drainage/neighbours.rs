@@ -1,6 +1,6 @@
 //! The eight neighbours of a cell, by cell index, with their distances in metres and the rim respected.
 
-use eyot_core::{Edge, Grid};
+use eyot_core::{BoundaryCondition, Grid};
 
 /// Column and row steps to the eight neighbours: north first, then clockwise. Odd ones are diagonal.
 pub const STEPS: [(isize, isize); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];
@@ -22,8 +22,8 @@ impl Neighbours {
         Self {
             width: grid.width,
             height: grid.height,
-            wrap_x: grid.rim.x == Edge::Wrap,
-            wrap_y: grid.rim.y == Edge::Wrap,
+            wrap_x: grid.rim.x == BoundaryCondition::Wrap,
+            wrap_y: grid.rim.y == BoundaryCondition::Wrap,
             distance_m: STEPS.map(|(dx, dy)| {
                 let (x, y) = (dx as f64 * grid.cell_x_m, dy as f64 * grid.cell_y_m);
                 (x * x + y * y).sqrt()
@@ -85,7 +85,7 @@ fn step(i: usize, by: isize, n: usize, wrap: bool) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Limits, Rim};
+    use eyot_core::{Boundary, Limits};
 
     fn all(grid: &Grid, i: usize) -> Vec<usize> {
         let mut v = Vec::new();
@@ -99,24 +99,27 @@ mod tests {
 
     #[test]
     fn corners_have_three_and_rings_eight() {
-        let closed = Grid::new(4, 3, 1.0, Rim::CLOSED, &Limits::default()).unwrap();
+        let closed = Grid::new(4, 3, 1.0, Boundary::CLOSED, &Limits::default()).unwrap();
         assert_eq!(all(&closed, 0), [1, 4, 5]);
         assert_eq!(all(&closed, 5), [0, 1, 2, 4, 6, 8, 9, 10]);
-        let ring = Grid { rim: Rim::WRAP, ..closed };
+        let ring = Grid { rim: Boundary::WRAP, ..closed };
         assert_eq!(all(&ring, 0), [1, 3, 4, 5, 7, 8, 9, 11]);
     }
 
     #[test]
     fn a_single_cell_has_none() {
-        for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP] {
+        for rim in [Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP] {
             assert!(all(&Grid::new(1, 1, 1.0, rim, &Limits::default()).unwrap(), 0).is_empty());
         }
     }
 
     #[test]
     fn distances_follow_the_cell_size() {
-        let grid =
-            Grid { cell_x_m: 3.0, cell_y_m: 4.0, ..Grid::new(4, 3, 1.0, Rim::CLOSED, &Limits::default()).unwrap() };
+        let grid = Grid {
+            cell_x_m: 3.0,
+            cell_y_m: 4.0,
+            ..Grid::new(4, 3, 1.0, Boundary::CLOSED, &Limits::default()).unwrap()
+        };
         assert_eq!(Neighbours::new(&grid).distance_m, [4.0, 5.0, 3.0, 5.0, 4.0, 5.0, 3.0, 5.0]);
     }
 }

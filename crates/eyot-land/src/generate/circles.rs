@@ -18,7 +18,7 @@ use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::{LaneBlock, WIDTH};
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::rng::{Key, hash, unit};
-use eyot_core::{Edge, Error, Field, Grid, Result};
+use eyot_core::{BoundaryCondition, Error, Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -120,7 +120,8 @@ impl Size {
     fn new(g: &Grid, radius_m: f64, height: f32, cover: f32, seed: u64, level: u64) -> Self {
         let extent: [f64; 2] = g.extent_m().into();
         let edges = [g.rim.x, g.rim.y];
-        let around = [0, 1].map(|a| (edges[a] == Edge::Wrap).then(|| (extent[a] / radius_m).round().max(1.0)));
+        let around =
+            [0, 1].map(|a| (edges[a] == BoundaryCondition::Wrap).then(|| (extent[a] / radius_m).round().max(1.0)));
         let side_m = [0, 1].map(|a| around[a].map_or(radius_m, |n| extent[a] / n));
         let discs = f64::from(cover) * side_m[0] * side_m[1] / (std::f64::consts::PI * radius_m * radius_m);
         let places = discs.ceil().max(1.0);

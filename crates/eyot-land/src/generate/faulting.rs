@@ -22,7 +22,7 @@ use eyot_core::math::{cos, ln, sin};
 use eyot_core::process::{Generator, Reach, Site};
 use eyot_core::real::Bits;
 use eyot_core::rng::{Key, hash, unit};
-use eyot_core::{Edge, Field, Grid, Result};
+use eyot_core::{BoundaryCondition, Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -148,32 +148,33 @@ impl Faulting {
             let jump = deviation * f64::from(length * cos(std::f32::consts::TAU * random(2) as f32));
             let place = random(3);
             let share = 0.3 + 0.4 * random(4);
-            let (across, shift, periodic) = match (g.rim.x == Edge::Wrap, g.rim.y == Edge::Wrap) {
-                (false, false) => {
-                    // Lines that hit the circle around the land.
-                    let away = (place - 0.5) * (w * w + h * h).sqrt();
-                    ([c, s], -(0.5 * w * c + 0.5 * h * s) - away, false)
-                }
-                (true, true) => {
-                    let (mut best, mut direction) = (-1.0, (1, 0));
-                    for (p, q) in turns() {
-                        let (x, y) = (f64::from(p) / w, f64::from(q) / h);
-                        let along = ((x * c + y * s) / (x * x + y * y).sqrt()).abs();
-                        if along > best {
-                            (best, direction) = (along, (p, q));
-                        }
+            let (across, shift, periodic) =
+                match (g.rim.x == BoundaryCondition::Wrap, g.rim.y == BoundaryCondition::Wrap) {
+                    (false, false) => {
+                        // Lines that hit the circle around the land.
+                        let away = (place - 0.5) * (w * w + h * h).sqrt();
+                        ([c, s], -(0.5 * w * c + 0.5 * h * s) - away, false)
                     }
-                    ([f64::from(direction.0) / w, f64::from(direction.1) / h], place, true)
-                }
-                (wrap_x, _) => {
-                    // About one and a half turns along the longer side; whole ones around the ring.
-                    let dense = 1.5 / w.max(h);
-                    let (ring, c, s) = if wrap_x { (w, c, s) } else { (h, s, c) };
-                    let around = (dense * ring * c).round();
-                    let free = dense * if around == 0.0 { 1f64.copysign(s) } else { s };
-                    (if wrap_x { [around / ring, free] } else { [free, around / ring] }, place, true)
-                }
-            };
+                    (true, true) => {
+                        let (mut best, mut direction) = (-1.0, (1, 0));
+                        for (p, q) in turns() {
+                            let (x, y) = (f64::from(p) / w, f64::from(q) / h);
+                            let along = ((x * c + y * s) / (x * x + y * y).sqrt()).abs();
+                            if along > best {
+                                (best, direction) = (along, (p, q));
+                            }
+                        }
+                        ([f64::from(direction.0) / w, f64::from(direction.1) / h], place, true)
+                    }
+                    (wrap_x, _) => {
+                        // About one and a half turns along the longer side; whole ones around the ring.
+                        let dense = 1.5 / w.max(h);
+                        let (ring, c, s) = if wrap_x { (w, c, s) } else { (h, s, c) };
+                        let around = (dense * ring * c).round();
+                        let free = dense * if around == 0.0 { 1f64.copysign(s) } else { s };
+                        (if wrap_x { [around / ring, free] } else { [free, around / ring] }, place, true)
+                    }
+                };
             let per_metre = (across[0] * across[0] + across[1] * across[1]).sqrt();
             let half = 0.5 * width_m * per_metre;
             // Zones of neighbouring lines must not overlap.

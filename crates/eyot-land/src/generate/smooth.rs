@@ -22,7 +22,7 @@ use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::{LaneBlock, WIDTH};
 use eyot_core::process::{Around, Generator, Reach, Site};
 use eyot_core::real::Real;
-use eyot_core::{Control, Edge, Field, Grid, Result};
+use eyot_core::{BoundaryCondition, Control, Field, Grid, Result};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,7 @@ const WIDEST: f64 = 2.0;
 
 /// Weights of the neighbours at distance 1, 2, ...; they and the middle sum to 1. Never more weights than cells: what lies
 /// further than the grid is wide is one of its cells again, by what the rim says.
-fn weights(sigma_cells: f64, cells: usize, edge: Edge) -> Vec<f32> {
+fn weights(sigma_cells: f64, cells: usize, edge: BoundaryCondition) -> Vec<f32> {
     let sigma = sigma_cells.min(WIDEST * cells as f64);
     let reach = if cells == 1 { 0 } else { (4.0 * sigma).ceil() as usize };
     let raw: Vec<f64> = (1..=reach)
@@ -86,9 +86,9 @@ fn weights(sigma_cells: f64, cells: usize, edge: Edge) -> Vec<f32> {
         .collect();
     let total = 1.0 + 2.0 * raw.iter().rev().sum::<f64>();
     let distance = |k: usize| match edge {
-        Edge::Wrap => (k % cells).min(cells - k % cells),
-        Edge::Closed => (k % (2 * cells)).min(2 * cells - k % (2 * cells)),
-        Edge::Open => k.min(cells),
+        BoundaryCondition::Wrap => (k % cells).min(cells - k % cells),
+        BoundaryCondition::Closed => (k % (2 * cells)).min(2 * cells - k % (2 * cells)),
+        BoundaryCondition::Open => k.min(cells),
     };
     let mut folded = vec![0.0; (1..=reach).map(distance).max().unwrap_or(0)];
     for (k, w) in raw.iter().enumerate().rev() {
@@ -101,23 +101,23 @@ fn weights(sigma_cells: f64, cells: usize, edge: Edge) -> Vec<f32> {
 }
 
 /// Passes after which nothing changes any more, because the land is level along this axis.
-fn passes_until_level(sigma_cells: f64, cells: usize, edge: Edge) -> f64 {
+fn passes_until_level(sigma_cells: f64, cells: usize, edge: BoundaryCondition) -> f64 {
     let widest = WIDEST * cells as f64;
     let more = match edge {
         // Every pass brings the two border cells nearer to each other, by five times or so at the widest.
-        Edge::Open => 40.0,
-        Edge::Closed | Edge::Wrap => 0.0,
+        BoundaryCondition::Open => 40.0,
+        BoundaryCondition::Closed | BoundaryCondition::Wrap => 0.0,
     };
     if cells == 1 || sigma_cells <= 0.0 { 0.0 } else { (widest / sigma_cells.min(widest)).powi(2).ceil() + more }
 }
 
 /// The cell that stands for `i` outside `0..n`.
-fn inside(i: isize, n: usize, edge: Edge) -> usize {
+fn inside(i: isize, n: usize, edge: BoundaryCondition) -> usize {
     let n = n as isize;
     (match edge {
-        Edge::Wrap => i.rem_euclid(n),
-        Edge::Open => i.clamp(0, n - 1),
-        Edge::Closed => {
+        BoundaryCondition::Wrap => i.rem_euclid(n),
+        BoundaryCondition::Open => i.clamp(0, n - 1),
+        BoundaryCondition::Closed => {
             let k = i.rem_euclid(2 * n);
             k.min(2 * n - 1 - k)
         }

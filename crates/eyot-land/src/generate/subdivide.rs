@@ -6,7 +6,7 @@
 use super::noise::{COLUMN, ROW, hash};
 use eyot_core::process::Site;
 use eyot_core::rng::mix64;
-use eyot_core::{Edge, Field, Grid, Result};
+use eyot_core::{BoundaryCondition, Field, Grid, Result};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -21,8 +21,8 @@ pub(super) struct Axis {
 
 impl Axis {
     /// Points about `spacing_m` apart; on a wrapping rim a whole number of them, at least one.
-    pub(super) fn new(extent_m: f64, edge: Edge, spacing_m: f64, shift: f64) -> Self {
-        if edge == Edge::Wrap {
+    pub(super) fn new(extent_m: f64, edge: BoundaryCondition, spacing_m: f64, shift: f64) -> Self {
+        if edge == BoundaryCondition::Wrap {
             let points = (extent_m / spacing_m).round().max(1.0);
             Self { spacing_m: extent_m / points, shift, period: Some(points as i64) }
         } else {

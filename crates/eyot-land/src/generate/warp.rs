@@ -19,7 +19,7 @@ use super::{check, scale_m};
 use eyot_core::isa::Isa;
 use eyot_core::lanes::WIDTH;
 use eyot_core::process::{Around, Generator, Reach, Site};
-use eyot_core::{Edge, Field, Grid, Result};
+use eyot_core::{BoundaryCondition, Field, Grid, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -56,13 +56,13 @@ impl Default for Warp {
 }
 
 /// The cell before the place `cell + away` and the fraction after it.
-fn split(cell: usize, away: f32, cells: usize, edge: Edge) -> (isize, f32) {
+fn split(cell: usize, away: f32, cells: usize, edge: BoundaryCondition) -> (isize, f32) {
     let whole = away.floor();
     let at = cell as isize + whole as isize;
     // Beyond a wall everything is the border cell's value, so the place is brought back to it.
-    if edge != Edge::Wrap && at < 0 {
+    if edge != BoundaryCondition::Wrap && at < 0 {
         (0, 0.0)
-    } else if edge != Edge::Wrap && at >= cells as isize - 1 {
+    } else if edge != BoundaryCondition::Wrap && at >= cells as isize - 1 {
         (cells as isize - 1, 0.0)
     } else {
         (at, away - whole)

@@ -21,7 +21,7 @@
 
 use crate::drainage::{BreachLimits, Land, RoutingRule, breach, fill};
 use eyot_core::layer::known::{DRAINED_AREA, HEIGHT, LAKE};
-use eyot_core::process::{Action, ActionInstance, LayerUse, Moment, Process};
+use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Process};
 use eyot_core::{Control, Field, Result, World};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -89,6 +89,10 @@ impl Process for Drainage {
 impl Action for Drainage {
     fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
         Ok(Box::new(self.clone()))
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Whole
     }
 
     fn bytes_per_cell(&self) -> usize {

@@ -11,7 +11,7 @@ pub mod thermal;
 pub mod wetness;
 
 use eyot_core::process::{Entry, Process};
-use eyot_core::{LayerSpec, Stagger, about};
+use eyot_core::{Centering, LayerSpec, about};
 
 pub use drainage::Drainage;
 pub use hydraulic::Hydraulic;
@@ -49,6 +49,6 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
 ];
 
 /// A layer of fluxes through faces, m/s.
-pub(crate) const fn face(name: &'static str, meaning: &'static str, stagger: Stagger) -> LayerSpec {
-    LayerSpec::new(name, "m/s", meaning, (-1e9, 1e9)).on(stagger)
+pub(crate) const fn face(name: &'static str, meaning: &'static str, centering: Centering) -> LayerSpec {
+    LayerSpec::new(name, "m/s", meaning, (-1e9, 1e9)).on(centering)
 }

@@ -39,7 +39,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, SECONDS_PER_YEAR};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Tally, TallyUnit, read};
-use eyot_core::{Edge, Error, Grid, LayerSpec, Result, World, given, rule_params};
+use eyot_core::{BoundaryCondition, Error, Grid, LayerSpec, Result, World, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -239,7 +239,7 @@ impl Process for Reef {
         let years = self.years_per_step;
         if self.limit == Limit::Carbon && self.diffusivity > 0.0 {
             let (stages, x, y) = self.diffusion(&moment.grid);
-            let edge = |e: Edge| if e == Edge::Wrap { -1e9 } else { 0.5 };
+            let edge = |e: BoundaryCondition| if e == BoundaryCondition::Wrap { -1e9 } else { 0.5 };
             let g = &moment.grid;
             let w = 2.0 / (stages * (stages + 1)) as f32;
             for j in 1..=stages {
@@ -360,7 +360,7 @@ impl Rule for SpreadStage {
     fn cell<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 1]) {
         let (o, before) = (c.here(0), c.here(2));
         // The stages amplify rounding with the square of their number.
-        let mixed = (p.ahead * o).rounded() + ((R::of(1.0) - p.ahead) * before).rounded();
+        let mixed = (p.ahead * o).no_contract() + ((R::of(1.0) - p.ahead) * before).no_contract();
         let (new, made) = hold(p, c, mixed + spread(p, c));
         ([new, o], [made])
     }
@@ -371,7 +371,7 @@ impl Rule for SpreadStage {
 fn spread<R: Real>(p: &SpreadParams<R>, c: &impl Cell<R>) -> R {
     let x = gain(p, c, 1, 0) + gain(p, c, -1, 0);
     let y = gain(p, c, 0, 1) + gain(p, c, 0, -1);
-    (p.x * x).rounded() + (p.y * y).rounded()
+    (p.x * x).no_contract() + (p.y * y).no_contract()
 }
 
 /// The new value, where neither land nor the open sea decide, and what the clamp made of nothing.

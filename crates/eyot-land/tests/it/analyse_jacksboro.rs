@@ -1,6 +1,6 @@
 //! The measures of a real tile, held against numbers that other programs computed.
 
-use eyot_core::{Field, Grid, Limits, Rim};
+use eyot_core::{Boundary, Field, Grid, Limits};
 use eyot_land::analyse::{LandformShares, TerrainOptions, TerrainStats, terrain_stats};
 
 const COLUMNS: usize = 403;
@@ -30,7 +30,7 @@ fn squared() -> (Field, Grid) {
         let (a, b) = (f64::from(z.get(i, y)), f64::from(z.get((i + 1).min(COLUMNS - 1), y)));
         (a + (b - a) * t) as f32
     });
-    (square, Grid::new(columns, ROWS, 92.66, Rim::CLOSED, &Limits::default()).unwrap())
+    (square, Grid::new(columns, ROWS, 92.66, Boundary::CLOSED, &Limits::default()).unwrap())
 }
 
 fn measure(z: &Field, grid: &Grid) -> TerrainStats {
@@ -94,7 +94,7 @@ fn measures_agree_with_the_reference_table() {
 #[test]
 fn the_network_agrees_with_numpy_and_pyflwdir() {
     let theirs: serde_json::Value = serde_json::from_slice(&data("tests/fixtures/jacksboro_network.json")).unwrap();
-    let s = measure(&tile(), &Grid::new(COLUMNS, ROWS, 90.0, Rim::CLOSED, &Limits::default()).unwrap());
+    let s = measure(&tile(), &Grid::new(COLUMNS, ROWS, 90.0, Boundary::CLOSED, &Limits::default()).unwrap());
     let ours = serde_json::to_value(&s).unwrap();
     for (name, value) in theirs.as_object().unwrap() {
         let (a, b) = (ours[name].as_f64().unwrap(), value.as_f64().unwrap());
@@ -110,7 +110,7 @@ fn oblong_cells_measure_the_same_land() {
     let oblong = Grid {
         cell_x_m: 74.4,
         cell_y_m: 92.66,
-        ..Grid::new(COLUMNS, ROWS, 1.0, Rim::CLOSED, &Limits::default()).unwrap()
+        ..Grid::new(COLUMNS, ROWS, 1.0, Boundary::CLOSED, &Limits::default()).unwrap()
     };
     let b = measure(&tile(), &oblong);
     println!("{}", serde_json::to_string_pretty(&b).unwrap());

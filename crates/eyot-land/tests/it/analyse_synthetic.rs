@@ -1,12 +1,12 @@
 //! The measures of landscapes whose values are known from theory.
 
-use eyot_core::{Edge, Error, Field, Grid, Limits, Rim};
+use eyot_core::{Boundary, BoundaryCondition, Error, Field, Grid, Limits};
 use eyot_land::analyse::{TerrainOptions, TerrainStats, spectral_beta, terrain_stats};
 use proptest::prelude::*;
 use rustfft::{FftPlanner, num_complex::Complex};
 use std::f64::consts::PI;
 
-fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
+fn grid(width: usize, height: usize, cell_m: f64, rim: Boundary) -> Grid {
     Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
 }
 
@@ -51,7 +51,7 @@ fn gaussian_surface(n: usize, beta: f64, seed: u64) -> Field {
 #[test]
 fn spectral_surfaces_have_the_exponent_they_were_made_with() {
     for beta in [2.0, 3.0, 3.6, 4.0] {
-        let g = grid(384, 384, 30.0, Rim::CLOSED);
+        let g = grid(384, 384, 30.0, Boundary::CLOSED);
         let seeds = 8;
         let found =
             (1..=seeds).map(|s| spectral_beta(&gaussian_surface(384, beta, s), &g).unwrap().unwrap()).sum::<f64>();
@@ -61,16 +61,16 @@ fn spectral_surfaces_have_the_exponent_they_were_made_with() {
     }
     let mut random = Random(5);
     let noise = Field::from_fn(512, 512, |_, _| random.normal() as f32);
-    let beta = measure(&noise, &grid(512, 512, 1.0, Rim::CLOSED), None).beta_2d.unwrap();
+    let beta = measure(&noise, &grid(512, 512, 1.0, Boundary::CLOSED), None).beta_2d.unwrap();
     assert!(beta.abs() < 0.1, "white noise: {beta}");
 }
 
 #[test]
 fn oblong_cells_do_not_bend_the_spectrum() {
     // Every second row of a surface, as cells of twice the height.
-    let g = grid(512, 256, 10.0, Rim::CLOSED);
+    let g = grid(512, 256, 10.0, Boundary::CLOSED);
     let oblong = Grid { cell_y_m: 20.0, ..g };
-    let square = grid(512, 512, 10.0, Rim::CLOSED);
+    let square = grid(512, 512, 10.0, Boundary::CLOSED);
     let z = gaussian_surface(512, 3.4, 4);
     let thin = Field::from_fn(512, 256, |x, y| z.get(x, 2 * y));
     let (a, b) = (spectral_beta(&z, &square).unwrap().unwrap(), spectral_beta(&thin, &oblong).unwrap().unwrap());
@@ -81,7 +81,7 @@ fn oblong_cells_do_not_bend_the_spectrum() {
 fn brownian_surfaces_have_h_one_half() {
     let mut sum = 0.0;
     for seed in 1..=4 {
-        sum += measure(&gaussian_surface(256, 3.0, seed), &grid(256, 256, 30.0, Rim::CLOSED), None).hurst.unwrap();
+        sum += measure(&gaussian_surface(256, 3.0, seed), &grid(256, 256, 30.0, Boundary::CLOSED), None).hurst.unwrap();
     }
     // The power beyond the grid's own frequency is missing, which smooths the shortest lags.
     assert!((sum / 4.0 - 0.5).abs() < 0.06, "{}", sum / 4.0);
@@ -91,7 +91,7 @@ fn brownian_surfaces_have_h_one_half() {
 fn white_noise_has_a_pit_in_nine_cells() {
     let mut random = Random(1);
     let z = Field::from_fn(600, 600, |_, _| random.uniform() as f32);
-    let s = measure(&z, &grid(600, 600, 10.0, Rim::WRAP), None);
+    let s = measure(&z, &grid(600, 600, 10.0, Boundary::WRAP), None);
     assert!((s.pits_per_1000.unwrap() - 1000.0 / 9.0).abs() < 1.5, "{:?}", s.pits_per_1000);
     assert!(s.curvature_skew.unwrap().abs() < 0.02);
     assert!((s.hypsometric_integral.unwrap() - 0.5).abs() < 0.002);
@@ -101,7 +101,7 @@ fn white_noise_has_a_pit_in_nine_cells() {
 #[test]
 fn a_plane_is_a_plane() {
     let z = Field::from_fn(80, 60, |x, y| 100.0 + 6.0 * x as f32 + 8.0 * y as f32);
-    let s = measure(&z, &grid(80, 60, 10.0, Rim::OPEN), None);
+    let s = measure(&z, &grid(80, 60, 10.0, Boundary::OPEN), None);
     assert_eq!(s.slope_mean_deg, s.slope_p95_deg);
     assert!((s.slope_mean_deg.unwrap() - 45.0).abs() < 1e-5);
     assert_eq!((s.slope_skew, s.curvature_skew, s.beta_2d), (None, None, None));
@@ -116,7 +116,7 @@ fn a_plane_is_a_plane() {
 fn a_cone_is_steep_everywhere_and_drains() {
     // tan = 0.5, tip in the middle; a third of the volume of the cylinder lies under it.
     let z = Field::from_fn(201, 201, |x, y| 500.0 - 5.0 * ((x as f32 - 100.0).hypot(y as f32 - 100.0)));
-    let s = measure(&z, &grid(201, 201, 10.0, Rim::CLOSED), Some(0.0));
+    let s = measure(&z, &grid(201, 201, 10.0, Boundary::CLOSED), Some(0.0));
     assert!((s.land_share - PI * 100.0 * 100.0 / (201.0 * 201.0)).abs() < 0.002);
     assert!((s.hypsometric_integral.unwrap() - 1.0 / 3.0).abs() < 0.003);
     assert!((s.slope_mean_deg.unwrap() - 0.5_f64.atan().to_degrees()).abs() < 0.05);
@@ -133,7 +133,7 @@ fn a_bowl_holds_its_volume() {
         let (dx, dy) = ((x as f32 - 60.0) * 10.0, (y as f32 - 60.0) * 10.0);
         0.0002 * (dx * dx + dy * dy)
     });
-    let s = measure(&z, &grid(n, n, cell, Rim::CLOSED), None);
+    let s = measure(&z, &grid(n, n, cell, Boundary::CLOSED), None);
     let (area, all) = (PI * 600.0 * 600.0, (n as f64 * cell).powi(2));
     let expected = area * 72.0 / 2.0 / all;
     assert!((s.fill_mean_m.unwrap() / expected - 1.0).abs() < 0.002, "{:?} {expected}", s.fill_mean_m);
@@ -150,7 +150,7 @@ fn the_sea_floor_does_not_count_as_land() {
         let r = ((x as f32 - 64.0).hypot(y as f32 - 64.0) / 64.0).min(1.0);
         300.0 * (1.0 - r) - 40.0 + 150.0 * (island.get(x, y) - lo) / (hi - lo)
     });
-    let g = grid(128, 128, 30.0, Rim::CLOSED);
+    let g = grid(128, 128, 30.0, Boundary::CLOSED);
     let a = measure(&z, &g, Some(90.0));
     // Another floor: slopes and curvatures at the shore change, what lives on the land alone does not.
     let mut deep = z.clone();
@@ -171,7 +171,7 @@ fn the_sea_floor_does_not_count_as_land() {
 #[test]
 fn threads_do_not_change_a_bit() {
     let z = gaussian_surface(150, 3.2, 2);
-    let g = grid(150, 150, 20.0, Rim { x: Edge::Wrap, y: Edge::Open });
+    let g = grid(150, 150, 20.0, Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open });
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| measure(&z, &g, Some(0.0)))
@@ -183,7 +183,7 @@ fn threads_do_not_change_a_bit() {
 
 #[test]
 fn bad_requests_are_errors() {
-    let g = grid(4, 4, 1.0, Rim::CLOSED);
+    let g = grid(4, 4, 1.0, Boundary::CLOSED);
     let limits = Limits::default();
     let plain = TerrainOptions::default();
     assert!(matches!(terrain_stats(&Field::new(4, 3, 0.0), &g, None, &plain, &limits), Err(Error::Shape { .. })));
@@ -210,10 +210,10 @@ proptest! {
         radius in 1_usize..12,
         seed in any::<u64>(),
     ) {
-        let edge = |i| [Edge::Closed, Edge::Open, Edge::Wrap][i];
+        let edge = |i| [BoundaryCondition::Closed, BoundaryCondition::Open, BoundaryCondition::Wrap][i];
         let mut random = Random(seed);
         let z = Field::from_fn(w, h, |_, _| (random.uniform() as f32 - 0.5) * scale);
-        let g = Grid { cell_x_m: cells.0, cell_y_m: cells.1, ..grid(w, h, 1.0, Rim { x: edge(rim.0), y: edge(rim.1) }) };
+        let g = Grid { cell_x_m: cells.0, cell_y_m: cells.1, ..grid(w, h, 1.0, Boundary { x: edge(rim.0), y: edge(rim.1) }) };
         let options = TerrainOptions {
             channel_area_m2: Some(3.0 * g.cell_area_m2()),
             geomorphon_radius_cells: radius,
@@ -236,7 +236,7 @@ proptest! {
 #[ignore = "a measurement of time"]
 fn a_million_cells_in_a_second_and_a_half() {
     let z = gaussian_surface(1024, 3.4, 1);
-    let g = grid(1024, 1024, 10.0, Rim::CLOSED);
+    let g = grid(1024, 1024, 10.0, Boundary::CLOSED);
     for sea in [None, Some(0.0)] {
         let start = std::time::Instant::now();
         let s = measure(&z, &g, sea);
@@ -248,10 +248,10 @@ fn a_million_cells_in_a_second_and_a_half() {
 /// What does not fit together is an error that says so, never a panic.
 #[test]
 fn sizes_that_differ_are_refused() {
-    use eyot_core::{Control, Rim};
+    use eyot_core::{Boundary, Control};
     use eyot_land::analyse;
     use eyot_land::drainage::Routing;
-    let g = Grid::new(8, 6, 10.0, Rim::OPEN, &Limits::default()).unwrap();
+    let g = Grid::new(8, 6, 10.0, Boundary::OPEN, &Limits::default()).unwrap();
     let (other, fits) = (Field::new(6, 8, 0.0), Field::new(8, 6, 0.0));
     let (few, all) = (vec![true; 9], vec![true; 48]);
     let flow = Routing::new(&fits.to_vec(), &g, &all, &Control::none()).unwrap();

@@ -1,11 +1,11 @@
 //! What several tests of generators need.
 
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Control, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
 use eyot_land::generate::GENERATORS;
 use serde_json::Value;
 
-pub(crate) fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
+pub(crate) fn grid(width: usize, height: usize, cell_m: f64, rim: Boundary) -> Grid {
     Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
 }
 

@@ -2,8 +2,8 @@
 //! same.
 
 use eyot_core::conformance;
-use eyot_core::process::{Moment, Process, Scheduled};
-use eyot_core::{Grid, Limits, Rim};
+use eyot_core::process::{Locality, Moment, Process, Scheduled};
+use eyot_core::{Boundary, Grid, Limits};
 use eyot_land::simulate::PROCESSES;
 use eyot_land::simulate::hydraulic::Hydraulic;
 use eyot_testing::land::{start, variants};
@@ -29,6 +29,24 @@ fn steps_keep_to_the_layers_that_they_declare() {
     }
 }
 
+/// What a window makes of its inside is what the whole world has there.
+#[test]
+fn windows_have_the_bytes_of_the_whole_grid() {
+    for (name, processes) in variants() {
+        println!("{name}");
+        assert!(conformance::check_windows(&processes, &start).unwrap(), "{name} is rules");
+    }
+    for e in PROCESSES {
+        let process = (e.make)((e.defaults)()).unwrap();
+        let whole = process.action().map(|a| a.locality());
+        let compared = conformance::check_windows(&[Scheduled { name: e.name, process, every: 1 }], &start).unwrap();
+        // Water finds its way over the whole grid.
+        let acts = ["drainage", "streampower"].contains(&e.name);
+        assert_eq!(whole, acts.then_some(Locality::Whole), "{}", e.name);
+        assert_eq!(compared, !acts, "{}", e.name);
+    }
+}
+
 #[test]
 fn springs_conform() {
     let with_springs = Hydraulic { springs: 0.01, ..Default::default() };
@@ -48,7 +66,7 @@ fn springs_conform() {
 
 #[test]
 fn graphs_mean_what_the_rules_mean() {
-    let grid = Grid::new(64, 32, 3.0, Rim::OPEN, &Limits::default()).unwrap();
+    let grid = Grid::new(64, 32, 3.0, Boundary::OPEN, &Limits::default()).unwrap();
     for (_, processes) in variants() {
         conformance::check_graphs(&processes, grid);
     }

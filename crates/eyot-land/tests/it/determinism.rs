@@ -6,7 +6,7 @@ use eyot_core::control::Control;
 use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::process::{Process, Scheduled, Span};
-use eyot_core::{Error, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Error, Grid, Limits, World};
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic, SPRINGS};
 use eyot_land::simulate::{PROCESSES, Reef, Seabed, Thermal, Wetness};
 use proptest::prelude::*;
@@ -56,7 +56,7 @@ impl Process for Springs {
     fn plan(&self, _: &eyot_core::process::Moment, _: &mut eyot_core::plan::Plan) {}
 }
 
-fn first_world(shape: (usize, usize), rim: Rim) -> World {
+fn first_world(shape: (usize, usize), rim: Boundary) -> World {
     let mut processes = vec![Scheduled { name: "springs", process: Box::new(Springs), every: 1 }];
     processes.extend(all());
     let mut w = random_world(shape, rim, 17, &processes, &start).unwrap();
@@ -78,7 +78,7 @@ const STEPS: u64 = 23;
 
 #[test]
 fn threads_chains_and_bands_change_no_byte() {
-    for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP] {
+    for rim in [Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP] {
         let world = first_world((75, 203), rim);
         let expected = run(&world, CpuEngine { chain: 1, band: 1000, ..Default::default() }, &[STEPS]);
         assert_ne!(expected.fingerprint(), world.fingerprint());
@@ -111,7 +111,7 @@ fn a_run_in_pieces_gives_the_same_bytes() {
 
 #[test]
 fn every_instruction_set_gives_the_same_bytes() {
-    let world = first_world((75, 50), Rim::OPEN);
+    let world = first_world((75, 50), Boundary::OPEN);
     let expected = run(&world, CpuEngine { isa: Isa::Scalar, ..Default::default() }, &[STEPS]);
     for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
         let w = run(&world, CpuEngine { isa, ..Default::default() }, &[STEPS]);
@@ -124,7 +124,7 @@ fn every_instruction_set_gives_the_same_bytes() {
 /// or the order of an addition changes; then this line changes with them, in the same commit.
 #[test]
 fn the_fingerprint_of_a_tiny_world_is_pinned() {
-    let w = run(&first_world((13, 11), Rim::OPEN), CpuEngine::default(), &[STEPS]);
+    let w = run(&first_world((13, 11), Boundary::OPEN), CpuEngine::default(), &[STEPS]);
     assert_eq!(format!("{:016x}", w.fingerprint()), "1ccbe3d848be5348");
 }
 

@@ -1,21 +1,21 @@
 //! Filling, breaching, routing and accumulation against their definitions, on every kind of rim.
 
-use eyot_core::{Control, Edge, Error, Grid, Limits, Rim};
+use eyot_core::{Boundary, BoundaryCondition, Control, Error, Grid, Limits};
 use eyot_land::drainage::{Base, BreachLimits, FlatRule, Height, Neighbours, Routing, breach, fill, outlets};
 use proptest::prelude::*;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-const RIMS: [Rim; 6] = [
-    Rim::CLOSED,
-    Rim::OPEN,
-    Rim::WRAP,
-    Rim { x: Edge::Wrap, y: Edge::Open },
-    Rim { x: Edge::Open, y: Edge::Wrap },
-    Rim { x: Edge::Closed, y: Edge::Wrap },
+const RIMS: [Boundary; 6] = [
+    Boundary::CLOSED,
+    Boundary::OPEN,
+    Boundary::WRAP,
+    Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open },
+    Boundary { x: BoundaryCondition::Open, y: BoundaryCondition::Wrap },
+    Boundary { x: BoundaryCondition::Closed, y: BoundaryCondition::Wrap },
 ];
 
-fn grid(w: usize, h: usize, rim: Rim) -> Grid {
+fn grid(w: usize, h: usize, rim: Boundary) -> Grid {
     Grid::new(w, h, 30.0, rim, &Limits::default()).unwrap()
 }
 
@@ -147,7 +147,7 @@ proptest! {
 
     #[test]
     fn breaching_keeps_its_bounds(w in 3_usize..20, h in 3_usize..20, depth in 0.0_f64..4.0, length in 0.0_f64..200.0, seed: u64) {
-        let g = grid(w, h, Rim::OPEN);
+        let g = grid(w, h, Boundary::OPEN);
         let z = rough(g.cells(), 1 << 30, seed).into_iter().map(|z| z * 1e-8).collect::<Vec<f32>>();
         let out = outlets(&z, &g, &Base::default()).unwrap();
         let mut b = z.clone();
@@ -196,7 +196,7 @@ fn bands_and_threads_change_nothing() {
 #[test]
 fn a_bowl_fills_to_its_rim() {
     // z = r^2 within r < 20 and a plain at 400 with a notch at 256 leading out: everything below 256 fills to 256.
-    let g = grid(61, 61, Rim::OPEN);
+    let g = grid(61, 61, Boundary::OPEN);
     let z: Vec<f32> = (0..g.cells())
         .map(|i| {
             let (x, y) = (i % 61, i / 61);
@@ -222,7 +222,7 @@ fn a_bowl_fills_to_its_rim() {
 
 #[test]
 fn a_plane_drains_down_its_slope() {
-    let g = grid(6, 5, Rim::OPEN);
+    let g = grid(6, 5, Boundary::OPEN);
     let z: Vec<f32> = (0..30).map(|i| (i % 6) as f32).collect();
     let out = outlets(&z, &g, &Base::default()).unwrap();
     let routing = route(&z, &g, &out);
@@ -240,7 +240,7 @@ fn a_plane_drains_down_its_slope() {
 #[test]
 fn narrow_cells_make_diagonals_less_steep() {
     // 3 down over hypot(1, 4) is flatter than 1 down over 1.
-    let g = Grid { cell_x_m: 1.0, cell_y_m: 4.0, ..grid(3, 3, Rim::OPEN) };
+    let g = Grid { cell_x_m: 1.0, cell_y_m: 4.0, ..grid(3, 3, Boundary::OPEN) };
     let z = [9.0, 9.0, 2.0, 9.0, 5.0, 4.0, 9.0, 9.0, 9.0_f64];
     let out = outlets(&z, &g, &Base::default()).unwrap();
     assert_eq!(route(&z, &g, &out).receiver(4), 5);
@@ -249,7 +249,7 @@ fn narrow_cells_make_diagonals_less_steep() {
 
 /// A plateau of 21 x 9 between walls, open to the east.
 fn plateau() -> (Grid, Vec<f32>, Vec<bool>) {
-    let g = grid(23, 11, Rim::CLOSED);
+    let g = grid(23, 11, Boundary::CLOSED);
     let z = (0..g.cells())
         .map(|i| {
             let (x, y) = (i % 23, i / 23);
@@ -281,7 +281,7 @@ fn water_gathers_in_the_middle_of_a_plateau() {
 #[test]
 fn a_dam_is_breached_where_it_is_cheapest() {
     // A valley that falls eastwards by 1 a cell, with a dam two cells thick, of height 3 but in the north, where it is 2.
-    let g = Grid { cell_x_m: 1.0, cell_y_m: 1.0, ..grid(12, 7, Rim::CLOSED) };
+    let g = Grid { cell_x_m: 1.0, cell_y_m: 1.0, ..grid(12, 7, Boundary::CLOSED) };
     let z: Vec<f64> = (0..g.cells())
         .map(|i| {
             let (x, y) = ((i % 12) as f64, i / 12);
@@ -313,7 +313,7 @@ fn a_dam_is_breached_where_it_is_cheapest() {
 
 #[test]
 fn more_cells_than_32_bits_can_number_are_refused() {
-    let g = Grid { width: 1 << 17, height: 1 << 16, cell_x_m: 1.0, cell_y_m: 1.0, rim: Rim::OPEN };
+    let g = Grid { width: 1 << 17, height: 1 << 16, cell_x_m: 1.0, cell_y_m: 1.0, rim: Boundary::OPEN };
     let errors = [
         outlets::<f32>(&[], &g, &Base::default()).unwrap_err(),
         fill::<f32>(&mut [], &g, &[], &Control::none()).unwrap_err(),
@@ -326,7 +326,7 @@ fn more_cells_than_32_bits_can_number_are_refused() {
 
 #[test]
 fn stops_leave_the_heights_alone() {
-    let g = grid(50, 50, Rim::OPEN);
+    let g = grid(50, 50, Boundary::OPEN);
     let z = rough(g.cells(), 100, 4);
     let out = outlets(&z, &g, &Base::default()).unwrap();
     let cancel = eyot_core::Cancel::default();

@@ -1,6 +1,6 @@
 //! The drainage of a real tile, cell by cell as other programs see it.
 
-use eyot_core::{Control, Grid, Limits, Rim};
+use eyot_core::{Boundary, Control, Grid, Limits};
 use eyot_land::drainage::{Base, Routing, fill, outlets};
 
 const COLUMNS: usize = 403;
@@ -29,7 +29,7 @@ fn every_cell_agrees_with_pyflwdir_richdem_and_fastscapelib() {
     )
     .unwrap();
     let z = raster.field.to_vec();
-    let grid = Grid::new(COLUMNS, ROWS, 90.0, Rim::OPEN, &Limits::default()).unwrap();
+    let grid = Grid::new(COLUMNS, ROWS, 90.0, Boundary::OPEN, &Limits::default()).unwrap();
     let out = outlets(&z, &grid, &Base::default()).unwrap();
     let mut filled = z.clone();
     fill(&mut filled, &grid, &out, &Control::none()).unwrap();

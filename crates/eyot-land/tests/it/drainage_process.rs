@@ -2,11 +2,11 @@
 
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Scheduled, Span};
-use eyot_core::{Cancel, Control, Error, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Cancel, Control, Error, Field, Grid, Limits, World};
 use eyot_land::simulate::drainage::Depressions;
 use eyot_land::simulate::{Drainage, Hydraulic};
 
-fn world(rim: Rim) -> World {
+fn world(rim: Boundary) -> World {
     let mut w = World::new(Grid::new(60, 40, 30.0, rim, &Limits::default()).unwrap(), 1);
     let bumps = |x: usize, y: usize| 40.0 + 9.0 * (x as f32 * 0.7).sin() * (y as f32 * 0.9).cos() + 0.3 * x as f32;
     w.put(&eyot_core::layer::known::HEIGHT, Field::from_fn(60, 40, bumps)).unwrap();
@@ -29,7 +29,7 @@ fn ground(w: &World) -> f64 {
 #[test]
 fn lakes_and_areas_are_kept_and_the_ground_is_accounted_for() {
     for depressions in [Depressions::Keep, Depressions::Fill, Depressions::Breach] {
-        let mut w = world(Rim::OPEN);
+        let mut w = world(Boundary::OPEN);
         let before = ground(&w);
         run(&mut w, &[drainage(depressions)], 0, 1);
         let grown = w.ledger.amount("ground.filled") - w.ledger.amount("ground.breached");
@@ -60,9 +60,9 @@ fn rain_and_drainage() -> Vec<Scheduled> {
 
 #[test]
 fn stops_and_goes_on_to_the_same_bytes_on_any_threads() {
-    let mut whole = world(Rim::WRAP);
+    let mut whole = world(Boundary::WRAP);
     run(&mut whole, &rain_and_drainage(), 0, 8);
-    let mut parts = world(Rim::WRAP);
+    let mut parts = world(Boundary::WRAP);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     pool.install(|| {
         run(&mut parts, &rain_and_drainage(), 0, 4);
@@ -74,7 +74,7 @@ fn stops_and_goes_on_to_the_same_bytes_on_any_threads() {
 
 #[test]
 fn a_stop_leaves_a_whole_step() {
-    let mut w = world(Rim::OPEN);
+    let mut w = world(Boundary::OPEN);
     let cancel = Cancel::default();
     let stop_after_two = |done: u64, _: u64| {
         if done >= 2 {
@@ -84,7 +84,7 @@ fn a_stop_leaves_a_whole_step() {
     let control = Control::new(cancel.clone(), &stop_after_two);
     let outcome = CpuEngine::default().simulate(&mut w, &rain_and_drainage(), Span { from: 0, steps: 9 }, &control);
     assert!(matches!(outcome, Err(Error::Cancelled(_))));
-    let mut again = world(Rim::OPEN);
+    let mut again = world(Boundary::OPEN);
     run(&mut again, &rain_and_drainage(), 0, w.step);
     assert_eq!(w.fingerprint(), again.fingerprint());
 }

@@ -2,12 +2,12 @@
 //! definitions, the same bytes for any number of threads.
 
 use eyot_core::conformance::rims;
-use eyot_core::{Control, Grid, Limits, Rim};
+use eyot_core::{Boundary, Control, Grid, Limits};
 use eyot_land::drainage::{Base, Neighbours, Routing, Spread, fill, outlets};
 
 const FREEMAN: Spread = Spread::Multiple { exponent: 1.1 };
 
-fn grid(w: usize, h: usize, rim: Rim) -> Grid {
+fn grid(w: usize, h: usize, rim: Boundary) -> Grid {
     Grid::new(w, h, 30.0, rim, &Limits::default()).unwrap()
 }
 
@@ -127,7 +127,7 @@ fn areas_are_those_of_the_definitions_and_sum_exactly_on_every_rim() {
 /// On a plane that falls in any direction, water goes straight down: the two shares weigh their directions to that of the plane.
 #[test]
 fn dinf_runs_straight_down_planes() {
-    let g = grid(3, 3, Rim::OPEN);
+    let g = grid(3, 3, Boundary::OPEN);
     for k in 0..32 {
         let angle = (f64::from(k) + 0.1) / 32.0 * std::f64::consts::TAU;
         let (east, south) = (angle.sin(), -angle.cos());
@@ -152,7 +152,7 @@ fn dinf_runs_straight_down_planes() {
 /// On a cone the area upstream per contour is r / 2 in all directions. D8 gathers it on eight lines.
 #[test]
 fn cones_are_drained_evenly() {
-    let g = grid(65, 65, Rim::OPEN);
+    let g = grid(65, 65, Boundary::OPEN);
     let cone: Vec<f64> =
         (0..g.cells()).map(|i| 100.0 - ((i % 65) as f64 - 32.0).hypot((i / 65) as f64 - 32.0)).collect();
     let out = outlets(&cone, &g, &Base::default()).unwrap();
@@ -171,7 +171,7 @@ fn cones_are_drained_evenly() {
 /// With a large exponent all water takes the steepest way. Rough ground has no ties.
 #[test]
 fn large_exponents_gather_like_d8() {
-    let g = grid(65, 65, Rim::OPEN);
+    let g = grid(65, 65, Boundary::OPEN);
     let mut z: Vec<f64> = (0..g.cells()).map(|i| unit(i, 9)).collect();
     let out = outlets(&z, &g, &Base::default()).unwrap();
     fill(&mut z, &g, &out, &Control::none()).unwrap();
@@ -192,7 +192,7 @@ fn large_exponents_gather_like_d8() {
 /// Many bands, so that cells wait for each other across borders in several rounds.
 #[test]
 fn threads_change_no_byte_of_anything_that_gathers() {
-    for (w, h, rim) in [(600, 1200, Rim::OPEN), (40_000, 31, Rim::WRAP), (3, 90_000, Rim::CLOSED)] {
+    for (w, h, rim) in [(600, 1200, Boundary::OPEN), (40_000, 31, Boundary::WRAP), (3, 90_000, Boundary::CLOSED)] {
         let g = grid(w, h, rim);
         let (z, out, routing) = land(&g, 4);
         let all = || {
@@ -220,7 +220,7 @@ fn threads_change_no_byte_of_anything_that_gathers() {
 
 #[test]
 fn stops_are_heard() {
-    let g = grid(50, 50, Rim::OPEN);
+    let g = grid(50, 50, Boundary::OPEN);
     let (z, _, routing) = land(&g, 3);
     let cancel = eyot_core::Cancel::default();
     cancel.raise();

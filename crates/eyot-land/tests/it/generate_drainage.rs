@@ -5,7 +5,7 @@ use common::grid;
 use eyot_core::conformance::rims;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Control, Edge, Field, Grid, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, World};
 use eyot_land::drainage::{Base, Routing, RoutingRule, fill, outlets};
 use eyot_land::generate::{Breach, Fill, Flow};
 
@@ -114,7 +114,7 @@ fn flow_gathers_all_land_and_leaves_the_height() {
 /// Water that may not leave over a closed rim runs elsewhere.
 #[test]
 fn closed_rims_decide() {
-    let g = grid(40, 30, 25.0, Rim { x: Edge::Closed, y: Edge::Closed });
+    let g = grid(40, 30, 25.0, Boundary { x: BoundaryCondition::Closed, y: BoundaryCondition::Closed });
     let ramp = Field::from_fn(40, 30, |x, y| x as f32 + 0.01 * y as f32);
     let area = |closed_rims| make(&Flow { closed_rims, ..Flow::default() }, g, &ramp);
     let west = |f: &Field| (0..30).map(|y| f64::from(f.get(0, y))).sum::<f64>() / g.cell_area_m2();

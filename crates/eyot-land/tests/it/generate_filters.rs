@@ -1,13 +1,13 @@
 //! Terraces, curves, masks and small kernels against what they should be.
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Control, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
 use eyot_land::generate::mask::Shape;
 use eyot_land::generate::remap::Curve;
 use eyot_land::generate::smooth::Kernel;
 use eyot_land::generate::{Hypsometry, MaskCurvature, MaskHeight, MaskNoise, MaskSlope, Remap, Smooth, Terraces};
 
-fn grid(width: usize, height: usize, cell_x_m: f64, cell_y_m: f64, rim: Rim) -> Grid {
+fn grid(width: usize, height: usize, cell_x_m: f64, cell_y_m: f64, rim: Boundary) -> Grid {
     Grid { width, height, cell_x_m, cell_y_m, rim }.checked(&Limits::default()).unwrap()
 }
 
@@ -21,7 +21,7 @@ fn make(what: &dyn Generator, base: &Field, grid: Grid) -> Field {
 
 #[test]
 fn hypsometry_gives_the_asked_ocean_and_keeps_the_order() {
-    let g = grid(100, 40, 1.0, 1.0, Rim::CLOSED);
+    let g = grid(100, 40, 1.0, 1.0, Boundary::CLOSED);
     // A permutation: no two cells are equally high.
     let base = Field::from_fn(100, 40, |x, y| ((y * 100 + x) * 1237 % 4000) as f32);
     let planet = Hypsometry { ocean: 0.6, highest: 5000.0, deepest: 6000.0 };
@@ -39,7 +39,7 @@ fn hypsometry_gives_the_asked_ocean_and_keeps_the_order() {
 
 #[test]
 fn terraces_are_level_and_keep_the_order() {
-    let g = grid(1000, 1, 1.0, 1.0, Rim::CLOSED);
+    let g = grid(1000, 1, 1.0, 1.0, Boundary::CLOSED);
     let base = Field::from_fn(1000, 1, |x, _| x as f32 * 0.5 - 100.0);
     for softness in [0.0, 0.3, 1.0] {
         let f = make(&Terraces { step_m: 100.0, softness, jitter: 0.0, ..Terraces::default() }, &base, g);
@@ -61,12 +61,12 @@ fn terraces_are_level_and_keep_the_order() {
     treads.dedup();
     assert_eq!(treads.len(), 6, "{treads:?}");
     let flat = Field::new(64, 64, 30.0);
-    assert_eq!(make(&Terraces::default(), &flat, grid(64, 64, 1.0, 1.0, Rim::CLOSED)), flat);
+    assert_eq!(make(&Terraces::default(), &flat, grid(64, 64, 1.0, 1.0, Boundary::CLOSED)), flat);
 }
 
 #[test]
 fn curves_pass_through_their_points_and_never_overshoot() {
-    let g = grid(2001, 1, 1.0, 1.0, Rim::CLOSED);
+    let g = grid(2001, 1, 1.0, 1.0, Boundary::CLOSED);
     let base = Field::from_fn(2001, 1, |x, _| x as f32 - 500.0);
     let points = vec![[0.0, 0.0], [0.2, 0.5], [0.5, 0.5], [0.8, 0.9], [1.0, 0.6]];
     let remap = Remap { from: [0.0, 1000.0], to: [100.0, 300.0], points, ..Remap::default() };
@@ -93,13 +93,13 @@ fn curves_pass_through_their_points_and_never_overshoot() {
     let unit = make(&Remap { to: [0.0, 1.0], ..diagonal.clone() }, &base, g);
     assert_eq!(unit.min_max(), (0.0, 1.0));
     let flat = Field::new(9, 9, 7.0);
-    assert_eq!(make(&diagonal, &flat, grid(9, 9, 1.0, 1.0, Rim::CLOSED)), flat);
+    assert_eq!(make(&diagonal, &flat, grid(9, 9, 1.0, 1.0, Boundary::CLOSED)), flat);
 }
 
 #[test]
 fn masks_of_height_and_slope_meet_their_bands() {
     // Rises by tan(40 degrees) to the east, then lies level; on cells that are not square.
-    let g = grid(64, 40, 10.0, 20.0, Rim::CLOSED);
+    let g = grid(64, 40, 10.0, 20.0, Boundary::CLOSED);
     let steep = 40f32.to_radians().tan() * 10.0;
     let base = Field::from_fn(64, 40, |x, _| x.min(32) as f32 * steep);
     let mask = |from, to, edge| MaskSlope { from, to, edge, scale: 0.0, ..MaskSlope::default() };
@@ -129,7 +129,7 @@ fn masks_of_height_and_slope_meet_their_bands() {
 
 #[test]
 fn masks_of_curvature_tell_ridges_from_valleys() {
-    let g = grid(96, 96, 10.0, 10.0, Rim::WRAP);
+    let g = grid(96, 96, 10.0, 10.0, Boundary::WRAP);
     // A ridge along column 24, a valley along column 72.
     let base = Field::from_fn(96, 96, |x, _| 100.0 * (x as f32 / 96.0 * std::f32::consts::TAU).sin());
     let of = |shape| MaskCurvature { shape, from: 0.0, to: 0.05, scale_m: 60.0, ..MaskCurvature::default() };
@@ -139,14 +139,14 @@ fn masks_of_curvature_tell_ridges_from_valleys() {
         assert!(ridge.get(72, y) == 0.0 && valley.get(24, y) == 0.0);
     }
     let plane = Field::from_fn(96, 96, |x, y| (3 * x + y) as f32);
-    let closed = Grid { rim: Rim::CLOSED, ..g };
+    let closed = Grid { rim: Boundary::CLOSED, ..g };
     let f = make(&of(Shape::Convex), &plane, closed);
     assert!((10..86).all(|i| f.get(i, i) == 0.0), "a plane is neither");
 }
 
 #[test]
 fn noise_masks_cover_what_their_level_says() {
-    let g = grid(512, 512, 10.0, 10.0, Rim::CLOSED);
+    let g = grid(512, 512, 10.0, 10.0, Boundary::CLOSED);
     let flat = Field::new(512, 512, 0.0);
     let cover = |level| {
         let f = make(&MaskNoise { level, ..MaskNoise::default() }, &flat, g);
@@ -160,7 +160,7 @@ fn noise_masks_cover_what_their_level_says() {
 
 #[test]
 fn small_kernels_are_their_tables() {
-    let g = grid(9, 9, 10.0, 10.0, Rim::CLOSED);
+    let g = grid(9, 9, 10.0, 10.0, Boundary::CLOSED);
     let mut base = Field::new(9, 9, 0.0);
     base.set(4, 4, 48.0);
     for (kernel, table) in [(Kernel::Binomial, [3.0, 6.0, 12.0]), (Kernel::Gentle, [2.0, 4.0, 24.0])] {
@@ -177,7 +177,7 @@ fn small_kernels_are_their_tables() {
             }
         }
         // Several passes are one pass several times; nothing is lost at closed and wrapping rims.
-        for rim in [Rim::CLOSED, Rim::WRAP] {
+        for rim in [Boundary::CLOSED, Boundary::WRAP] {
             let g = grid(23, 17, 10.0, 10.0, rim);
             let rough = Field::from_fn(23, 17, |x, y| ((x * 37 + y * y * 13) % 101) as f32);
             let mut by_hand = rough.clone();

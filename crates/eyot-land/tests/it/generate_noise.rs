@@ -4,7 +4,7 @@ use crate::common;
 use common::{grid, make, spread, structure};
 use eyot_core::isa::Isa;
 use eyot_core::process::Generator;
-use eyot_core::{Control, Field, Grid, Rim};
+use eyot_core::{Boundary, Control, Field, Grid};
 use eyot_land::generate::fractal::{Fractal, Octaves};
 use eyot_land::generate::noise::{Basis, Noise, Sum};
 use eyot_land::generate::{Fbm, Ridged, Warp};
@@ -29,7 +29,7 @@ fn distance(a: &Field, b: &Field) -> f64 {
 
 #[test]
 fn range_mean_and_spread() {
-    let g = grid(1024, 1024, 1.0, Rim::CLOSED);
+    let g = grid(1024, 1024, 1.0, Boundary::CLOSED);
     // Measured: deviation of one octave and of four, and of ridges their mean and deviation.
     for (basis, one, four, ridge) in
         [(Basis::Simplex, 0.539, 0.331, (0.266, 0.216)), (Basis::Perlin, 0.305, 0.188, (0.547, 0.197))]
@@ -57,8 +57,8 @@ fn range_mean_and_spread() {
 
 #[test]
 fn all_directions_are_alike() {
-    let g = grid(768, 768, 1.0, Rim::CLOSED);
-    let wrap = Grid { rim: Rim::WRAP, ..g };
+    let g = grid(768, 768, 1.0, Boundary::CLOSED);
+    let wrap = Grid { rim: Boundary::WRAP, ..g };
     for basis in BASES {
         for (g, octaves) in [(g, 6), (wrap, 6), (g, 1)] {
             // Distance 5, 10, 20 in eight directions: along the axes and by (3, 4).
@@ -82,7 +82,7 @@ fn all_directions_are_alike() {
 /// Cells where lattice lines would show: no row or column may have less variance than the others.
 #[test]
 fn no_row_or_column_stands_out() {
-    for rim in [Rim::CLOSED, Rim::WRAP] {
+    for rim in [Boundary::CLOSED, Boundary::WRAP] {
         for basis in BASES {
             let (g, n) = (grid(256, 256, 1.0, rim), 256);
             let (mut rows, mut columns) = (vec![0.0; n], vec![0.0; n]);
@@ -106,7 +106,11 @@ fn no_row_or_column_stands_out() {
 
 #[test]
 fn the_same_bytes_for_all_isas_and_threads() {
-    for rim in [Rim::CLOSED, Rim::WRAP, Rim { x: eyot_core::Edge::Wrap, y: eyot_core::Edge::Open }] {
+    for rim in [
+        Boundary::CLOSED,
+        Boundary::WRAP,
+        Boundary { x: eyot_core::BoundaryCondition::Wrap, y: eyot_core::BoundaryCondition::Open },
+    ] {
         for basis in BASES {
             for (sum, warp_m) in [
                 (Sum::Fbm, 0.0),
@@ -140,7 +144,7 @@ fn the_same_bytes_for_all_isas_and_threads() {
 
 #[test]
 fn seeds_make_different_land() {
-    let g = grid(256, 256, 1.0, Rim::CLOSED);
+    let g = grid(256, 256, 1.0, Boundary::CLOSED);
     for basis in BASES {
         let fields: Vec<_> =
             [0, 1, 2, 1 << 40].map(|seed| field(&Noise { basis, scale_m: 16.0, seed, ..Noise::default() }, &g)).into();
@@ -165,7 +169,7 @@ fn coarsened(f: &Field) -> Field {
 
 #[test]
 fn a_finer_grid_shows_the_same_land() {
-    for rim in [Rim::CLOSED, Rim::WRAP] {
+    for rim in [Boundary::CLOSED, Boundary::WRAP] {
         let (coarse, fine) = (grid(256, 256, 40.0, rim), grid(1024, 1024, 10.0, rim));
         let (flat, flat_fine) = (Field::new(256, 256, 0.0), Field::new(1024, 1024, 0.0));
         let mut worst = 0f64;
@@ -203,7 +207,7 @@ fn a_finer_grid_shows_the_same_land() {
 /// First and second differences across the seam are like those elsewhere.
 #[test]
 fn wrapping_rims_have_no_seam() {
-    let g = grid(256, 192, 10.0, Rim::WRAP);
+    let g = grid(256, 192, 10.0, Boundary::WRAP);
     for basis in BASES {
         for warp in [0.0, 0.5] {
             let noise = Octaves { basis, octaves: 4, ..Octaves::default() };
@@ -238,7 +242,7 @@ fn wrapping_rims_have_no_seam() {
 fn large_grids_lose_no_precision() {
     // The distances of cellular noise have kinks.
     for basis in [Basis::Simplex, Basis::Perlin, Basis::Value] {
-        let g = grid(16384, 8, 1.0, Rim::CLOSED);
+        let g = grid(16384, 8, 1.0, Boundary::CLOSED);
         // Features of 64 cells and smooth: second differences are small, and rounding would dominate them.
         let noise = Noise { basis, octaves: 1, scale_m: 64.0, ..Noise::default() };
         let f = field(&noise, &g);

@@ -1,6 +1,6 @@
 //! Every generator says everything about its parameters, and holds users to it.
 use eyot_core::process::Site;
-use eyot_core::{Control, Error, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Error, Field, Grid, Limits, World};
 use eyot_land::generate::{Cone, GENERATORS};
 use serde_json::{Value, json};
 
@@ -51,7 +51,7 @@ fn defaults_work_everywhere_and_unknown_names_do_not() {
         assert!((entry.make)(json!({})).is_ok());
         assert!((entry.make)(json!({ "no_such_parameter": 1.0 })).is_err(), "{}", entry.name);
         for (w, h) in sizes {
-            for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP] {
+            for rim in [Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP] {
                 for cell_y_m in [10.0, 25.0] {
                     let grid = Grid { width: w, height: h, cell_x_m: 10.0, cell_y_m, rim };
                     let grid = grid.checked(&Limits::default()).unwrap();
@@ -69,7 +69,7 @@ fn defaults_work_everywhere_and_unknown_names_do_not() {
 
 #[test]
 fn generators_chain_in_any_order() {
-    let grid = Grid::new(48, 32, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+    let grid = Grid::new(48, 32, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
     let (flat, control) = (Field::new(48, 32, 0.0), Control::none());
     for first in GENERATORS {
         let world = of_height(grid, &flat);
@@ -86,7 +86,7 @@ fn generators_chain_in_any_order() {
 /// What leaves its range is found before anything runs, and named with the range.
 #[test]
 fn every_number_is_held_to_its_range() {
-    let grid = Grid::new(8, 8, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+    let grid = Grid::new(8, 8, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
     let mut tried = 0;
     for entry in GENERATORS {
         let schema = (entry.schema)().to_value();
@@ -109,7 +109,7 @@ fn every_number_is_held_to_its_range() {
 
 #[test]
 fn parameters_that_contradict_each_other_are_refused() {
-    let grid = Grid::new(8, 8, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+    let grid = Grid::new(8, 8, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
     for (name, parameters, field) in [
         ("remap", json!({ "points": [[0.0, 0.0]] }), "points"),
         ("remap", json!({ "points": [[0.5, 0.0], [0.5, 1.0]] }), "points"),
@@ -145,7 +145,7 @@ fn what_a_table_leaves_out_has_the_generators_default() {
 #[test]
 fn a_value_outside_its_range_is_refused_by_name() {
     use eyot_core::process::Generator;
-    let grid = Grid::new(8, 8, 10.0, Rim::CLOSED, &Limits::default()).unwrap();
+    let grid = Grid::new(8, 8, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
     let (world, control) = (World::new(grid, 1), Control::none());
     let site = Site::whole(grid, 1, &world, &control);
     for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
@@ -162,7 +162,7 @@ fn a_value_outside_its_range_is_refused_by_name() {
 
 #[test]
 fn discs_far_larger_than_the_land_are_refused() {
-    let grid = Grid::new(17, 9, 0.01, Rim::WRAP, &Limits::default()).unwrap();
+    let grid = Grid::new(17, 9, 0.01, Boundary::WRAP, &Limits::default()).unwrap();
     let circles = GENERATORS.iter().find(|e| e.name == "circles").unwrap();
     let far = (circles.make)(json!({ "radius_m": 1e7 })).unwrap().check(&grid).unwrap_err().to_string();
     assert!(far.contains("radius_m") && far.contains("at most 0.68 m"), "{far}");

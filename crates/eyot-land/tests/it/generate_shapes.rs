@@ -1,10 +1,10 @@
 //! Cone, ramp, constant, crater, smoothing and warp against what they should be.
 use eyot_core::isa::Isa;
 use eyot_core::process::{Generator, Site};
-use eyot_core::{Control, Edge, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, Limits, World};
 use eyot_land::generate::{Cone, Constant, Crater, Ramp, Smooth, Warp};
 
-fn grid(width: usize, height: usize, cell_x_m: f64, cell_y_m: f64, rim: Rim) -> Grid {
+fn grid(width: usize, height: usize, cell_x_m: f64, cell_y_m: f64, rim: Boundary) -> Grid {
     Grid { width, height, cell_x_m, cell_y_m, rim }.checked(&Limits::default()).unwrap()
 }
 
@@ -22,7 +22,7 @@ fn rough(w: usize, h: usize) -> Field {
 
 #[test]
 fn cone_is_the_formula() {
-    let g = grid(61, 40, 10.0, 14.0, Rim::CLOSED);
+    let g = grid(61, 40, 10.0, 14.0, Boundary::CLOSED);
     for (exponent, tolerance) in [(1.0, 2e-4), (2.0, 1e-3), (0.6, 1e-3)] {
         let cone = Cone { height: 900.0, radius: 0.4, exponent, centre: [0.4, 0.55], apex: 0.0 };
         let f = make(&cone, &Field::new(61, 40, 0.0), g);
@@ -41,7 +41,7 @@ fn cone_is_the_formula() {
 #[test]
 fn a_rounded_apex_is_smooth_and_leaves_the_flank() {
     for exponent in [0.7, 1.0, 2.0] {
-        let g = grid(2001, 1, 1.0, 2001.0, Rim::CLOSED);
+        let g = grid(2001, 1, 1.0, 2001.0, Boundary::CLOSED);
         let sharp = Cone { exponent, radius: 0.4, ..Cone::default() };
         let (a, b) = (
             make(&sharp, &Field::new(2001, 1, 0.0), g),
@@ -67,7 +67,7 @@ fn ramp_and_constant() {
     for (direction, low_corner, high_corner) in
         [(0.0, (3, 19), (3, 0)), (90.0, (0, 5), (29, 5)), (180.0, (3, 0), (3, 19)), (-90.0, (29, 5), (0, 5))]
     {
-        let g = grid(30, 20, 10.0, 15.0, Rim::CLOSED);
+        let g = grid(30, 20, 10.0, 15.0, Boundary::CLOSED);
         let f = make(&Ramp { direction, low: 100.0, high: 400.0 }, &Field::new(30, 20, 0.0), g);
         let half = if direction.rem_euclid(180.0) == 0.0 { 300.0 / 40.0 } else { 300.0 / 60.0 };
         assert!((f.get(low_corner.0, low_corner.1) - (100.0 + half)).abs() < 1e-4, "{direction}");
@@ -75,7 +75,7 @@ fn ramp_and_constant() {
         // Nothing changes across the slope, not even in the last bit.
         assert_eq!(f.get(4, 4), if half == 7.5 { f.get(17, 4) } else { f.get(4, 17) });
     }
-    let g = grid(64, 64, 1.0, 1.0, Rim::CLOSED);
+    let g = grid(64, 64, 1.0, 1.0, Boundary::CLOSED);
     let f = make(&Ramp { direction: 135.0, low: 0.0, high: 1.0 }, &Field::new(64, 64, 0.0), g);
     assert!((f.get(0, 0) - 1.0 / 128.0).abs() < 1e-6 && (f.get(63, 63) - 127.0 / 128.0).abs() < 1e-6);
     assert!(make(&Constant { value: -7.5 }, &f, g).iter().all(|v| v == -7.5));
@@ -83,7 +83,7 @@ fn ramp_and_constant() {
 
 #[test]
 fn crater_folds_exactly() {
-    let g = grid(33, 21, 1.0, 1.0, Rim::CLOSED);
+    let g = grid(33, 21, 1.0, 1.0, Boundary::CLOSED);
     let base = rough(33, 21);
     let f = make(&Crater { level_m: 250.0, ..Crater::default() }, &base, g);
     for (h, v) in base.iter().zip(f.iter()) {
@@ -100,7 +100,7 @@ fn crater_folds_exactly() {
 #[test]
 fn a_rounded_crest_has_no_edge() {
     // A straight flank through the level: the fold is a parabola between 180 and 220 m and exact outside.
-    let g = grid(4000, 1, 1.0, 1.0, Rim::CLOSED);
+    let g = grid(4000, 1, 1.0, 1.0, Boundary::CLOSED);
     let base = Field::from_fn(4000, 1, |x, _| x as f32 * 0.1);
     let f = make(&Crater { level_m: 200.0, crest_m: 20.0, ..Crater::default() }, &base, g);
     for x in 1..3999 {
@@ -118,9 +118,9 @@ fn a_rounded_crest_has_no_edge() {
 fn smoothing_keeps_constants_and_mass() {
     let mut worst = 0f64;
     for (w, h) in [(1, 1), (1, 40), (40, 1), (3, 5), (64, 48), (130, 33)] {
-        for x in [Edge::Closed, Edge::Open, Edge::Wrap] {
-            for y in [Edge::Closed, Edge::Open, Edge::Wrap] {
-                let g = grid(w, h, 10.0, 17.0, Rim { x, y });
+        for x in [BoundaryCondition::Closed, BoundaryCondition::Open, BoundaryCondition::Wrap] {
+            for y in [BoundaryCondition::Closed, BoundaryCondition::Open, BoundaryCondition::Wrap] {
+                let g = grid(w, h, 10.0, 17.0, Boundary { x, y });
                 for smooth in [
                     Smooth { sigma_cells: 0.0, ..Smooth::default() },
                     Smooth::default(),
@@ -134,7 +134,7 @@ fn smoothing_keeps_constants_and_mass() {
                     let f = make(&smooth, &base, g);
                     let ((low, high), (l, h)) = (base.min_max(), f.min_max());
                     assert!(l >= low - 1e-3 && h <= high + 1e-3);
-                    if x != Edge::Open && y != Edge::Open {
+                    if x != BoundaryCondition::Open && y != BoundaryCondition::Open {
                         let moved = base.iter().map(|v| f64::from(v.abs())).sum::<f64>().max(1.0);
                         worst = worst.max((f.sum() - base.sum()).abs() / moved);
                     }
@@ -151,14 +151,14 @@ fn smoothing_keeps_constants_and_mass() {
 fn a_wide_gaussian_is_what_its_sum_says() {
     let (n, sigma) = (24_i64, 30.0);
     let base = rough(n as usize, 1);
-    for edge in [Edge::Closed, Edge::Open, Edge::Wrap] {
-        let g = grid(n as usize, 1, 1.0, 1.0, Rim::both(edge));
+    for edge in [BoundaryCondition::Closed, BoundaryCondition::Open, BoundaryCondition::Wrap] {
+        let g = grid(n as usize, 1, 1.0, 1.0, Boundary::both(edge));
         let f = make(&Smooth { sigma_cells: sigma as f32, ..Smooth::default() }, &base, g);
         for x in 0..n {
             let cell = |i: i64| match edge {
-                Edge::Wrap => i.rem_euclid(n),
-                Edge::Open => i.clamp(0, n - 1),
-                Edge::Closed => i.rem_euclid(2 * n).min(2 * n - 1 - i.rem_euclid(2 * n)),
+                BoundaryCondition::Wrap => i.rem_euclid(n),
+                BoundaryCondition::Open => i.clamp(0, n - 1),
+                BoundaryCondition::Closed => i.rem_euclid(2 * n).min(2 * n - 1 - i.rem_euclid(2 * n)),
             };
             let (mut sum, mut total) = (0.0, 0.0);
             for k in -120..=120 {
@@ -178,7 +178,7 @@ fn smoothing_beyond_all_measure_is_level_and_quick() {
     let (w, h) = (300, 200);
     let base = rough(w, h);
     let mean = base.sum() / (w * h) as f64;
-    for rim in [Rim::CLOSED, Rim::WRAP, Rim::OPEN] {
+    for rim in [Boundary::CLOSED, Boundary::WRAP, Boundary::OPEN] {
         for (sigma_m, sigma_cells) in [(1e7, 0.0), (0.0, 1024.0), (0.0, 150.0)] {
             let begun = std::time::Instant::now();
             let f = make(
@@ -188,7 +188,7 @@ fn smoothing_beyond_all_measure_is_level_and_quick() {
             );
             let (low, high) = f.min_max();
             assert!(high - low < 0.01, "{rim:?}: from {low} to {high}");
-            if rim != Rim::OPEN {
+            if rim != Boundary::OPEN {
                 assert!((f64::from(low) - mean).abs() < 0.01, "{low} for {mean}");
             }
             // A thousand such passes take minutes.
@@ -199,7 +199,7 @@ fn smoothing_beyond_all_measure_is_level_and_quick() {
 
 #[test]
 fn smoothing_one_cell_gives_a_round_gaussian() {
-    let g = grid(65, 65, 10.0, 10.0, Rim::CLOSED);
+    let g = grid(65, 65, 10.0, 10.0, Boundary::CLOSED);
     let mut base = Field::new(65, 65, 0.0);
     base.set(32, 32, 1000.0);
     let f = make(&Smooth { sigma_cells: 3.0, ..Smooth::default() }, &base, g);
@@ -215,14 +215,14 @@ fn smoothing_one_cell_gives_a_round_gaussian() {
         }
     }
     // On cells that are not square the spot is round in metres.
-    let g = grid(65, 65, 10.0, 20.0, Rim::CLOSED);
+    let g = grid(65, 65, 10.0, 20.0, Boundary::CLOSED);
     let f = make(&Smooth { sigma_m: 60.0, ..Smooth::default() }, &base, g);
     assert!((f.get(36, 32) / f.get(32, 34) - 1.0).abs() < 1e-3);
 }
 
 #[test]
 fn smoothing_meets_its_rim() {
-    let ring = grid(40, 24, 1.0, 1.0, Rim::WRAP);
+    let ring = grid(40, 24, 1.0, 1.0, Boundary::WRAP);
     let base = rough(40, 24);
     let f = make(&Smooth { sigma_cells: 2.0, ..Smooth::default() }, &base, ring);
     let moved = Field::from_fn(40, 24, |x, y| base.get((x + 7) % 40, (y + 5) % 24));
@@ -232,7 +232,7 @@ fn smoothing_meets_its_rim() {
 
 #[test]
 fn smoothing_gives_the_same_bytes_everywhere() {
-    let g = grid(133, 57, 1.0, 1.0, Rim { x: Edge::Closed, y: Edge::Wrap });
+    let g = grid(133, 57, 1.0, 1.0, Boundary { x: BoundaryCondition::Closed, y: BoundaryCondition::Wrap });
     let (base, smooth) = (rough(133, 57), Smooth { sigma_cells: 4.0, ..Smooth::default() });
     let (world, control) = (World::new(g, 1), Control::none());
     let site = Site::whole(g, 1, &world, &control);
@@ -250,7 +250,7 @@ fn smoothing_gives_the_same_bytes_everywhere() {
 fn warp_moves_and_does_not_make() {
     use eyot_land::generate::fractal::Octaves;
     use eyot_land::generate::warp::Interpolation;
-    for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP] {
+    for rim in [Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP] {
         let g = grid(96, 64, 10.0, 10.0, rim);
         let base = rough(96, 64);
         for interpolation in [Interpolation::Linear, Interpolation::Cubic] {

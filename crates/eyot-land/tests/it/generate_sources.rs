@@ -14,7 +14,7 @@
 use crate::common;
 
 use common::{grid, make_named, spread, structure};
-use eyot_core::{Edge, Field, Grid, Rim};
+use eyot_core::{Boundary, BoundaryCondition, Field, Grid};
 use eyot_land::analyse::spectral_beta;
 use eyot_land::generate::GENERATORS;
 use serde_json::{Value, json};
@@ -139,7 +139,7 @@ fn directions(fields: &[Field]) -> f64 {
 #[test]
 fn heights_roughness_and_directions() {
     let mut wrong = Vec::new();
-    for rim in [Rim::CLOSED, Rim::WRAP] {
+    for rim in [Boundary::CLOSED, Boundary::WRAP] {
         let g = grid(512, 512, 10.0, rim);
         for c in cases() {
             let fields: Vec<Field> = (0..4).map(|seed| make_named(c.name, &c.parameters, g, seed)).collect();
@@ -175,13 +175,17 @@ fn heights_roughness_and_directions() {
 /// First and second differences across the seam are like those elsewhere.
 #[test]
 fn wrapping_rims_have_no_seam() {
-    for rim in [Rim::WRAP, Rim { x: Edge::Wrap, y: Edge::Open }, Rim { x: Edge::Closed, y: Edge::Wrap }] {
+    for rim in [
+        Boundary::WRAP,
+        Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open },
+        Boundary { x: BoundaryCondition::Closed, y: BoundaryCondition::Wrap },
+    ] {
         for (w, h) in [(256, 192), (250, 131)] {
             let g = grid(w, h, 10.0, rim);
             for c in cases() {
                 let f = make_named(c.name, &c.parameters, g, 8);
                 for along_x in [true, false] {
-                    if (if along_x { rim.x } else { rim.y }) != Edge::Wrap {
+                    if (if along_x { rim.x } else { rim.y }) != BoundaryCondition::Wrap {
                         continue;
                     }
                     let (n, lines) = if along_x { (w, h) } else { (h, w) };
@@ -218,7 +222,7 @@ fn no_lattice_line_shows() {
         ("diamond_square", json!({ "scale": 0.25, "roughness": 0.6 })),
         ("random_additions", json!({ "scale": 0.25, "hurst": 0.6 })),
     ] {
-        let (g, n) = (grid(256, 256, 10.0, Rim::CLOSED), 256);
+        let (g, n) = (grid(256, 256, 10.0, Boundary::CLOSED), 256);
         let (mut rows, mut columns) = (vec![0.0; n], vec![0.0; n]);
         for seed in 0..24 {
             let f = make_named(name, &parameters, g, seed);
@@ -240,7 +244,7 @@ fn no_lattice_line_shows() {
 
 #[test]
 fn the_same_bytes_for_all_threads() {
-    for rim in [Rim::CLOSED, Rim::WRAP, Rim { x: Edge::Wrap, y: Edge::Open }] {
+    for rim in [Boundary::CLOSED, Boundary::WRAP, Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open }] {
         let g = Grid { width: 333, height: 167, cell_x_m: 3.0, cell_y_m: 4.0, rim };
         for c in cases() {
             let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();

@@ -1,7 +1,7 @@
 //! A generator that says how far it looks gives the same bytes in windows of any height as in one piece.
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Generator, Reach, Site};
-use eyot_core::{Control, Edge, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, Limits, World};
 use eyot_land::generate::GENERATORS;
 use serde_json::{Value, json};
 
@@ -60,7 +60,12 @@ fn variants(name: &str) -> Vec<Value> {
 #[test]
 fn windows_make_the_same_bytes() {
     let mut tried = Vec::new();
-    for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP, Rim { x: Edge::Closed, y: Edge::Wrap }] {
+    for rim in [
+        Boundary::CLOSED,
+        Boundary::OPEN,
+        Boundary::WRAP,
+        Boundary { x: BoundaryCondition::Closed, y: BoundaryCondition::Wrap },
+    ] {
         let grid = Grid { width: 45, height: 150, cell_x_m: 10.0, cell_y_m: 14.0, rim };
         let grid = grid.checked(&Limits::default()).unwrap();
         let base = Field::from_fn(45, 150, |x, y| ((x * 37 + y * y * 13) % 101) as f32);

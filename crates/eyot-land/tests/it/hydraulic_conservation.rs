@@ -8,7 +8,7 @@ use eyot_core::layer::known::{HEIGHT, SEDIMENT, WATER};
 use eyot_core::process::{Process, Scheduled, Span};
 use eyot_core::reference::Reference;
 use eyot_core::rng::{self, Key};
-use eyot_core::{Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Grid, Limits, World};
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic, SPRINGS};
 
 fn once(p: &Hydraulic) -> Vec<Scheduled> {
@@ -24,7 +24,7 @@ fn noise(stream: u32, x: usize, y: usize) -> f32 {
 }
 
 /// Hills of 0 to 60 m whose western foot lies under a sea at 5 m, with some water, sediment and springs.
-fn hills(width: usize, height: usize, rim: Rim) -> World {
+fn hills(width: usize, height: usize, rim: Boundary) -> World {
     let mut w = World::new(Grid::new(width, height, 10.0, rim, &Limits::default()).unwrap(), 3);
     w.sea_level_m = 5.0;
     [HEIGHT, WATER, SEDIMENT, SPRINGS].iter().for_each(|spec| {
@@ -43,7 +43,7 @@ fn hills(width: usize, height: usize, rim: Rim) -> World {
     w
 }
 
-const RIMS: [Rim; 3] = [Rim::CLOSED, Rim::OPEN, Rim::WRAP];
+const RIMS: [Boundary; 3] = [Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP];
 
 /// Everything at once: rain, springs, evaporation, erosion and a sea.
 fn rivers() -> Hydraulic {
@@ -71,7 +71,7 @@ fn ground_and_sediment_balance_in_single_precision() {
             println!("W7 f32 {rim:?} sea {sea}: {error:e}, moved {moved:.3}, left {left:.3}");
             // Criterion 1e-6. Measured up to 9e-10, while a quarter of the hills moved.
             assert!(error.abs() <= 1e-6);
-            assert!(moved > 0.2 && (left > 0.2) == (rim == Rim::OPEN), "the test moves ground: {moved}, {left}");
+            assert!(moved > 0.2 && (left > 0.2) == (rim == Boundary::OPEN), "the test moves ground: {moved}, {left}");
             assert!(w.get("sediment").unwrap().min_max().0 >= 0.0);
             assert!(w.ledger.amount("ground.clamped") <= 1e-9 * m0);
         }
@@ -98,7 +98,7 @@ fn the_classic_form_says_what_it_loses() {
 fn every_clamp_of_both_forms_has_an_account() {
     for flux in [FluxForm::Signed, FluxForm::Classic] {
         // Hills forty times as steep: films outrun the speed limit and dig more than they may.
-        let mut w = hills(24, 17, Rim::CLOSED);
+        let mut w = hills(24, 17, Boundary::CLOSED);
         w.layer_mut("height").unwrap().field.rows_mut().flatten().for_each(|h| *h *= 40.0);
         run(&mut w, &Hydraulic { flux, max_speed: 5.0, ..rivers() }, 200);
         for name in ["hydraulic.dig_limited", "hydraulic.speed_capped"] {
@@ -184,7 +184,7 @@ fn without_capacity_the_load_only_falls() {
 /// Ground that is flat to the last place neither gains nor loses by what is too little to be written down.
 #[test]
 fn what_rounds_to_nothing_stays_in_the_water() {
-    let mut w = World::new(Grid::new(6, 6, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 1);
+    let mut w = World::new(Grid::new(6, 6, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
     w.ensure(&HEIGHT, 4000.0);
     w.ensure(&WATER, 1.0);
     w.ensure(&SEDIMENT, 1e-5);

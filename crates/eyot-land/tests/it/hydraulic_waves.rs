@@ -11,7 +11,7 @@ use eyot_core::process::{Moment, Process, Scheduled, Span};
 use eyot_core::reference::Reference;
 use eyot_core::rng::{self, Key};
 use eyot_core::rule::ParamSet;
-use eyot_core::{Grid, LayerSpec, Limits, Rim, Stagger, World};
+use eyot_core::{Boundary, Centering, Grid, LayerSpec, Limits, World};
 use eyot_land::simulate::PROCESSES;
 use eyot_land::simulate::hydraulic::{
     Erode, ErodeParams, FLUX_X, FLUX_Y, Flux, FluxForm, FluxParams, Hydraulic, SPRINGS,
@@ -36,7 +36,7 @@ fn once(p: &Hydraulic) -> Vec<Scheduled> {
     vec![Scheduled { name: "hydraulic", process: Box::new(p.clone()), every: 1 }]
 }
 
-fn world(width: usize, height: usize, cell_m: f64, rim: Rim) -> World {
+fn world(width: usize, height: usize, cell_m: f64, rim: Boundary) -> World {
     let mut w = World::new(Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap(), 1);
     w.ensure(&HEIGHT, 0.0);
     w.ensure(&WATER, 0.0);
@@ -68,7 +68,7 @@ fn wave_speed(p: &Hydraulic) -> f64 {
 
 /// A lake on a random bed of 0..50 m, so that two fifths of the cells are dry islands.
 fn lake(level: f64) -> World {
-    let mut w = world(24, 20, 10.0, Rim::CLOSED);
+    let mut w = world(24, 20, 10.0, Boundary::CLOSED);
     set(&mut w, "height", |x, y| 50.0 * noise(0, x, y));
     let bed = w.get("height").unwrap().clone();
     set(&mut w, "water", |x, y| (level - f64::from(bed.get(x, y))).max(0.0) as f32);
@@ -120,7 +120,7 @@ fn a_lake_at_rest_stays_at_rest() {
 
 /// A heap of water in a closed basin with a shore, so that cells fall dry and flood again.
 fn slosh() -> World {
-    let mut w = world(12, 9, 10.0, Rim::CLOSED);
+    let mut w = world(12, 9, 10.0, Boundary::CLOSED);
     set(&mut w, "height", |x, y| 0.4 * (x as f32 - 3.0).abs() + 0.3 * (y as f32 - 4.0).abs());
     set(&mut w, "water", |x, y| if x > 7 { 2.0 } else { 0.3 * noise(1, x, y) });
     w
@@ -175,7 +175,7 @@ fn standing_wave(n: usize, form: FluxForm) -> (Vec<f64>, f64, f64) {
     let period = 2.0 * n as f64 * cell / c;
     let mode = |x: usize| (std::f64::consts::PI * (x as f64 + 0.5) / n as f64).cos();
 
-    let mut w = world(n, 1, cell, Rim::CLOSED);
+    let mut w = world(n, 1, cell, Boundary::CLOSED);
     let processes = once(&p);
     w.ensure(&WATER, 0.0);
     let mut r = Reference::<f64>::new(&w);
@@ -251,11 +251,11 @@ impl Process for Uncut {
         Hydraulic::default().layers()
     }
     fn plan(&self, _: &Moment, plan: &mut Plan) {
-        let scratch = |name, stagger| LayerSpec::new(name, "1", "Scratch", (0.0, 1.0)).on(stagger);
-        plan.scratch(&scratch("raw_x", Stagger::FaceX));
-        plan.scratch(&scratch("raw_y", Stagger::FaceY));
-        plan.scratch(&scratch("afford", Stagger::Cell));
-        plan.scratch(&scratch("afford_sediment", Stagger::Cell));
+        let scratch = |name, centering| LayerSpec::new(name, "1", "Scratch", (0.0, 1.0)).on(centering);
+        plan.scratch(&scratch("raw_x", Centering::FaceX));
+        plan.scratch(&scratch("raw_y", Centering::FaceY));
+        plan.scratch(&scratch("afford", Centering::Cell));
+        plan.scratch(&scratch("afford_sediment", Centering::Cell));
         plan.push::<Flux>(FluxParams { push_x: self.push, push_y: self.push, keep: 1.0, dt: self.dt, sea: -1e30 });
         plan.push::<Erode>(ErodeParams::<()>::build(|name| match name {
             "dt" => self.dt,
@@ -275,7 +275,7 @@ impl Process for Uncut {
 /// above it. The surface alone is a part of that; it may swing by up to `1 / sqrt(1 - 0.9^2) = 2.3`.
 fn noise_gain(process: Box<dyn Process>, push: f32, dt: f32) -> (f64, f64) {
     let (n, cell) = (16, 10.0);
-    let mut w = world(n, n, cell, Rim::CLOSED);
+    let mut w = world(n, n, cell, Boundary::CLOSED);
     w.ensure(&FLUX_X, 0.0);
     w.ensure(&FLUX_Y, 0.0);
     let mut r = Reference::<f64>::new(&w);
@@ -334,7 +334,7 @@ fn noise_does_not_grow_below_the_bound_and_does_above() {
 #[test]
 fn a_step_of_more_than_a_thousand_parts_is_refused() {
     let p = Hydraulic { time_step: 1000.0, wave_depth: 10_000.0, ..still() };
-    let mut w = world(4, 4, 1.0, Rim::CLOSED);
+    let mut w = world(4, 4, 1.0, Boundary::CLOSED);
     let refused = CpuEngine::default().simulate(&mut w, &once(&p), Span { from: 0, steps: 1 }, &Control::none());
     let message = refused.unwrap_err().to_string();
     assert!(message.contains("hydraulic.time_step") && message.contains("sub-steps"), "{message}");
@@ -383,7 +383,7 @@ fn a_step_fifty_times_beyond_the_bound_stays_smooth() {
     for flux in [FluxForm::Signed, FluxForm::Classic] {
         let mut p = Hydraulic { flux, friction: 0.1, ..still() };
         p.time_step = (50.0 * 10.0 / (std::f64::consts::SQRT_2 * wave_speed(&p))) as f32;
-        let mut w = world(40, 30, 10.0, Rim::CLOSED);
+        let mut w = world(40, 30, 10.0, Boundary::CLOSED);
         set(&mut w, "height", |x, _| 0.05 * x as f32);
         set(&mut w, "water", |x, y| if x < 20 && y < 15 { 8.0 } else { 4.0 });
         let mass = w.get("water").unwrap().sum();
@@ -403,7 +403,7 @@ fn a_step_fifty_times_beyond_the_bound_stays_smooth() {
 
 /// A bowl of 16 x 16 cells whose lake stands about a metre deep at its overflow.
 fn bowl() -> World {
-    let mut w = world(16, 16, 10.0, Rim::OPEN);
+    let mut w = world(16, 16, 10.0, Boundary::OPEN);
     set(&mut w, "height", |x, y| {
         let (dx, dy) = (x as f32 - 7.3, y as f32 - 7.8);
         0.02 * (dx * dx + dy * dy)
@@ -453,7 +453,7 @@ fn a_basin_passes_on_what_it_is_given() {
 #[test]
 fn still_water_drains_over_an_open_rim() {
     let p = Hydraulic { friction: 0.1, ..still() };
-    let mut w = world(12, 12, 10.0, Rim::OPEN);
+    let mut w = world(12, 12, 10.0, Boundary::OPEN);
     set(&mut w, "water", |_, _| 2.0);
     let mut volume = w.get("water").unwrap().sum();
     let start = volume;
@@ -473,7 +473,7 @@ fn still_water_drains_over_an_open_rim() {
 fn a_bent_tube_levels_out() {
     // Two basins behind a wall, joined by a trench at the southern side.
     let p = Hydraulic { friction: 0.1, ..still() };
-    let mut w = world(21, 9, 10.0, Rim::CLOSED);
+    let mut w = world(21, 9, 10.0, Boundary::CLOSED);
     set(&mut w, "height", |x, y| match (x, y) {
         (8..=12, 8) => -3.0,
         (8..=12, _) => 20.0,

@@ -8,7 +8,7 @@ use eyot_core::layer::known::{CARBON, HEIGHT, LIMESTONE};
 use eyot_core::process::{Process, Scheduled, Span};
 use eyot_core::reference::Reference;
 use eyot_core::rng::{self, Key};
-use eyot_core::{Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Field, Grid, Limits, World};
 use eyot_land::simulate::reef::{Light, Limit, Reef};
 use eyot_land::simulate::{Hydraulic, Seabed};
 
@@ -16,7 +16,7 @@ fn scheduled(p: impl Process + 'static) -> Scheduled {
     Scheduled { name: "test", process: Box::new(p), every: 1 }
 }
 
-fn world(width: usize, height: usize, cell_m: f64, rim: Rim, ground: impl Fn(usize, usize) -> f32) -> World {
+fn world(width: usize, height: usize, cell_m: f64, rim: Boundary, ground: impl Fn(usize, usize) -> f32) -> World {
     let mut w = World::new(Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap(), 1);
     w.put(&HEIGHT, Field::from_fn(width, height, ground)).unwrap();
     w
@@ -46,7 +46,7 @@ fn growth_is_monotone_in_light_and_ends_at_both_depths() {
     for light in [Light::Exponential, Light::Saturating] {
         let p = Reef { light, ..lit() };
         // Depths 0, 0.25, 0.5 ... 50 m, one a column.
-        let mut w = world(201, 1, 10.0, Rim::CLOSED, |x, _| -0.25 * x as f32);
+        let mut w = world(201, 1, 10.0, Boundary::CLOSED, |x, _| -0.25 * x as f32);
         run(&mut w, &p, 1);
         let grown = w.get("limestone").unwrap();
         let mut last = f32::INFINITY;
@@ -64,7 +64,7 @@ fn growth_is_monotone_in_light_and_ends_at_both_depths() {
     // More light at the same depth never means less growth.
     let mut last = 0.0;
     for surface_light in [1.0, 50.0, 200.0, 1000.0, 5000.0, 10_000.0] {
-        let mut w = world(1, 1, 10.0, Rim::CLOSED, |_, _| -15.0);
+        let mut w = world(1, 1, 10.0, Boundary::CLOSED, |_, _| -15.0);
         run(&mut w, &Reef { light: Light::Saturating, surface_light, ..lit() }, 1);
         let g = w.get("limestone").unwrap().get(0, 0);
         assert!(g >= last, "{surface_light}: {g} after {last}");
@@ -78,7 +78,7 @@ fn growth_is_monotone_in_light_and_ends_at_both_depths() {
 fn saturating_light_follows_its_formula() {
     let p = Reef { light: Light::Saturating, ..lit() };
     for depth in [1.0f64, 5.0, 10.0, 20.0, 30.0, 39.0] {
-        let mut r = Reference::<f64>::new(&world(1, 1, 10.0, Rim::CLOSED, |_, _| -depth as f32));
+        let mut r = Reference::<f64>::new(&world(1, 1, 10.0, Boundary::CLOSED, |_, _| -depth as f32));
         r.simulate(&[scheduled(p.clone())], 1);
         let grown: f64 = r.get("limestone", 0, 0);
         let relative = 2000.0 * (-f64::from(p.attenuation) * depth).exp() / 250.0;
@@ -94,7 +94,7 @@ fn a_column_follows_the_closed_form() {
     let p = lit();
     let (growth, scale) = (f64::from(p.growth), f64::from(p.light_depth));
     for start in [38.0f64, 25.0, 10.0] {
-        let mut w = world(1, 1, 10.0, Rim::CLOSED, |_, _| -start as f32);
+        let mut w = world(1, 1, 10.0, Boundary::CLOSED, |_, _| -start as f32);
         let e0 = (start / scale).exp();
         let mut worst = 0.0f64;
         // Years until depth 1 m.
@@ -124,7 +124,7 @@ fn a_column_follows_the_closed_form() {
 fn reefs_keep_up_or_give_up_at_the_analytic_rate() {
     let keeps_up = |rise: f64, start: f64| {
         let p = Reef { sea_level_rise: rise as f32, ..lit() };
-        let mut w = world(1, 1, 10.0, Rim::CLOSED, |_, _| -start as f32);
+        let mut w = world(1, 1, 10.0, Boundary::CLOSED, |_, _| -start as f32);
         run(&mut w, &p, 60_000);
         let depth = w.sea_level_m - f64::from(w.get("height").unwrap().get(0, 0));
         // A repelling equilibrium: whoever is shallower than at the start keeps up, whoever is deeper drowns.
@@ -161,7 +161,7 @@ fn the_sea_follows_rise_and_curve() {
         t if t <= 250.0 => -6.0 + 10.0 * (t - 200.0) / 50.0,
         _ => 4.0,
     };
-    let mut w = world(2, 2, 10.0, Rim::CLOSED, |_, _| -100.0);
+    let mut w = world(2, 2, 10.0, Boundary::CLOSED, |_, _| -100.0);
     w.sea_level_m = 3.0;
     for i in 0..40 {
         go(&mut w, &[scheduled(p.clone())], i, 1);
@@ -180,7 +180,7 @@ fn the_sea_follows_rise_and_curve() {
 fn curves_that_go_back_in_time_are_refused() {
     for curve in [vec![[1.0, 0.0], [1.0, 1.0]], vec![[2.0, 0.0], [1.0, 0.0]], vec![[0.0, f64::NAN]]] {
         let p = Reef { sea_level_curve: curve, ..Default::default() };
-        let mut w = world(2, 2, 10.0, Rim::CLOSED, |_, _| -10.0);
+        let mut w = world(2, 2, 10.0, Boundary::CLOSED, |_, _| -10.0);
         let refused =
             CpuEngine::default().simulate(&mut w, &[scheduled(p)], Span { from: 0, steps: 1 }, &Control::none());
         assert!(refused.unwrap_err().to_string().contains("sea_level_curve"));
@@ -190,7 +190,7 @@ fn curves_that_go_back_in_time_are_refused() {
 #[test]
 fn subsidence_takes_ground_and_limestone_along() {
     let p = Reef { subsidence: 0.002, growth: 0.0, years_per_step: 10.0, ..Default::default() };
-    let mut w = world(9, 7, 10.0, Rim::CLOSED, |x, y| 30.0 * noise(x, y) - 20.0);
+    let mut w = world(9, 7, 10.0, Boundary::CLOSED, |x, y| 30.0 * noise(x, y) - 20.0);
     let before = w.get("height").unwrap().clone();
     run(&mut w, &p, 500);
     for (a, b) in before.iter().zip(w.get("height").unwrap().iter()) {
@@ -207,7 +207,7 @@ fn subsidence_takes_ground_and_limestone_along() {
 // ---------------------------------------------------------------------------------------------------------- Limestone
 
 /// An island in a shallow sea, with room for reefs.
-fn island(n: usize, cell_m: f64, rim: Rim, top: f32, slope: f32) -> World {
+fn island(n: usize, cell_m: f64, rim: Boundary, top: f32, slope: f32) -> World {
     world(n, n, cell_m, rim, |x, y| {
         let c = (n - 1) as f32 / 2.0;
         top - slope * cell_m as f32 * (x as f32 - c).hypot(y as f32 - c)
@@ -218,7 +218,7 @@ fn island(n: usize, cell_m: f64, rim: Rim, top: f32, slope: f32) -> World {
 fn limestone_is_what_the_ledger_says_and_counters_stay_within_bounds() {
     for (limit, light) in [(Limit::Carbon, Light::Exponential), (Limit::Light, Light::Saturating)] {
         let p = Reef { limit, light, sea_level_rise: 0.002, subsidence: 0.001, ..Default::default() };
-        let mut w = island(40, 20.0, Rim::OPEN, 30.0, 0.2);
+        let mut w = island(40, 20.0, Boundary::OPEN, 30.0, 0.2);
         let before = w.get("height").unwrap().sum();
         run(&mut w, &p, 1000);
         let area = w.grid.cell_area_m2();
@@ -246,7 +246,7 @@ fn limestone_is_what_the_ledger_says_and_counters_stay_within_bounds() {
 
 #[test]
 fn erosion_takes_limestone_before_the_ground_below() {
-    let mut w = world(4, 1, 10.0, Rim::CLOSED, |_, _| -10.0);
+    let mut w = world(4, 1, 10.0, Boundary::CLOSED, |_, _| -10.0);
     run(&mut w, &Reef { growth: 0.01, ..lit() }, 500);
     let grown = w.get("limestone").unwrap().get(0, 0);
     assert!(grown > 2.0 && grown < 10.0);
@@ -274,7 +274,7 @@ fn erosion_takes_limestone_before_the_ground_below() {
 
 #[test]
 fn limestone_from_elsewhere_is_kept() {
-    let mut w = world(2, 1, 10.0, Rim::CLOSED, |x, _| [-10.0, 8.0][x]);
+    let mut w = world(2, 1, 10.0, Boundary::CLOSED, |x, _| [-10.0, 8.0][x]);
     w.ensure(&LIMESTONE, 5.0);
     run(&mut w, &Reef { growth: 0.0, ..lit() }, 3);
     assert_eq!(w.get("limestone").unwrap().to_vec(), [5.0, 5.0]);
@@ -284,7 +284,7 @@ fn limestone_from_elsewhere_is_kept() {
 
 #[test]
 fn rivers_wear_limestone_that_fell_dry() {
-    let mut w = island(30, 10.0, Rim::OPEN, 20.0, 0.2);
+    let mut w = island(30, 10.0, Boundary::OPEN, 20.0, 0.2);
     run(&mut w, &Reef { limit: Limit::Light, ..Default::default() }, 300);
     let grown = w.ledger.amount("limestone.grown");
     w.sea_level_m -= 30.0;
@@ -305,7 +305,7 @@ fn rivers_wear_limestone_that_fell_dry() {
 
 #[test]
 fn the_seabed_levels_conserves_and_leaves_limestone_alone() {
-    for rim in [Rim::CLOSED, Rim::OPEN, Rim::WRAP] {
+    for rim in [Boundary::CLOSED, Boundary::OPEN, Boundary::WRAP] {
         let mut w = world(25, 21, 10.0, rim, |x, y| 20.0 * noise(x, y) - 14.0);
         w.ensure(&LIMESTONE, 0.0);
         for x in 0..25 {
@@ -346,7 +346,7 @@ fn the_seabed_levels_conserves_and_leaves_limestone_alone() {
 fn a_sinking_island_becomes_an_atoll() {
     let n = 61;
     let p = Reef { subsidence: 0.001, years_per_step: 20.0, ..Default::default() };
-    let mut w = island(n, 30.0, Rim::OPEN, 60.0, 0.15);
+    let mut w = island(n, 30.0, Boundary::OPEN, 60.0, 0.15);
     let ray = |w: &World, turn: usize| -> Vec<f32> {
         let angle = turn as f64 * std::f64::consts::TAU / 24.0;
         let at = |r: usize| {
@@ -392,7 +392,7 @@ fn carbon_diffuses_at_the_stated_rate() {
     // case the cosine decays by a factor 3.6 in a single step.
     for (years, steps, tolerance) in [(1.0f32, 200, 0.002), (20.0, 10, 0.005), (1331.0, 1, 0.1)] {
         let p = Reef { growth: 0.0, diffusivity: 10.0, years_per_step: years, open_sea: 1000.0, ..Default::default() };
-        let mut w = world(n, n, cell, Rim::WRAP, |_, _| -30.0);
+        let mut w = world(n, n, cell, Boundary::WRAP, |_, _| -30.0);
         go(&mut w, &[scheduled(p.clone())], 0, 0);
         let wave = |x: usize| (k * (x as f64 + 0.5) * cell).cos();
         w.put(&CARBON, Field::from_fn(n, n, |x, _| (0.5 + 0.4 * wave(x)) as f32)).unwrap();
@@ -419,7 +419,7 @@ fn carbon_that_was_not_there_is_in_the_ledger() {
     for (uptake, years, short) in [(0.1, 20.0f32, false), (400.0, 400.0, true)] {
         let (n, depth) = (32, 8.0);
         let p = Reef { uptake, years_per_step: years, open_sea: 1000.0, ..Default::default() };
-        let mut w = world(n, n, 10.0, Rim::WRAP, |_, _| -depth);
+        let mut w = world(n, n, 10.0, Boundary::WRAP, |_, _| -depth);
         go(&mut w, &[scheduled(p.clone())], 0, 0);
         w.put(&CARBON, Field::from_fn(n, n, noise)).unwrap();
         let before = w.get("carbon").unwrap().sum() * f64::from(depth);

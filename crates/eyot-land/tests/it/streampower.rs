@@ -4,7 +4,7 @@ use eyot_core::conformance::{SHAPES, random_world, rims};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Scheduled, Span};
-use eyot_core::{Control, Edge, Field, Grid, Limits, Result, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, Limits, Result, World};
 use eyot_land::drainage::{Base, Routing, fill, outlets};
 use eyot_land::simulate::Streampower;
 use eyot_land::simulate::streampower::{ERODIBILITY, HEIGHT_REST, UPLIFT};
@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 /// Below all ground.
 const NO_SEA_M: f64 = -1e5;
 
-fn world(size: (usize, usize), cell_m: f64, rim: Rim, height: impl Fn(usize, usize) -> f64) -> World {
+fn world(size: (usize, usize), cell_m: f64, rim: Boundary, height: impl Fn(usize, usize) -> f64) -> World {
     let grid = Grid::new(size.0, size.1, cell_m, rim, &Limits::default()).unwrap();
     let mut w = World::new(grid, 1);
     w.sea_level_m = NO_SEA_M;
@@ -85,7 +85,7 @@ fn steady_rivers_obey_flints_law_for_every_exponent() {
             diffusivity: 0.0,
             ..Default::default()
         };
-        let mut w = world((64, 64), 100.0, Rim::OPEN, rough);
+        let mut w = world((64, 64), 100.0, Boundary::OPEN, rough);
         let steps = settle(&p, &mut w, 1e-7, 5000);
         let (z, routing) = (heights(&w), route(&w));
         let area = routing.upstream_area_m2(&w.grid);
@@ -120,7 +120,7 @@ fn steady_rivers_with_deposition_are_steeper() {
             diffusivity: 0.0,
             ..Default::default()
         };
-        let mut w = world((48, 48), 100.0, Rim::OPEN, rough);
+        let mut w = world((48, 48), 100.0, Boundary::OPEN, rough);
         let steps = settle(&p, &mut w, 1e-6, 20_000);
         let (z, routing) = (heights(&w), route(&w));
         let area = routing.upstream_area_m2(&w.grid);
@@ -143,7 +143,7 @@ fn steady_rivers_with_deposition_are_steeper() {
 #[test]
 fn fans_grow_where_mountains_end() {
     let flank = |x: usize, _: usize| if x < 30 { 0.01 * x as f64 } else { 20.0 * (x - 30) as f64 };
-    let mut w = world((60, 24), 100.0, Rim { x: Edge::Open, y: Edge::Closed }, flank);
+    let mut w = world((60, 24), 100.0, Boundary { x: BoundaryCondition::Open, y: BoundaryCondition::Closed }, flank);
     let p = Streampower {
         years_per_step: 2000.0,
         uplift: 0.0,
@@ -169,7 +169,7 @@ fn fans_grow_where_mountains_end() {
 /// E2: a cosine decays as exp(-D k^2 t).
 #[test]
 fn creep_lets_waves_decay() {
-    for (rim, waves) in [(Rim::WRAP, 1.0), (Rim::CLOSED, 0.5)] {
+    for (rim, waves) in [(Boundary::WRAP, 1.0), (Boundary::CLOSED, 0.5)] {
         for along_x in [true, false] {
             let errors: Vec<f64> = [32_usize, 64, 128]
                 .into_iter()
@@ -213,8 +213,8 @@ fn creep_lets_waves_decay() {
 #[test]
 fn steady_hillslopes_are_parabolas() {
     let (n, cell_m, diffusivity) = (65_usize, 5.0, 0.05);
-    for y_rim in [Edge::Closed, Edge::Wrap] {
-        let mut w = world((n, 4), cell_m, Rim { x: Edge::Open, y: y_rim }, |_, _| 20.0);
+    for y_rim in [BoundaryCondition::Closed, BoundaryCondition::Wrap] {
+        let mut w = world((n, 4), cell_m, Boundary { x: BoundaryCondition::Open, y: y_rim }, |_, _| 20.0);
         let p = Streampower {
             erodibility: 0.0,
             diffusivity: diffusivity as f32,
@@ -243,12 +243,12 @@ fn steady_hillslopes_are_parabolas() {
 #[test]
 fn steady_hillslopes_stay_below_the_critical_slope() {
     let (n, cell_m, critical) = (65_usize, 2.0, 0.8_f64);
-    for across in [Edge::Closed, Edge::Wrap] {
+    for across in [BoundaryCondition::Closed, BoundaryCondition::Wrap] {
         for along_x in [true, false] {
             let (rim, size) = if along_x {
-                (Rim { x: Edge::Open, y: across }, (n, 5))
+                (Boundary { x: BoundaryCondition::Open, y: across }, (n, 5))
             } else {
-                (Rim { x: across, y: Edge::Open }, (5, n))
+                (Boundary { x: across, y: BoundaryCondition::Open }, (5, n))
             };
             let mut w = world(size, cell_m, rim, |_, _| 20.0);
             let p = Streampower {
@@ -300,7 +300,7 @@ fn cliffs_slide_to_the_critical_slope() {
         assert!(z.iter().all(|z| (-1e-6..=500.0).contains(z)), "{rim:?}");
         let steepest = (0..32 * 31).map(|i| (z[i + 32] - z[i]).abs() / 10.0).fold(0.0, f64::max);
         assert!(steepest < 1.1, "{rim:?}: {steepest}");
-        if rim.x != Edge::Open && rim.y != Edge::Open {
+        if rim.x != BoundaryCondition::Open && rim.y != BoundaryCondition::Open {
             assert!((z.iter().sum::<f64>() / before - 1.0).abs() < 1e-9, "{rim:?}");
         }
     }
@@ -316,7 +316,12 @@ fn rivers_and_creep_together_make_the_ridge_that_was_asked_for() {
             .map(|cells| {
                 let cell_m = length / (cells - 1) as f64;
                 let ridge = |x: usize| top * (PI * x as f64 * cell_m / length).sin();
-                let mut w = world((cells, 1), cell_m, Rim { x: Edge::Open, y: Edge::Closed }, |x, _| ridge(x));
+                let mut w = world(
+                    (cells, 1),
+                    cell_m,
+                    Boundary { x: BoundaryCondition::Open, y: BoundaryCondition::Closed },
+                    |x, _| ridge(x),
+                );
                 let p = Streampower {
                     years_per_step: 200.0,
                     uplift: 1e-3,
@@ -354,7 +359,7 @@ fn every_term() -> Streampower {
 }
 
 /// Random ground on random rock with random uplift, on grids of every shape.
-fn random(shape: (usize, usize), rim: Rim, seed: u64, p: &Streampower) -> World {
+fn random(shape: (usize, usize), rim: Boundary, seed: u64, p: &Streampower) -> World {
     struct Layers(Streampower);
     impl eyot_core::process::Process for Layers {
         fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
@@ -402,7 +407,9 @@ fn the_ledger_closes_on_every_grid() {
 
 #[test]
 fn threads_and_pieces_change_no_byte() {
-    for (critical_slope, rim) in [(0.0, Rim::CLOSED), (0.0, Rim::OPEN), (0.0, Rim::WRAP), (1.0, Rim::WRAP)] {
+    for (critical_slope, rim) in
+        [(0.0, Boundary::CLOSED), (0.0, Boundary::OPEN), (0.0, Boundary::WRAP), (1.0, Boundary::WRAP)]
+    {
         let p = Streampower { slope_exponent: 1.3, critical_slope, deposition: critical_slope, ..every_term() };
         let start = random((203, 171), rim, 3, &p);
         let mut expected = start.clone();
@@ -447,7 +454,8 @@ fn nothing_is_cut_below_its_receiver() {
 fn lakes_keep_their_beds_and_lose_their_sills() {
     // From the west: base, sill at 10 m, bed at 4 m, shore rising to 40 m.
     let profile = [0.0, 5.0, 10.0, 4.0, 4.0, 4.0, 9.0, 20.0, 30.0, 40.0];
-    let mut w = world((10, 1), 100.0, Rim { x: Edge::Open, y: Edge::Closed }, |x, _| profile[x]);
+    let mut w =
+        world((10, 1), 100.0, Boundary { x: BoundaryCondition::Open, y: BoundaryCondition::Closed }, |x, _| profile[x]);
     let p = Streampower {
         years_per_step: 500.0,
         uplift: 0.0,
@@ -468,7 +476,7 @@ fn lakes_keep_their_beds_and_lose_their_sills() {
 
 #[test]
 fn the_sea_is_a_base_level() {
-    let mut w = world((40, 9), 100.0, Rim::CLOSED, |x, _| 10.0 * x as f64 - 95.0);
+    let mut w = world((40, 9), 100.0, Boundary::CLOSED, |x, _| 10.0 * x as f64 - 95.0);
     w.sea_level_m = 0.0;
     let p = Streampower { years_per_step: 1e6, uplift: 0.0, erodibility: 1e-3, diffusivity: 0.0, ..Default::default() };
     let before = heights(&w);
@@ -485,7 +493,9 @@ fn the_sea_is_a_base_level() {
 /// In single precision none of these steps would change a height of 3 km.
 #[test]
 fn small_steps_add_up() {
-    let mut w = world((8, 8), 100.0, Rim { x: Edge::Wrap, y: Edge::Open }, |_, y| 3000.0 + 0.1 * y as f64);
+    let mut w = world((8, 8), 100.0, Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open }, |_, y| {
+        3000.0 + 0.1 * y as f64
+    });
     let p = Streampower { years_per_step: 0.5, uplift: 1e-5, erodibility: 0.0, diffusivity: 0.0, ..Default::default() };
     run(&p, &mut w, 2000);
     let z = heights(&w);
@@ -498,7 +508,7 @@ fn small_steps_add_up() {
 fn hard_rock_and_small_areas_are_not_cut() {
     let p = Streampower { uplift: 0.0, diffusivity: 0.0, ..Default::default() };
     let slope = |x: usize, _: usize| 50.0 * x as f64;
-    let mut w = world((20, 20), 100.0, Rim::OPEN, slope);
+    let mut w = world((20, 20), 100.0, Boundary::OPEN, slope);
     w.put(&ERODIBILITY, Field::from_fn(20, 20, |_, y| if y < 10 { 0.0 } else { 1.0 })).unwrap();
     let before = heights(&w);
     run(&p, &mut w, 1);
@@ -507,7 +517,7 @@ fn hard_rock_and_small_areas_are_not_cut() {
 
     // Ten cells make a channel: along a row from the divide, the first nine stay.
     let p = Streampower { channel_area: 1e5, ..p };
-    let mut w = world((30, 1), 100.0, Rim { x: Edge::Open, y: Edge::Closed }, slope);
+    let mut w = world((30, 1), 100.0, Boundary { x: BoundaryCondition::Open, y: BoundaryCondition::Closed }, slope);
     let before = heights(&w);
     run(&p, &mut w, 1);
     let z = heights(&w);
@@ -518,7 +528,7 @@ fn hard_rock_and_small_areas_are_not_cut() {
 
 #[test]
 fn parameters_out_of_range_are_refused_by_name() {
-    let mut w = world((4, 4), 1.0, Rim::OPEN, rough);
+    let mut w = world((4, 4), 1.0, Boundary::OPEN, rough);
     let p = Streampower { slope_exponent: 0.0, ..Default::default() };
     let text = try_run(&p, &mut w, Span { from: 0, steps: 1 }).unwrap_err().to_string();
     assert!(text.contains("streampower.slope_exponent"), "{text}");

@@ -8,7 +8,7 @@ use eyot_core::control::Control;
 use eyot_core::engine::CpuEngine;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, Scheduled, Span};
-use eyot_core::{Edge, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Grid, Limits, World};
 use eyot_land::drainage::{Routing, RoutingRule};
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic, SPRINGS};
 use eyot_land::simulate::reef::{Light, Limit, Reef};
@@ -88,7 +88,7 @@ impl Turn {
         if self.swaps_axes {
             (grid.width, grid.height) = (g.height, g.width);
             (grid.cell_x_m, grid.cell_y_m) = (g.cell_y_m, g.cell_x_m);
-            grid.rim = Rim { x: g.rim.y, y: g.rim.x };
+            grid.rim = Boundary { x: g.rim.y, y: g.rim.x };
         }
         let mut turned = World::new(grid, world.seed);
         turned.sea_level_m = world.sea_level_m;
@@ -158,7 +158,7 @@ fn no_process_prefers_a_direction() {
 #[test]
 fn a_shift_is_no_symmetry_of_a_closed_world() {
     let processes = vec![one(Thermal::default())];
-    let rim = Rim { x: Edge::Closed, y: Edge::Closed };
+    let rim = Boundary { x: BoundaryCondition::Closed, y: BoundaryCondition::Closed };
     let world = random_world((16, 16), rim, 3, &processes, &start).unwrap();
     let shift = Turn { name: "shifted", swaps_axes: false, to: |x, y, w, _| ((x + 1) % w, y) };
     let run = |mut w: World| {
@@ -170,14 +170,14 @@ fn a_shift_is_no_symmetry_of_a_closed_world() {
 
 /// Ground without depressions or ties: down to a pit by the shortest way over the grid and its rings, on rough ground. Ties go
 /// to the first neighbour clockwise from north, as the rule of `drainage` says, and would tell directions apart.
-fn funnel(shape: (usize, usize), rim: Rim, processes: &[Scheduled]) -> World {
+fn funnel(shape: (usize, usize), rim: Boundary, processes: &[Scheduled]) -> World {
     let mut world = random_world(shape, rim, 5, processes, &|_, u| u).unwrap();
     world.grid.cell_y_m = world.grid.cell_x_m;
     // The pit lies under water, so that it is no depression, and nothing else does.
     world.sea_level_m = 2.0;
-    let away = |i: usize, pit: usize, n: usize, edge: Edge| {
+    let away = |i: usize, pit: usize, n: usize, edge: BoundaryCondition| {
         let d = i.abs_diff(pit);
-        if edge == Edge::Wrap { d.min(n - d) as f32 } else { d as f32 }
+        if edge == BoundaryCondition::Wrap { d.min(n - d) as f32 } else { d as f32 }
     };
     let (w, h) = shape;
     let height = &mut world.layer_mut("height").unwrap().field;
@@ -245,7 +245,7 @@ fn no_river_prefers_a_direction() {
 /// Where several ways are equally steep, the first clockwise from north is taken, whatever the world's turn.
 #[test]
 fn ties_go_clockwise_from_north() {
-    let grid = Grid::new(3, 3, 1.0, Rim::OPEN, &Limits::default()).unwrap();
+    let grid = Grid::new(3, 3, 1.0, Boundary::OPEN, &Limits::default()).unwrap();
     let receiver = |z: [f32; 9]| {
         let out: Vec<bool> = (0..9).map(|i| i != 4).collect();
         Routing::new(&z, &grid, &out, &Control::none()).unwrap().receiver(4)

@@ -11,7 +11,7 @@ use eyot_core::real::Real;
 use eyot_core::reference::Reference;
 use eyot_core::rng::{self, Key};
 use eyot_core::rule::{Cell, ParamSet, Read, Rule, read};
-use eyot_core::{Edge, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, BoundaryCondition, Field, Grid, Limits, World};
 use eyot_land::simulate::Thermal;
 use eyot_land::simulate::thermal::SlumpParams;
 
@@ -25,7 +25,7 @@ fn world(grid: Grid, height: impl Fn(usize, usize) -> f32) -> World {
     w
 }
 
-fn grid(width: usize, height: usize, cell_m: f64, rim: Rim) -> Grid {
+fn grid(width: usize, height: usize, cell_m: f64, rim: Boundary) -> Grid {
     Grid::new(width, height, cell_m, rim, &Limits::default()).unwrap()
 }
 
@@ -78,7 +78,7 @@ const VOLUME: f64 = 10_000.0;
 const TALUS: f64 = 33.0;
 
 fn pile(n: usize) -> World {
-    world(grid(n, n, 1.0, Rim::CLOSED), |x, y| if (x, y) == (n / 2, n / 2) { VOLUME as f32 } else { 0.0 })
+    world(grid(n, n, 1.0, Boundary::CLOSED), |x, y| if (x, y) == (n / 2, n / 2) { VOLUME as f32 } else { 0.0 })
 }
 
 /// Checks that `h`, by distance from the centre in cells along both axes, is a cone at the talus angle.
@@ -155,7 +155,7 @@ fn four_neighbours_do_not_pass() {
 
 #[test]
 fn cells_that_are_not_square_slump_to_the_same_angle() {
-    let g = Grid { cell_y_m: 3.0, ..grid(65, 65, 2.0, Rim::CLOSED) };
+    let g = Grid { cell_y_m: 3.0, ..grid(65, 65, 2.0, Boundary::CLOSED) };
     let mut w = world(g, |x, y| if (x, y) == (32, 32) { 2_000.0 } else { 0.0 });
     run(&mut w, &thermal(), 4000);
     let h = w.get("height").unwrap();
@@ -175,8 +175,13 @@ fn cells_that_are_not_square_slump_to_the_same_angle() {
 
 // ---------------------------------------------------------------------------------------------------------------- T3
 
-fn rims() -> [Rim; 4] {
-    [Rim::CLOSED, Rim::OPEN, Rim::WRAP, Rim { x: Edge::Wrap, y: Edge::Open }]
+fn rims() -> [Boundary; 4] {
+    [
+        Boundary::CLOSED,
+        Boundary::OPEN,
+        Boundary::WRAP,
+        Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Open },
+    ]
 }
 
 #[test]
@@ -188,7 +193,7 @@ fn what_is_stable_stays_to_the_bit() {
         for (name, w) in
             [("cone", world(grid(41, 33, 1.0, rim), cone)), ("noise", world(grid(41, 33, 1.0, rim), rough))]
         {
-            if rim.x == Edge::Wrap && name == "cone" {
+            if rim.x == BoundaryCondition::Wrap && name == "cone" {
                 continue; // Its flanks would meet as cliffs.
             }
             let mut after = w.clone();
@@ -224,7 +229,7 @@ fn every_form_conserves_ground() {
 #[test]
 fn the_inverted_form_flattens_flats() {
     for rate in [0.5, 1.0] {
-        let mut w = world(grid(40, 30, 1.0, Rim::CLOSED), |x, y| 0.5 * noise(x, y));
+        let mut w = world(grid(40, 30, 1.0, Boundary::CLOSED), |x, y| 0.5 * noise(x, y));
         let deviation = |w: &World| {
             let h = w.get("height").unwrap();
             let mean = h.sum() / 1200.0;
@@ -251,7 +256,7 @@ fn the_inverted_form_leaves_cliffs_to_the_bit() {
     let terraces = |x: usize, y: usize| 5.0 * ((x / 7) as f32 + (y / 6) as f32);
     let random = |x: usize, y: usize| 2.0 * (3.0 * noise(x, y)).floor() + 1000.0;
     let before = |kind| {
-        world(grid(35, 30, 1.0, Rim::CLOSED), |x, y| match kind {
+        world(grid(35, 30, 1.0, Boundary::CLOSED), |x, y| match kind {
             "ramp" => ramp(x, y),
             "terraces" => terraces(x, y),
             _ => random(x, y),

@@ -63,7 +63,7 @@ pub struct Serving {
 }
 
 /// What the threads of server and run share.
-struct Desk {
+struct ServerState {
     /// How orders reach the run, once it is there.
     remote: OnceLock<Remote>,
     /// Clients to wait for, and those that are here.
@@ -100,7 +100,7 @@ impl Serving {
         start: impl FnOnce(RunOptions) -> Result<Handle, RunError>,
     ) -> Result<Self, RunError> {
         let (sender, events) = channel();
-        let desk = Arc::new(Desk {
+        let state = Arc::new(ServerState {
             remote: OnceLock::new(),
             wait: options.wait,
             here: AtomicUsize::new(0),
@@ -108,7 +108,7 @@ impl Serving {
             paused_by: AtomicU64::new(0),
             events: Mutex::new(sender),
         });
-        let theirs = desk.clone();
+        let theirs = state.clone();
         let server = Server::bind(options.server.clone(), move |notice| theirs.hear(notice)).map_err(|e| {
             let help = match e {
                 crate::Error::Public(_) => remedy!["to let other machines connect, add ", Setting::Public],
@@ -131,14 +131,14 @@ impl Serving {
         let handle = start(run)?;
         let remote = handle.remote();
         let address = server.address();
-        desk.tell(Event::Serving { url: format!("ws://{address}/"), port: address.port() });
+        state.tell(Event::Serving { url: format!("ws://{address}/"), port: address.port() });
         // It is set here only.
-        let _ = desk.remote.set(remote.clone());
-        desk.begin_if_complete();
+        let _ = state.remote.set(remote.clone());
+        state.begin_if_complete();
         let theirs = server.clone();
         let run = std::thread::Builder::new()
             .name("eyot-events".to_owned())
-            .spawn(move || pass_on(handle, &desk, &theirs))
+            .spawn(move || pass_on(handle, &state, &theirs))
             .map_err(|e| RunError::Threads { threads: 1, reason: e.to_string() })?;
         Ok(Self { server, remote, events, run })
     }
@@ -176,11 +176,11 @@ impl Serving {
 }
 
 /// Passes the events of a run on, and tells clients what they mean to them.
-fn pass_on(handle: Handle, desk: &Desk, server: &Server) -> Result<Outcome, RunError> {
+fn pass_on(handle: Handle, state: &ServerState, server: &Server) -> Result<Outcome, RunError> {
     let mut ended = false;
     for event in handle.events() {
         match &event {
-            Event::Paused { .. } if !desk.waits.load(Ordering::Acquire) => server.status(Status::Paused),
+            Event::Paused { .. } if !state.waits.load(Ordering::Acquire) => server.status(Status::Paused),
             Event::Resumed => server.status(Status::Runs),
             Event::Writing { .. } => server.status(Status::Writes),
             // Messages name files of this machine, which are none of the clients' business.
@@ -190,18 +190,18 @@ fn pass_on(handle: Handle, desk: &Desk, server: &Server) -> Result<Outcome, RunE
             _ => {}
         }
         ended |= event.is_last();
-        desk.tell(event);
+        state.tell(event);
     }
     let outcome = handle.join();
     if !ended {
         server.end(Ending::Failed, "the run failed");
         let message = outcome.as_ref().err().map_or_else(String::new, ToString::to_string);
-        desk.tell(Event::Failed { message: message.into(), help: None });
+        state.tell(Event::Failed { message: message.into(), help: None });
     }
     outcome
 }
 
-impl Desk {
+impl ServerState {
     fn tell(&self, event: Event) {
         // Whoever started the run may have gone; it goes on.
         let _ = self.events.lock().unwrap_or_else(PoisonError::into_inner).send(event);

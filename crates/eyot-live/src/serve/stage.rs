@@ -6,7 +6,7 @@ use eyot_core::component::Table;
 use eyot_core::process::parameters_from;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
-use eyot_core::{Cancel, Limits, Stagger, World};
+use eyot_core::{Cancel, Centering, Limits, World};
 use eyot_recipe::{Recipe, Work, layers};
 use eyot_reef::bodies::Shape;
 use eyot_reef::community::{Form, Population, RAYS};
@@ -126,10 +126,10 @@ pub(super) fn hello(recipe: &Recipe, options: &ServeOptions, limits: &Limits) ->
             name: name.clone(),
             unit: spec.unit.into_owned(),
             range: [spec.range.0, spec.range.1],
-            stagger: match spec.stagger {
-                Stagger::Cell => 0,
-                Stagger::FaceX => 1,
-                Stagger::FaceY => 2,
+            stagger: match spec.centering {
+                Centering::Cell => 0,
+                Centering::FaceX => 1,
+                Centering::FaceY => 2,
             },
         });
     }

@@ -28,7 +28,7 @@ impl Default for MeshingOptions {
 }
 
 /// More would carry a change farther than into the next block.
-const MOST_ROUNDS: u32 = 7;
+const MAX_ROUNDS: u32 = 7;
 /// Cosine of the angle by which a field's gradient may differ from the normal of the triangles around: 32 degrees. A
 /// cylinder of a radius of one voxel stays below it, a right-angled edge is above.
 const AGREED: f32 = 0.85;
@@ -332,7 +332,7 @@ impl Surface {
             parts.extend(source.map(|s| (begin..home.len(), s.1)));
             blocks.push((b, begin..home.len(), is_moving[b]));
         }
-        let rounds = rounds.min(MOST_ROUNDS);
+        let rounds = rounds.min(MAX_ROUNDS);
         let net = Net::new(parts, home, if rounds > 0 { &indices } else { &[] }, self.lattice.voxel());
         let vertices = if rounds > 0 { net.relaxed(rounds) } else { net.unmoved() };
         Ok(Moved { blocks, vertices, indices })

@@ -19,7 +19,7 @@ use super::worley::Cells;
 use super::{Basis, Noise};
 use eyot_core::real::{Bits, Real};
 use eyot_core::rng::mix64;
-use eyot_core::{Edge, Grid};
+use eyot_core::{BoundaryCondition, Grid};
 
 /// Noise on one kind of lattice, not yet scaled to -1..=1.
 pub(super) trait Kernel {
@@ -106,7 +106,7 @@ impl Octave {
         let key = mix64(mix64(noise.seed) ^ u64::from(index));
         let offset = mix64(key);
         let (m, torus) = match (grid.rim.x, grid.rim.y) {
-            (Edge::Wrap, _) | (_, Edge::Wrap) => {
+            (BoundaryCondition::Wrap, _) | (_, BoundaryCondition::Wrap) => {
                 let (m, torus) = periodic(lattice, grid, size_m, index);
                 (m, Some(torus))
             }
@@ -168,8 +168,8 @@ impl Octave {
     /// Column and row of a lattice point, as [`hash`] takes them.
     #[inline(always)]
     pub(super) fn hash_legs<R: Real>(&self, origin: [u32; 2], iu: R, iv: R) -> (R::Bits, R::Bits) {
-        let column = iu.whole().mul(R::Bits::of(COLUMN));
-        let row = iv.whole().mul(R::Bits::of(ROW));
+        let column = iu.to_int_bits().mul(R::Bits::of(COLUMN));
+        let row = iv.to_int_bits().mul(R::Bits::of(ROW));
         (
             column.add(R::Bits::of(origin[0].wrapping_mul(COLUMN).wrapping_add(self.key[0]))),
             row.add(R::Bits::of(origin[1].wrapping_mul(ROW).wrapping_add(self.key[1]))),
@@ -237,7 +237,7 @@ fn periodic(lattice: Lattice, grid: &Grid, size_m: f64, index: u32) -> (Matrix, 
     ];
     let turns = &TURNS[usize::from(lattice == Lattice::Triangles)];
     let (w, h) = grid.extent_m();
-    let (wrap_x, wrap_y) = (grid.rim.x == Edge::Wrap, grid.rim.y == Edge::Wrap);
+    let (wrap_x, wrap_y) = (grid.rim.x == BoundaryCondition::Wrap, grid.rim.y == BoundaryCondition::Wrap);
     let mut best = (f64::INFINITY, [1, 0], 1.0, 1.0);
     for k in 0..turns.len() {
         let turn = if k < 6 { turns[(index as usize + k) % 6] } else { turns[k] };

@@ -378,18 +378,22 @@ impl<K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool> LaneTask f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eyot_core::{Edge, Limits, Rim};
+    use eyot_core::{Boundary, BoundaryCondition, Limits};
 
     /// One period further on, on either axis, the noise is the same: seamless in value and in all slopes.
     #[test]
     fn noise_on_wrapping_rims_repeats_with_the_extent() {
-        let rims = [(Edge::Wrap, Edge::Wrap), (Edge::Wrap, Edge::Closed), (Edge::Open, Edge::Wrap)];
+        let rims = [
+            (BoundaryCondition::Wrap, BoundaryCondition::Wrap),
+            (BoundaryCondition::Wrap, BoundaryCondition::Closed),
+            (BoundaryCondition::Open, BoundaryCondition::Wrap),
+        ];
         let mut worst = 0.0f32;
         for (x, y) in rims {
             for (w, h, cell_y_m) in
                 [(64usize, 64usize, 10.0), (96, 32, 10.0), (32, 160, 7.0), (512, 16, 10.0), (16, 16, 3.0)]
             {
-                let grid = Grid { width: w, height: h, cell_x_m: 10.0, cell_y_m, rim: Rim { x, y } };
+                let grid = Grid { width: w, height: h, cell_x_m: 10.0, cell_y_m, rim: Boundary { x, y } };
                 let grid = grid.checked(&Limits::default()).unwrap();
                 for basis in [Basis::Simplex, Basis::Perlin, Basis::Value, Basis::WorleyF1, Basis::WorleyF2] {
                     for (scale_m, sum) in
@@ -404,8 +408,10 @@ mod tests {
                                 out
                             };
                             let here = at(0, row);
-                            let there =
-                                at(if x == Edge::Wrap { w } else { 0 }, if y == Edge::Wrap { row + h } else { row });
+                            let there = at(
+                                if x == BoundaryCondition::Wrap { w } else { 0 },
+                                if y == BoundaryCondition::Wrap { row + h } else { row },
+                            );
                             for (a, b) in here.as_flattened().iter().zip(there.as_flattened()) {
                                 worst = worst.max((a - b).abs());
                             }

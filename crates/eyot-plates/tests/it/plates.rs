@@ -1,15 +1,15 @@
 //! Plates as a library: robust, exact, deterministic, and shaped as a world should be.
 
-use eyot_core::{Edge, Grid, Limits, Rim};
+use eyot_core::{Boundary, BoundaryCondition, Grid, Limits};
 use eyot_plates::crust::CONTINENTAL_M;
 use eyot_plates::{Plates, Start, Tectonics, hypsometry};
 use rayon::prelude::*;
 
-fn grid(w: usize, h: usize, rim: Rim) -> Grid {
+fn grid(w: usize, h: usize, rim: Boundary) -> Grid {
     Grid::new(w, h, (4e7 / w as f64).min(1e6), rim, &Limits::default()).unwrap()
 }
 
-const CYLINDER: Rim = Rim { x: Edge::Wrap, y: Edge::Closed };
+const CYLINDER: Boundary = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed };
 
 fn new(g: &Grid, seed: u64, p: &Tectonics) -> Plates {
     Plates::new(g, seed, p.clone(), Start::Noise).unwrap()
@@ -50,7 +50,7 @@ fn state(p: &Plates) -> (Vec<u32>, Vec<u8>, Vec<u32>, Vec<u64>) {
 #[test]
 fn two_hundred_seeds_neither_crash_nor_stall_and_keep_their_land() {
     (0..200u64).into_par_iter().for_each(|seed| {
-        let rim = [Rim::WRAP, CYLINDER, Rim::CLOSED, Rim::OPEN][seed as usize % 4];
+        let rim = [Boundary::WRAP, CYLINDER, Boundary::CLOSED, Boundary::OPEN][seed as usize % 4];
         let p =
             Tectonics { count: 2 + (seed % 29) as u32, land: 0.1 + 0.1 * (seed % 6) as f32, ..Tectonics::default() };
         let (w, h) = [(64, 32), (48, 48), (37, 53), (80, 20), (128, 64)][seed as usize / 4 % 5];
@@ -65,7 +65,7 @@ fn two_hundred_seeds_neither_crash_nor_stall_and_keep_their_land() {
                 assert!(plates.crust_m().all(|c| c >= 0.0), "seed {seed}");
                 // Over open rims continents leave for good.
                 let off = land(&plates) - f64::from(p.land);
-                assert!(rim == Rim::OPEN || off.abs() < 0.03, "seed {seed}: {off} in step {step} of part {part}");
+                assert!(rim == Boundary::OPEN || off.abs() < 0.03, "seed {seed}: {off} in step {step} of part {part}");
             }
             assert!(plates.budget().ridges > before, "seed {seed} stands still in part {part}");
         }
@@ -73,7 +73,7 @@ fn two_hundred_seeds_neither_crash_nor_stall_and_keep_their_land() {
         assert_eq!(plates.crust_units(), plates.budget().net(), "seed {seed}");
         assert!(plates.crust_m().all(|c| (0.0..=100_000.0).contains(&c)), "seed {seed}");
         assert!(plates.height().iter().all(|h| h.is_finite()), "seed {seed}");
-        if rim != Rim::OPEN {
+        if rim != Boundary::OPEN {
             // The level does not hide that the continents are gone.
             let kept = continental(&plates) / f64::from(p.land);
             assert!(kept > 0.85, "seed {seed}: {kept}");
@@ -89,7 +89,7 @@ fn two_hundred_seeds_neither_crash_nor_stall_and_keep_their_land() {
 #[test]
 fn tiny_grids_work() {
     for (w, h) in [(1, 1), (1, 7), (7, 1), (2, 2), (3, 5)] {
-        for rim in [Rim::WRAP, Rim::CLOSED, Rim::OPEN, CYLINDER] {
+        for rim in [Boundary::WRAP, Boundary::CLOSED, Boundary::OPEN, CYLINDER] {
             let p = run(&grid(w, h, rim), 3, &Tectonics::default(), 40);
             assert_eq!(p.crust_units(), p.budget().net(), "{w} x {h}");
         }
@@ -99,7 +99,7 @@ fn tiny_grids_work() {
 #[test]
 fn land_keeps_its_share() {
     for (seed, wanted) in [(1, 0.3), (2, 0.15), (3, 0.5), (4, 0.3)] {
-        let g = grid(128, 64, if seed < 4 { CYLINDER } else { Rim::WRAP });
+        let g = grid(128, 64, if seed < 4 { CYLINDER } else { Boundary::WRAP });
         let mut p = new(&g, seed, &Tectonics { land: wanted, ..Tectonics::default() });
         let mut worst = 0.0f64;
         for _ in 0..310 {
@@ -185,7 +185,7 @@ fn a_broken_continent_looks_like_one() {
 
 #[test]
 fn crust_is_accounted_for() {
-    let mut p = new(&grid(96, 64, Rim::WRAP), 5, &Tectonics::default());
+    let mut p = new(&grid(96, 64, Boundary::WRAP), 5, &Tectonics::default());
     for _ in 0..100 {
         p.step();
         assert_eq!(p.crust_units(), p.budget().net());
@@ -193,7 +193,7 @@ fn crust_is_accounted_for() {
     let b = *p.budget();
     assert!(b.ridges > 0 && b.subducted > 0 && b.arcs > 0 && b.left == 0, "{b:?}");
     assert!(b.arcs < b.subducted, "volcanoes bring up a part of what sank: {b:?}");
-    let open = run(&grid(96, 64, Rim::OPEN), 5, &Tectonics::default(), 60);
+    let open = run(&grid(96, 64, Boundary::OPEN), 5, &Tectonics::default(), 60);
     assert!(open.budget().left > 0);
 }
 
@@ -225,7 +225,7 @@ fn what_others_did_survives_a_step() {
 
 #[test]
 fn threads_change_nothing() {
-    let g = grid(128, 96, Rim::WRAP);
+    let g = grid(128, 96, Boundary::WRAP);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| state(&run(&g, 4, &Tectonics::default(), 60)))
@@ -266,7 +266,7 @@ fn halves(field: &[f32], w: usize, h: usize, vertical: bool) -> f64 {
 fn the_start_does_not_repeat() {
     let (mut most, mut mean) = (0.0f64, 0.0);
     for seed in 0..12 {
-        let p = new(&grid(96, 96, Rim::WRAP), seed, &Tectonics::default());
+        let p = new(&grid(96, 96, Boundary::WRAP), seed, &Tectonics::default());
         for vertical in [false, true] {
             let c = halves(p.height(), 96, 96, vertical);
             most = most.max(c);
@@ -285,7 +285,7 @@ fn the_start_does_not_repeat() {
 #[test]
 fn a_torus_has_no_special_place() {
     let (w, h) = (64, 48);
-    let g = grid(w, h, Rim::WRAP);
+    let g = grid(w, h, Boundary::WRAP);
     // Volcanoes stand on a lattice that belongs to the plate's place at its birth.
     let p = Tectonics { arcs: 0.0, ..Tectonics::default() };
     let first = run(&g, 9, &p, 8);
@@ -452,13 +452,13 @@ fn restarts_by_hand_and_any_number_of_plates_work() {
 
 #[test]
 fn what_cannot_work_is_refused_by_name() {
-    let small = Grid::new(64, 64, 1000.0, Rim::WRAP, &Limits::default()).unwrap();
+    let small = Grid::new(64, 64, 1000.0, Boundary::WRAP, &Limits::default()).unwrap();
     let said = |g: &Grid, p: Tectonics| Plates::new(g, 1, p, Start::Noise).err().unwrap().to_string();
     let text = said(&small, Tectonics::default());
     assert!(text.contains("plates.years_per_step") && text.contains("320000 at most"), "{text}");
     let text = said(&small, Tectonics { years_per_step: 1e5, speed: 0.01, erosion: 10_000.0, ..Tectonics::default() });
     assert!(text.contains("plates.erosion"), "{text}");
-    let g = grid(16, 16, Rim::WRAP);
+    let g = grid(16, 16, Boundary::WRAP);
     assert!(said(&g, Tectonics { count: 1, ..Tectonics::default() }).contains("plates.count"));
     assert!(said(&g, Tectonics { speed: f32::NAN, ..Tectonics::default() }).contains("plates.speed"));
     let bad = Plates::new(&g, 1, Tectonics::default(), Start::Height(&[f32::NAN; 256]));

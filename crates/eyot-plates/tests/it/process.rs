@@ -1,12 +1,14 @@
 //! Plates as a process: in step with others, through checkpoints, with a ledger.
 
 use eyot_core::engine::CpuEngine;
-use eyot_core::process::{Action, ActionInstance, Moment, Process, Scheduled, Span};
-use eyot_core::{Cancel, Control, Edge, Field, Grid, Limits, Result, Rim, World, layer::known::HEIGHT};
+use eyot_core::process::{Action, ActionInstance, Locality, Moment, Process, Scheduled, Span};
+use eyot_core::{
+    Boundary, BoundaryCondition, Cancel, Control, Field, Grid, Limits, Result, World, layer::known::HEIGHT,
+};
 use eyot_plates::{Drift, Tectonics, report};
 
 fn world() -> World {
-    let rim = Rim { x: Edge::Wrap, y: Edge::Closed };
+    let rim = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed };
     World::new(Grid::new(96, 48, 4e7 / 96.0, rim, &Limits::default()).unwrap(), 11)
 }
 
@@ -27,6 +29,10 @@ impl Process for Wear {
 impl Action for Wear {
     fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
         Ok(Box::new(self.clone()))
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Cell
     }
 
     fn bytes_per_cell(&self) -> usize {
@@ -73,6 +79,15 @@ fn balance(world: &World) {
     let volume = world.layer("crust").unwrap().field.sum() * world.grid.cell_area_m2();
     let net = world.ledger.net("crust");
     assert!((volume - net).abs() < 1e-9 * volume, "{volume} {net}");
+}
+
+#[test]
+fn plates_keep_to_the_layers_that_they_declare() {
+    let mut world = world();
+    simulate(&mut world, 0, 3);
+    let drift = Scheduled { name: "plates", process: Box::new(Drift::new(Tectonics::default())), every: 1 };
+    assert_eq!(drift.process.action().map(|a| a.locality()), Some(Locality::Whole));
+    eyot_core::conformance::check_access_in(&world, &[drift]).unwrap();
 }
 
 #[test]
@@ -189,6 +204,10 @@ impl Process for Pile {
 impl Action for Pile {
     fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
         Ok(Box::new(self.clone()))
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Whole
     }
 
     fn bytes_per_cell(&self) -> usize {

@@ -12,7 +12,7 @@ use crate::set;
 use eyot_core::process::{Parameters, schema_of};
 use eyot_core::remedy;
 use eyot_core::remedy::{Setting, Worded};
-use eyot_core::{Error, Georeference, Grid, LayerSpec, Limits, Rim};
+use eyot_core::{Boundary, Error, Georeference, Grid, LayerSpec, Limits};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
@@ -181,9 +181,9 @@ impl Validator<'_> {
             (dx, dy) = (ex / w as f64, ey / h as f64);
         }
         let rim = match keys.rim {
-            None => Rim::CLOSED,
-            Some(Edges::One(e)) => Rim::both(e),
-            Some(Edges::Two([x, y])) => Rim { x, y },
+            None => Boundary::CLOSED,
+            Some(Edges::One(e)) => Boundary::both(e),
+            Some(Edges::Two([x, y])) => Boundary { x, y },
         };
         match (Grid { width: w, height: h, cell_x_m: dx, cell_y_m: dy, rim }).checked(self.limits) {
             Ok(grid) => {

@@ -11,8 +11,8 @@ use eyot_core::LayerSpec;
 use eyot_core::process::{Parameters, schema_of};
 use eyot_core::remedy;
 use eyot_core::remedy::{Action, Remedy};
-use eyot_rules::{
-    DeclaredLayer, Known, LayerDefinition, Mistake, Part, Problem, RuleDefinition, Scope, TextRule, functions,
+use eyot_expr::{
+    DeclaredLayer, Known, LayerDefinition, ParseError, Part, Problem, RuleDefinition, Scope, TextRule, functions,
 };
 use serde_json::json;
 use std::borrow::Cow;
@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// Most of the recipe's own layers and rules together.
-const MOST: usize = 64;
+const MAX: usize = 64;
 
 /// A layer or rule of the recipe's own.
 pub(super) struct Own {
@@ -50,8 +50,8 @@ impl Validator<'_> {
                 continue;
             };
             for item in items {
-                if self.own.len() == MOST {
-                    let message = format!("a recipe has at most {MOST} layers and rules of its own");
+                if self.own.len() == MAX {
+                    let message = format!("a recipe has at most {MAX} layers and rules of its own");
                     self.out.push(Diagnostic::at(item.span.clone(), message, "one too many"));
                     return;
                 }
@@ -87,7 +87,7 @@ impl Validator<'_> {
             Amount::Number(n) => check::number(*n),
         };
         if let (Some(unit), Some(node)) = (&keys.unit, item.get("unit"))
-            && let Err(mistake) = eyot_rules::check_unit(unit)
+            && let Err(mistake) = eyot_expr::check_unit(unit)
         {
             let diagnostic = self.mistaken(self.inside(node, &mistake), &mistake);
             self.out.push(diagnostic);
@@ -207,12 +207,12 @@ impl Validator<'_> {
                 None => return self.report(number, failed.get(&own.name).cloned().unwrap_or_default(), &failed),
                 Some(layer) => {
                     let values = next.iter().map(|text| (own.name.clone(), text.clone())).collect();
-                    eyot_rules::rule(&definition(values, mask), Some(&layer), &scope)
+                    eyot_expr::rule(&definition(values, mask), Some(&layer), &scope)
                 }
             },
             What::Rule(set, mask) => {
                 let values = set.iter().map(|(k, v)| (k.clone(), v.clone())).collect();
-                eyot_rules::rule(&definition(values, mask), None, &scope)
+                eyot_expr::rule(&definition(values, mask), None, &scope)
             }
         };
         match result {
@@ -235,7 +235,7 @@ impl Validator<'_> {
         }
         for (order, own) in self.own.iter().enumerate() {
             let What::Layer(definition, ..) = &own.what else { continue };
-            match eyot_rules::layer(definition, order, &scope) {
+            match eyot_expr::layer(definition, order, &scope) {
                 Ok(layer) => scope.layers.push(declared(layer, definition)),
                 Err(problems) => drop(failed.insert(own.name.clone(), problems)),
             }
@@ -271,7 +271,7 @@ impl Validator<'_> {
         None
     }
 
-    fn diagnostic(&self, number: usize, part: &Part, mistake: &Mistake) -> Diagnostic {
+    fn diagnostic(&self, number: usize, part: &Part, mistake: &ParseError) -> Diagnostic {
         let own = &self.own[number];
         let text = match part {
             Part::Start => own.node.get("start"),
@@ -286,11 +286,11 @@ impl Validator<'_> {
         self.mistaken(span, mistake)
     }
 
-    pub(super) fn mistaken(&self, span: Span, mistake: &Mistake) -> Diagnostic {
+    pub(super) fn mistaken(&self, span: Span, mistake: &ParseError) -> Diagnostic {
         mistaken(self.registry, span, mistake)
     }
 
-    pub(super) fn inside(&self, node: &Node, mistake: &Mistake) -> Span {
+    pub(super) fn inside(&self, node: &Node, mistake: &ParseError) -> Span {
         inside(self.sources, node, mistake)
     }
 
@@ -313,7 +313,7 @@ impl Validator<'_> {
 }
 
 /// What is wrong at this place.
-pub(crate) fn mistaken(registry: &Registry, span: Span, mistake: &Mistake) -> Diagnostic {
+pub(crate) fn mistaken(registry: &Registry, span: Span, mistake: &ParseError) -> Diagnostic {
     let diagnostic = Diagnostic::at(span, mistake.message.clone(), mistake.label.clone());
     let unknown = mistake.unknown.as_deref();
     let help = unknown.map(|(name, known)| instead(registry, name, known)).or(mistake.help.clone());
@@ -340,7 +340,7 @@ fn instead(registry: &Registry, name: &str, known: &[String]) -> Remedy {
 }
 
 /// The place of a mistake in a document. A text with escapes is shown as a whole.
-pub(crate) fn inside(sources: &[Source], node: &Node, mistake: &Mistake) -> Span {
+pub(crate) fn inside(sources: &[Source], node: &Node, mistake: &ParseError) -> Span {
     let whole = node.span.clone();
     let written = sources.get(whole.source).and_then(|s| s.text.get(whole.start..whole.end));
     let at = written.zip(node.text()).and_then(|(written, text)| written.find(text));

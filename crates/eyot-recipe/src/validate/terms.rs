@@ -6,7 +6,7 @@ use crate::node::{Key, Kind, Node};
 use crate::recipe::Actor;
 use eyot_core::Grid;
 use eyot_core::process::{Entry, Process};
-use eyot_rules::{Mistake, Obstacle, Replaced, Scope, Term, TermDefinition, Terms};
+use eyot_expr::{Obstacle, ParameterizedProcess, ParseError, Scope, Term, TermDefinition, Terms};
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ pub(crate) fn apart(actor: &Actor, table: &Node) -> (Vec<(Key, Node)>, Node) {
     let Actor::Process(entry) = actor else { return (Vec::new(), table.clone()) };
     let schema = (entry.schema)().to_value();
     let is_term = |key: &Key, value: &Node| {
-        value.text().is_some() && eyot_rules::numbers(&schema).any(|(name, _)| *name == key.name)
+        value.text().is_some() && eyot_expr::numbers(&schema).any(|(name, _)| *name == key.name)
     };
     let Kind::Table(entries) = &table.kind else { return (Vec::new(), table.clone()) };
     let (texts, rest) = entries.iter().cloned().partition(|(key, value)| is_term(key, value));
@@ -31,7 +31,7 @@ pub(crate) fn check(
     kept: impl IntoIterator<Item = Arc<Term>>,
     scope: &Scope,
     grid: Option<&Grid>,
-    say: &dyn Fn(&Node, &Mistake) -> Diagnostic,
+    say: &dyn Fn(&Node, &ParseError) -> Diagnostic,
 ) -> Result<Arc<Terms>, Vec<Diagnostic>> {
     let mut list: Vec<Arc<Term>> = kept.into_iter().collect();
     let Some((_, first)) = texts.first() else { return Ok(Terms::new(list)) };
@@ -45,10 +45,10 @@ pub(crate) fn check(
     let schema = (entry.schema)().to_value();
     let mut out = Vec::new();
     for (key, value) in texts {
-        let (unit, range) = eyot_rules::of_schema(&schema["properties"][&key.name]);
+        let (unit, range) = eyot_expr::of_schema(&schema["properties"][&key.name]);
         let (process, parameter) = (entry.name.to_owned(), key.name.clone());
         let text = value.text().unwrap_or_default().to_owned();
-        match eyot_rules::term(&TermDefinition { process, parameter, unit, range, text }, scope) {
+        match eyot_expr::term(&TermDefinition { process, parameter, unit, range, text }, scope) {
             Ok(term) => list.push(Arc::new(term)),
             Err(mistake) => out.push(say(value, &mistake)),
         }
@@ -58,11 +58,11 @@ pub(crate) fn check(
     }
     let terms = Terms::new(list);
     let Some(grid) = grid else { return Ok(terms) };
-    let replaced = Replaced::new(entry, parameters.clone(), Arc::clone(&terms)).map_err(unfit)?;
+    let replaced = ParameterizedProcess::new(entry, parameters.clone(), Arc::clone(&terms)).map_err(unfit)?;
     let Some((parameter, obstacle)) = replaced.obstacle(grid) else { return Ok(terms) };
     let place = texts.iter().find(|(k, _)| k.name == parameter).map_or(first, |(_, value)| value);
     let message = format!("`{}.{parameter}` cannot differ from cell to cell: {obstacle}", entry.name);
-    let possible = Replaced::possible(entry);
+    let possible = ParameterizedProcess::possible(entry);
     let help = match (&obstacle, possible.is_empty()) {
         (Obstacle::Limit(_), _) => "read fewer layers, or compute a part of it in a [[rule]] before".to_owned(),
         (_, true) => "an expression of `steps` and `sea_level` alone works".to_owned(),
@@ -87,7 +87,7 @@ impl Validator<'_> {
         let Actor::Process(entry) = actor else { return Some(Arc::default()) };
         let before = self.out.len();
         let grid = self.grid.filter(|_| acts);
-        let say = |node: &Node, mistake: &Mistake| self.mistaken(self.inside(node, mistake), mistake);
+        let say = |node: &Node, mistake: &ParseError| self.mistaken(self.inside(node, mistake), mistake);
         let terms = match check(entry, parameters, texts, [], scope, grid.as_ref(), &say) {
             Ok(terms) => terms,
             Err(problems) => {
@@ -98,7 +98,7 @@ impl Validator<'_> {
         if grid.is_none() || texts.is_empty() {
             return Some(terms);
         }
-        let replaced = Replaced::new(entry, parameters.clone(), Arc::clone(&terms)).ok()?;
+        let replaced = ParameterizedProcess::new(entry, parameters.clone(), Arc::clone(&terms)).ok()?;
         for need in Process::needs(&replaced) {
             if !self.layers.iter().any(|l| l == need) {
                 let place = texts.first().map(|(_, value)| value.span.clone()).unwrap_or_default();

@@ -134,7 +134,7 @@ pub struct Sculptor {
 
 const KERNEL: Kernel = Kernel::Muraki;
 /// Bodies are stretched by at most this and its inverse.
-const MOST_STRETCH: f32 = 1.8;
+const MAX_STRETCH: f32 = 1.8;
 /// Voxels that bodies reach into the ground.
 const FOOT: f32 = 0.25;
 /// Voxels over the radius of the thinnest branch.
@@ -303,7 +303,7 @@ fn fit(solid: &mut Solid, species: &Species, outline: &Outline, volume: f32) -> 
     };
     let covered = if species.body.shape.is_open() { measure::hull(solid) } else { measure::shadow(solid) };
     let has = solid.volume() as f32;
-    let within = |v: f32| if v.is_finite() { v.clamp(1.0 / MOST_STRETCH, MOST_STRETCH) } else { 1.0 };
+    let within = |v: f32| if v.is_finite() { v.clamp(1.0 / MAX_STRETCH, MAX_STRETCH) } else { 1.0 };
     let wide = within((footprint / covered).sqrt());
     let tall = within(volume / (has * wide * wide));
     for p in &mut solid.positions {

@@ -114,12 +114,12 @@ impl Plot {
 /// # Errors
 /// The kind of disturbances.
 pub(super) fn check(community: &Community, site: &Site) -> Result<()> {
-    const MOST: f64 = 100_000.0;
+    const MAX: f64 = 100_000.0;
     for (name, rules) in [("small", &community.small_disturbances), ("large", &community.large_disturbances)] {
         let events = events(community, site, rules);
-        if events > MOST {
+        if events > MAX {
             let owner = format!("community.{name}_disturbances");
-            return Err(bad(&owner, "events", format!("makes {events:.0} events a date here; {MOST} are allowed")));
+            return Err(bad(&owner, "events", format!("makes {events:.0} events a date here; {MAX} are allowed")));
         }
     }
     Ok(())

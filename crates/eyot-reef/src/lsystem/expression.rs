@@ -2,7 +2,7 @@
 //!
 //! Truth is 1, everything but 0 is true. Angles are in degrees.
 //!
-//! This is another language than that of recipes' expressions (`eyot-rules`), which has `and`, `or` and `not`, units, cells and
+//! This is another language than that of recipes' expressions (`eyot-expr`), which has `and`, `or` and `not`, units, cells and
 //! neighbours, and no chained comparisons. It stands between the signs of a word, where `+`, `-`, `/`, `&`, `^` and `!` turn the turtle,
 //! so that nothing can be cut into tokens before it is known where an expression ends: it is read as far as it goes.
 

@@ -3,15 +3,15 @@
 use eyot_core::component::{Decoder, Encoder, Numbers};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::Scheduled;
-use eyot_core::{Component, ComponentKinds, Control, Field, Grid, LayerSpec, Limits, Rim, World};
+use eyot_core::process::{Locality, Scheduled};
+use eyot_core::{Boundary, Component, ComponentKinds, Control, Field, Grid, LayerSpec, Limits, World};
 use eyot_reef::community::Population;
 use eyot_reef::corals::{CENSUS, CORALS, Corals, POPULATION, SEA, Sea};
 use serde_json::{Value, json};
 
 /// A slope from 1 to 15 m below the sea, 12 by 10 m.
 fn slope() -> World {
-    let grid = Grid::new(48, 40, 0.25, Rim::CLOSED, &Limits::default()).unwrap();
+    let grid = Grid::new(48, 40, 0.25, Boundary::CLOSED, &Limits::default()).unwrap();
     let mut world = World::new(grid, 7);
     world.put(&HEIGHT, Field::from_fn(48, 40, |x, _| -1.0 - 14.0 * x as f32 / 47.0)).unwrap();
     world
@@ -48,6 +48,18 @@ fn a_reef_goes_on_from_its_population_to_the_same_bits() {
     assert_eq!(whole.components, parts.components);
     assert_eq!(whole.fingerprint(), parts.fingerprint());
     assert!(population(&whole).colonies().len() > 20 && population(&whole).months() == 30);
+}
+
+#[test]
+fn corals_keep_to_the_layers_that_they_declare() {
+    for (world, parameters) in [(slope(), json!({})), (with_climate(slope()), json!({ "sea": "world" }))] {
+        let mut world = world;
+        months(&mut world, parameters.clone(), 6);
+        let process = (CORALS.make)(parameters).unwrap();
+        assert_eq!(process.action().map(|a| a.locality()), Some(Locality::Whole));
+        let corals = [Scheduled { name: "corals", process, every: 1 }];
+        eyot_core::conformance::check_access_in(&world, &corals).unwrap();
+    }
 }
 
 #[test]

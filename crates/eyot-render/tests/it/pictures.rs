@@ -1,14 +1,14 @@
 //! Pictures of small worlds: same bytes on any number of threads, mirror symmetry, and no world too small or too odd.
 
 use eyot_core::layer::known;
-use eyot_core::{Error, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Error, Field, Grid, Limits, World};
 use eyot_render::{
     ColourMap, MapOptions, Picture, ReliefOptions, Setting, Stage, ViewOptions, layer_map, perspective, relief,
     terrain_colours,
 };
 
 fn world(w: usize, h: usize, f: impl FnMut(usize, usize) -> f32) -> World {
-    let mut world = World::new(Grid::new(w, h, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 5);
+    let mut world = World::new(Grid::new(w, h, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 5);
     world.put(&known::HEIGHT, Field::from_fn(w, h, f)).unwrap();
     world
 }

@@ -5,7 +5,7 @@ use crate::error::RunError;
 use crate::event::{Command, Event, Progress};
 use crate::files::CHECKPOINT_FILE;
 use crate::host::{Host, Results};
-use crate::session::{Asked, Outcome, PROGRESS_TIME, Requests};
+use crate::session::{Outcome, PROGRESS_TIME, Request, Requests};
 use crate::state::State;
 use crate::stream::{StreamedWorld, Survey};
 use eyot_core::remedy;
@@ -197,12 +197,12 @@ impl Watch {
         while !self.cancel.is_raised() {
             self.inbox.try_iter().for_each(|command| self.requests.push(command));
             let refused = match self.requests.next(self.number, done) {
-                Asked::GoOn => return,
-                Asked::Stop => {
+                Request::GoOn => return,
+                Request::Stop => {
                     self.cancel.raise();
                     return;
                 }
-                Asked::Wait => {
+                Request::Wait => {
                     match self.inbox.recv_timeout(LOOK) {
                         Ok(command) => self.requests.push(command),
                         Err(RecvTimeoutError::Timeout) => {}
@@ -211,11 +211,11 @@ impl Watch {
                     }
                     continue;
                 }
-                Asked::Change(change) => format!("`{change}` was not set: no simulation is under way"),
-                Asked::Rewind(..) | Asked::Branch(..) => {
+                Request::Change(change) => format!("`{change}` was not set: no simulation is under way"),
+                Request::Rewind(..) | Request::Branch(..) => {
                     "a streamed run is not recorded: there is no way back".to_owned()
                 }
-                Asked::Snapshot => "a streamed run has no world to show before its end".to_owned(),
+                Request::Snapshot => "a streamed run has no world to show before its end".to_owned(),
             };
             self.tell(Event::Warning { message: refused.into() });
         }

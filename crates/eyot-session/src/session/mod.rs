@@ -55,7 +55,7 @@ use simulate::Simulation;
 
 pub(crate) use options::check;
 pub use options::{Budget, Outcome, SessionOptions, Status};
-pub(crate) use requests::{Asked, Requests};
+pub(crate) use requests::{Request, Requests};
 
 /// Chunks of steps aim at this long: short enough for commands, long enough to cost nothing.
 const CHUNK_TIME: Duration = Duration::from_millis(300);
@@ -354,23 +354,23 @@ impl Session {
     fn attend(&mut self, step: &Step, mut uses: Option<&mut Vec<ProcessUse>>) -> Result<Heard, RunError> {
         loop {
             match self.requests.next(step.number, self.state.done) {
-                Asked::GoOn => return Ok(Heard::GoOn),
-                Asked::Stop => return Ok(Heard::Stop),
-                Asked::Wait => {
+                Request::GoOn => return Ok(Heard::GoOn),
+                Request::Stop => return Ok(Heard::Stop),
+                Request::Wait => {
                     self.checkpoint_if_due();
                     return Ok(Heard::Wait);
                 }
-                Asked::Change(change) => self.change(step, uses.as_deref_mut(), &change),
-                Asked::Snapshot => {
+                Request::Change(change) => self.change(step, uses.as_deref_mut(), &change),
+                Request::Snapshot => {
                     self.settle();
                     let world = Arc::new(self.world.clone());
                     self.tell(Event::Snapshot { recipe_step: step.number, step: self.state.done, world });
                 }
-                Asked::Rewind(to, forget) => match self.rewind_to(to, forget) {
+                Request::Rewind(to, forget) => match self.rewind_to(to, forget) {
                     Ok(()) => return Ok(Heard::Back),
                     Err(e) => self.tell(Event::Warning { message: remedy!["the run was not set back: ", e] }),
                 },
-                Asked::Branch(from, out) => {
+                Request::Branch(from, out) => {
                     if let Err(e) = self.branch(from, &out) {
                         self.tell(Event::Warning {
                             message: remedy![format!("`{}` was not made: ", out.display()), e],

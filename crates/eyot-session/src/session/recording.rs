@@ -124,7 +124,7 @@ impl Session {
     /// To be called before the world or the processes change: frames of another future go.
     pub(super) fn go_on_from_here(&mut self) {
         let was_set_back = std::mem::take(&mut self.state.rewound);
-        self.unsee();
+        self.invalidate_view();
         let Some(recorder) = &mut self.recorder else { return };
         recorder.is_current = false;
         if was_set_back && let Err(e) = recorder.timeline.truncate(self.world.step + 1) {
@@ -149,7 +149,7 @@ impl Session {
             find(&recorder.timeline, Moment::Step(step), self.host.registry.components())?;
         recorder.is_current = true;
         self.tell_damaged(&damaged);
-        self.unsee();
+        self.invalidate_view();
         self.world = saved.world;
         self.state = State { engine: self.asked.clone(), ..state.again(&self.state.changes(), forget) };
         self.settled = self.state.done;

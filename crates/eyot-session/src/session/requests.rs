@@ -17,7 +17,7 @@ pub(crate) struct Requests {
 }
 
 /// What a session has to do next.
-pub(crate) enum Asked {
+pub(crate) enum Request {
     /// Its own work.
     GoOn,
     /// End here.
@@ -54,14 +54,14 @@ impl Requests {
     }
 
     /// What is to be done now, after `step` steps of the recipe's step `number`.
-    pub(crate) fn next(&mut self, number: usize, step: u64) -> Asked {
+    pub(crate) fn next(&mut self, number: usize, step: u64) -> Request {
         loop {
             let waits = self.allowance == Some(0);
             if waits && !std::mem::replace(&mut self.told, true) {
                 self.events.tell(Event::Paused { recipe_step: number, step });
             }
             let Some(command) = self.queue.pop_front() else {
-                return if waits { Asked::Wait } else { Asked::GoOn };
+                return if waits { Request::Wait } else { Request::GoOn };
             };
             match command {
                 Command::Pause => {
@@ -76,11 +76,11 @@ impl Requests {
                     self.allowance = Some(n);
                     self.told = false;
                 }
-                Command::Change(change) => return Asked::Change(change),
-                Command::Snapshot => return Asked::Snapshot,
-                Command::Rewind { step, forget } => return Asked::Rewind(step, forget),
-                Command::Branch { step, out } => return Asked::Branch(step, out),
-                Command::Stop => return Asked::Stop,
+                Command::Change(change) => return Request::Change(change),
+                Command::Snapshot => return Request::Snapshot,
+                Command::Rewind { step, forget } => return Request::Rewind(step, forget),
+                Command::Branch { step, out } => return Request::Branch(step, out),
+                Command::Stop => return Request::Stop,
             }
         }
     }

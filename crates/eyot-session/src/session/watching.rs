@@ -22,9 +22,9 @@ impl Session {
     }
 
     /// To be called before the world changes.
-    pub(super) fn unsee(&mut self) {
+    pub(super) fn invalidate_view(&mut self) {
         if let Some(watching) = &mut self.watching {
-            watching.unsee();
+            watching.invalidate_view();
         }
     }
 

@@ -18,7 +18,7 @@ struct Dent {}
 impl Generator for Dent {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
         let height = Around::new(site, Reach::Rows(1), &site.world.layer("height")?.field)?;
-        let wrap = site.grid.rim.y == eyot_core::Edge::Wrap;
+        let wrap = site.grid.rim.y == eyot_core::BoundaryCondition::Wrap;
         let (n, rows) = (site.grid.height, site.rows.clone());
         Ok(Field::from_fn(site.grid.width, rows.len(), |x, y| {
             let y = rows.start + y;

@@ -4,7 +4,7 @@ use crate::common;
 use crate::draw::{difference, keep};
 use eyot_core::layer::known;
 use eyot_core::process::{Scheduled, Span};
-use eyot_core::{Control, Field, Grid, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
 use eyot_gpu::{Gpu, GpuEngine, GpuError, Options};
 use eyot_land::simulate::Thermal;
 use eyot_land::simulate::hydraulic::Hydraulic;
@@ -28,7 +28,7 @@ fn guest(limits: wgpu::Limits) -> Option<Gpu> {
 
 /// Ridges, 200 m high, without a sea.
 fn ridges(width: usize, height: usize) -> World {
-    let mut world = World::new(Grid::new(width, height, 10.0, Rim::CLOSED, &Limits::default()).unwrap(), 5);
+    let mut world = World::new(Grid::new(width, height, 10.0, Boundary::CLOSED, &Limits::default()).unwrap(), 5);
     let field = Field::from_fn(width, height, |x, y| {
         let (x, y) = (x as f32, y as f32);
         300.0 + 60.0 * (0.09 * x).sin() * (0.07 * y).cos() + 25.0 * (0.31 * x + 0.2 * y).sin() + 0.3 * y

@@ -4,13 +4,13 @@ use crate::common;
 
 use common::gpu;
 use eyot_core::layer::known;
-use eyot_core::{Control, Field, Grid, LayerSpec, Limits, Rim, World};
+use eyot_core::{Boundary, Control, Field, Grid, LayerSpec, Limits, World};
 use eyot_gpu::{Gpu, GpuError};
 use eyot_render::{Camera, MapOptions, Picture, Setting, ViewOptions};
 use eyot_view::{Renderer, Scene};
 
 fn world(w: usize, h: usize, cell: f64, f: impl FnMut(usize, usize) -> f32) -> World {
-    let mut world = World::new(Grid::new(w, h, cell, Rim::CLOSED, &Limits::default()).unwrap(), 5);
+    let mut world = World::new(Grid::new(w, h, cell, Boundary::CLOSED, &Limits::default()).unwrap(), 5);
     world.put(&known::HEIGHT, Field::from_fn(w, h, f)).unwrap();
     world
 }

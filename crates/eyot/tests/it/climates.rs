@@ -1,7 +1,7 @@
 //! The planets of the built-in recipes have plausible climates.
 
-use eyot::climate::stats::{Planet, Zonal, planet};
 use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_climate::stats::{Planet, Zonal, planet};
 
 fn run(name: &str, set: &[&str]) -> World {
     let size = (name != "earth").then_some((128, None));
@@ -45,7 +45,7 @@ fn the_world_has_wet_tropics_dry_belts_and_cold_poles() {
     let driest = [22.5, -22.5].into_iter().filter_map(dry_land).fold(f64::MAX, f64::min);
     assert!(driest < 700.0, "{driest} mm on the land of the dry belts");
     // Plates made the continents and went on while the weather ran.
-    let plates = eyot::plates::report(&world).unwrap().unwrap();
+    let plates = eyot_plates::report(&world).unwrap().unwrap();
     assert!(plates.steps == 265 + 12 && plates.plates.len() > 4, "{plates:?}");
     assert!(plates.hypsometry.peaks_m.is_some(), "{:?}", plates.hypsometry);
     world.check_finite("the end").unwrap();
@@ -139,7 +139,7 @@ fn the_earth_has_its_climates() {
     let at = |layer: &str, north: f64, east: f64| {
         world.get(layer).unwrap().get((east + 180.0) as usize, (90.0 - north) as usize)
     };
-    let class = |number: f32| eyot::climate::zones::KOEPPEN_CLASSES[number as usize].name;
+    let class = |number: f32| eyot_climate::zones::KOEPPEN_CLASSES[number as usize].name;
     assert!(at("height", 33.0, 88.0) > 4000.0, "Tibet is where it should be");
 
     let (mut groups, mut letters) = (0, 0);

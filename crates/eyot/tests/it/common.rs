@@ -1,7 +1,7 @@
 //! What the tests of files share: recipes from text, finished runs, and their files.
 
-use eyot::io::{Raster, ReadOptions, read_raster};
 use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_io::{Raster, ReadOptions, read_raster};
 use serde_json::Value;
 use std::path::Path;
 

@@ -3,10 +3,10 @@
 use crate::common;
 
 use common::{json, raster, recipe, run};
-use eyot::convert::{ConvertOptions, convert};
-use eyot::core::CoordinateSystem;
-use eyot::io::{About, ByteOrder, RasterFormat, ReadOptions, RowOrder, Sample, WriteOptions, write_rows, write_store};
+use eyot::formats::{ConvertOptions, convert};
 use eyot::{Field, Georeference, Limits, Preset, RunError};
+use eyot_core::CoordinateSystem;
+use eyot_io::{About, ByteOrder, RasterFormat, ReadOptions, RowOrder, Sample, WriteOptions, write_rows, write_store};
 use std::path::{Path, PathBuf};
 
 const LAND: &str = "name = \"Hill\"\nseed = 7\n[grid]\nsize = [40, 30]\ncell = 20.0\n[[step]]\ngenerate = \"fbm\"\n\
@@ -221,7 +221,7 @@ fn all_layers_go_along_where_there_is_room() {
     let source = store(folder.path());
     let read = |path: &Path, layer: &str| {
         let options = ReadOptions { layer: Some(layer.to_owned()), ..ReadOptions::default() };
-        eyot::io::read_raster(path, &options, &Limits::default()).unwrap()
+        eyot_io::read_raster(path, &options, &Limits::default()).unwrap()
     };
     go(&source, &at("again.zarr"), &plain());
     go(&source, &at("all.exr"), &plain());
@@ -242,7 +242,7 @@ fn all_layers_go_along_where_there_is_room() {
     go(&source, &at("one.zarr"), &layers(&["water"]));
     assert_eq!(raster(&at("one.zarr")).name, "water");
     go(&source, &at("both.exr"), &layers(&["water", "height"]));
-    assert_eq!(eyot::io::layer_names(&at("both.exr")).unwrap(), ["height", "water"]);
+    assert_eq!(eyot_io::layer_names(&at("both.exr")).unwrap(), ["height", "water"]);
     go(&source, &at("water.tif"), &layers(&["water"]));
     assert_eq!((raster(&at("water.tif")).name, raster(&at("water.tif")).unit), ("water".to_owned(), "kg".to_owned()));
     // Files of one layer take the height; the preset of GIS takes all.
@@ -260,7 +260,7 @@ fn runs_give_all_layers_or_those_that_are_named() {
     let at = |name: &str| folder.path().join(name);
     let world = run(recipe(LAND, &[]), &at("run"));
     go(&at("run"), &at("all.zarr"), &plain());
-    assert_eq!(eyot::io::layer_names(&at("all.zarr")).unwrap(), ["height", "share"]);
+    assert_eq!(eyot_io::layer_names(&at("all.zarr")).unwrap(), ["height", "share"]);
     let root = json(&at("all.zarr/zarr.json"));
     assert_eq!((&root["attributes"]["seed"], &root["attributes"]["backend"]), (&7.into(), &"cpu".into()));
     go(&at("run"), &at("share.exr"), &layers(&["share"]));

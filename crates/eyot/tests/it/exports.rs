@@ -3,8 +3,8 @@
 use crate::common;
 
 use common::{json, parse, raster, run};
-use eyot::io::{ReadOptions, read_raster};
 use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_io::{ReadOptions, read_raster};
 use serde_json::Value;
 use std::path::Path;
 

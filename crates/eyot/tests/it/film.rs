@@ -2,16 +2,17 @@
 
 use crate::common;
 
-use eyot::core::layer::known;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Subject, Video, film};
 use eyot::{
-    Cancel, Control, Field, Grid, Limits, Record, Rim, Run, RunError, RunOptions, Timeline, View, ViewRequest, World,
+    Boundary, Cancel, Control, Field, Grid, Limits, Record, Run, RunError, RunOptions, Timeline, View, ViewRequest,
+    World,
 };
+use eyot_core::layer::known;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 fn world() -> World {
-    let mut world = World::new(Grid::new(40, 30, 20.0, Rim::CLOSED, &Limits::default()).unwrap(), 3);
+    let mut world = World::new(Grid::new(40, 30, 20.0, Boundary::CLOSED, &Limits::default()).unwrap(), 3);
     let cone = |x: usize, y: usize| 120.0 - 11.0 * (x as f32 - 22.0).hypot(y as f32 - 14.0);
     world.put(&known::HEIGHT, Field::from_fn(40, 30, cone)).unwrap();
     world

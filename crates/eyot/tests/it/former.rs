@@ -4,10 +4,10 @@
 //! `version-2-frame.eyot` is the head of the last frame (step 5) of a recording of the reef.
 
 use crate::common;
-use eyot::io::checkpoint::{self, Checkpoint};
 use eyot::timeline::Timeline;
 use eyot::{Limits, Overrides, Recipe, RecipeSource, Record, Registry, Run, RunOptions, World, component_kinds};
 use eyot_core::component::Table;
+use eyot_io::checkpoint::{self, Checkpoint};
 use eyot_plates::PlateState;
 use eyot_reef::community::Population;
 use std::path::{Path, PathBuf};

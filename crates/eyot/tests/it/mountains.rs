@@ -3,8 +3,8 @@
 //!
 //! Reference of `alps`: five measured mountain maps with cells of 30 to 93 m, and the shares of landforms of the Jacksboro map.
 
-use eyot::land::analyse::{TerrainOptions, TerrainStats, terrain_stats};
 use eyot::{Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_land::analyse::{TerrainOptions, TerrainStats, terrain_stats};
 
 /// Shares of flat, peak, ridge, shoulder, spur, slope, hollow, footslope, valley and pit on the Jacksboro map.
 const JACKSBORO: [f64; 10] = [0.0, 0.032, 0.148, 0.004, 0.174, 0.313, 0.132, 0.008, 0.151, 0.038];

@@ -3,12 +3,12 @@
 use crate::common;
 
 use common::recipe;
-use eyot::core::engine::CpuEngine;
-use eyot::core::process::{Scheduled, Span};
 use eyot::{
-    Command, Control, Edge, Event, Field, Grid, JournalEntry, Limits, Overrides, RECIPES, Recipe, RecipeSource,
-    Registry, Rim, Run, RunOptions, Work, World, store,
+    Boundary, BoundaryCondition, Command, Control, Event, Field, Grid, JournalEntry, Limits, Overrides, RECIPES,
+    Recipe, RecipeSource, Registry, Run, RunOptions, Work, World, store,
 };
+use eyot_core::engine::CpuEngine;
+use eyot_core::process::{Scheduled, Span};
 use std::path::Path;
 use std::time::Duration;
 
@@ -212,7 +212,7 @@ fn processes(name: &str) -> Vec<Scheduled> {
 
 /// Lets a pattern live for some steps on a grid of 20 x 16 without rims.
 fn live(pattern: &[&str], steps: u64) -> Vec<(usize, usize)> {
-    let grid = Grid::new(20, 16, 1.0, Rim::both(Edge::Wrap), &Limits::default()).unwrap();
+    let grid = Grid::new(20, 16, 1.0, Boundary::both(BoundaryCondition::Wrap), &Limits::default()).unwrap();
     let mut world = World::new(grid, 1);
     let play = processes("life");
     let spec = play[0].process.layers()[0].spec.clone();

@@ -3,8 +3,8 @@
 //! After a recipe was changed on purpose, `EYOT_UPDATE_GOLDENS=1 cargo test -p eyot --test it recipes` writes the goldens
 //! anew; look at the difference before it is committed.
 
-use eyot::land::analyse::{TerrainOptions, terrain_stats};
 use eyot::{Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_land::analyse::{TerrainOptions, terrain_stats};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 

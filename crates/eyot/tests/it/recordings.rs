@@ -330,12 +330,11 @@ fn a_run_resumes_from_its_last_frame_if_that_is_later_than_its_checkpoint() {
     rewind(&out, Moment::Step(60), false, &Registry::standard(), &Limits::default()).unwrap();
     let checkpoint = out.join(store::CHECKPOINT_FILE);
     let saved =
-        eyot::io::checkpoint::load(&early.join(store::CHECKPOINT_FILE), &Limits::default(), &eyot::component_kinds())
+        eyot_io::checkpoint::load(&early.join(store::CHECKPOINT_FILE), &Limits::default(), &eyot::component_kinds())
             .unwrap();
     let mut state = saved.state.clone();
     state["rewound"] = false.into();
-    let early_checkpoint =
-        || eyot::io::checkpoint::save(&checkpoint, &saved.world, &saved.recipe_toml, &state).unwrap();
+    let early_checkpoint = || eyot_io::checkpoint::save(&checkpoint, &saved.world, &saved.recipe_toml, &state).unwrap();
     early_checkpoint();
     let started = |what: &str| {
         let handle =
@@ -504,7 +503,7 @@ fn lost_frames_are_told_and_the_others_lead_back() {
 /// A frame that says of itself what no run of its recipe comes to leads nowhere.
 #[test]
 fn frames_beyond_their_run_are_refused() {
-    use eyot::io::timeline::Timeline as Store;
+    use eyot_io::timeline::Timeline as Store;
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     run(&out, Some(RECORD));

@@ -3,9 +3,9 @@
 //! Noise is no landscape: it is full of pits, its valleys lead nowhere and are as sharp as its ridges. Erosion has to drain
 //! it, and to dig where much water flows rather than everywhere.
 
-use eyot::land::analyse::{TerrainOptions, TerrainStats, terrain_stats};
-use eyot::land::drainage::{Base, FlatRule, Routing, fill, outlets};
 use eyot::{Control, Field, Grid, Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_land::analyse::{TerrainOptions, TerrainStats, terrain_stats};
+use eyot_land::drainage::{Base, FlatRule, Routing, fill, outlets};
 
 /// Hills of 25 degrees on average: about as steep as noise may be before nothing but slides happens.
 const LAND: &str = r#"

@@ -2,9 +2,9 @@
 
 use crate::stubs::{GOOD, parse, registry};
 
-use eyot::io::storage::Memory;
 use eyot::session::{Budget, Clock, Host, Session, SessionOptions, Status};
 use eyot::{Change, Command, Event, JournalEntry, Recipe, Record, Run, RunOptions};
+use eyot_io::storage::Memory;
 use std::time::{Duration, Instant};
 
 fn recipe(steps: u64) -> Recipe {
@@ -141,7 +141,7 @@ fn a_session_in_memory_is_stopped_resumed_and_set_back_without_a_disk() {
     // The recordings are the same, frame by frame.
     let pieces = |name: &&String| name.starts_with("timeline.zarr/height/");
     for name in names.iter().filter(pieces) {
-        let bytes = eyot::io::storage::read_bytes(&memory, name, 1 << 30).unwrap();
+        let bytes = eyot_io::storage::read_bytes(&memory, name, 1 << 30).unwrap();
         assert!(std::fs::read(folder.path().join(name)).unwrap() == bytes, "{name}");
     }
     assert!(names.iter().filter(pieces).count() >= 7);

@@ -1,9 +1,9 @@
 //! A generator and a process for tests, so that the tests do not depend on what the land crate holds.
 
-use eyot::core::plan::Plan;
-use eyot::core::process::{Entry, Generator, Moment, Process, Site};
-use eyot::core::{Field, Result, World};
 use eyot::{Limits, Overrides, Problems, Recipe, RecipeSource, Registry};
+use eyot_core::plan::Plan;
+use eyot_core::process::{Entry, Generator, Moment, Process, Site};
+use eyot_core::{Field, Result, World};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -80,7 +80,7 @@ impl Default for Hydraulic {
 
 impl Process for Hydraulic {
     fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
-        vec![eyot::core::layer::known::HEIGHT.changed(0.0), eyot::core::layer::known::WATER.changed(0.0)]
+        vec![eyot_core::layer::known::HEIGHT.changed(0.0), eyot_core::layer::known::WATER.changed(0.0)]
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {

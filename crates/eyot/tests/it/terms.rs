@@ -1,11 +1,11 @@
 //! Parameters of processes as expressions: what they give, where they may stand, and what is said where they may not.
 
-use eyot::core::conformance;
-use eyot::core::reference::Reference;
 use eyot::{
     Command, EngineChoice, EngineOptions, Event, JournalEntry, Limits, Overrides, Recipe, RecipeSource, Registry, Run,
     RunError, RunOptions, Work, World, describe,
 };
+use eyot_core::conformance;
+use eyot_core::reference::Reference;
 use std::path::Path;
 use std::time::Duration;
 
@@ -138,9 +138,9 @@ fn expressions_in_rules_give_what_the_reference_gives() {
         let mut world = conformance::random_world((37, 21), rim, 5, &scheduled, &start).unwrap();
         let mut reference = Reference::<f32>::new(&world);
         let mut other = world.clone();
-        let span = eyot::core::process::Span { from: 0, steps: 12 };
-        let run = |world: &mut World, s: &[eyot::core::process::Scheduled]| {
-            eyot::core::engine::CpuEngine::default().simulate(world, s, span, &eyot::Control::none()).unwrap();
+        let span = eyot_core::process::Span { from: 0, steps: 12 };
+        let run = |world: &mut World, s: &[eyot_core::process::Scheduled]| {
+            eyot_core::engine::CpuEngine::default().simulate(world, s, span, &eyot::Control::none()).unwrap();
         };
         run(&mut world, &scheduled);
         run(&mut other, &plain.schedule().unwrap());
@@ -237,7 +237,7 @@ fn matter_is_conserved_whatever_the_expression() {
             let world = end(&short, &[&set]);
             let volume = |name: &str| world.layer(name).unwrap().field.sum() * world.grid.cell_area_m2();
             for (layer, factor) in [("water", 1.0), ("ice", 1.0), ("sand", 1.0), ("humidity", AIR_WATER)] {
-                let of = |(n, _): &(&str, &eyot::core::Account)| n.starts_with(&format!("{layer}."));
+                let of = |(n, _): &(&str, &eyot_core::Account)| n.starts_with(&format!("{layer}."));
                 let turnover: f64 = world.ledger.iter().filter(of).map(|(_, a)| a.amount.abs()).sum();
                 let missing = (factor * volume(layer) - world.ledger.net(layer)).abs();
                 assert!(

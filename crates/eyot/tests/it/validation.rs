@@ -173,7 +173,7 @@ fn flags_change_the_document_before_it_is_checked() {
     )
     .unwrap();
     assert_eq!((r.seed, r.grid.cell_x_m, r.view.size), (9, 2.5, [64, 32]));
-    assert_eq!(r.grid.rim, eyot::Rim::OPEN);
+    assert_eq!(r.grid.rim, eyot::Boundary::OPEN);
     match (&r.steps[0].work, &r.steps[1].work) {
         (Work::Generate(g), Work::Simulate(s)) => {
             assert_eq!(g.parameters["height"], 400);

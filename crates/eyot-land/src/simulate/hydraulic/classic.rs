@@ -123,7 +123,7 @@ impl Rule for ClassicErode {
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 6]> {
+    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 6]> {
         let flow = match side {
             Side::West => c.here(WEST),
             Side::East => c.here(EAST),

@@ -48,7 +48,7 @@ use eyot_core::math;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
-use eyot_core::{Error, Grid, LayerSpec, Result, Stagger, given};
+use eyot_core::{Centering, Error, Grid, LayerSpec, Result, given};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -154,15 +154,15 @@ impl Default for Hydraulic {
 const FLUX: (f32, f32) = (-1e9, 1e9);
 /// Layer of the flux through eastern edges.
 pub const FLUX_X: LayerSpec =
-    face("flux_x", "Flux of water through the eastern edge, over the cell's area", Stagger::FaceX);
+    face("flux_x", "Flux of water through the eastern edge, over the cell's area", Centering::FaceX);
 /// Layer of the flux through southern edges.
 pub const FLUX_Y: LayerSpec =
-    face("flux_y", "Flux of water through the southern edge, over the cell's area", Stagger::FaceY);
+    face("flux_y", "Flux of water through the southern edge, over the cell's area", Centering::FaceY);
 /// Layer of springs.
 pub const SPRINGS: LayerSpec =
     LayerSpec::new("springs", "1", "Where springs rise, and how strong they are", (0.0, 1.0));
-const RAW_X: LayerSpec = face("raw_x", "Flux before it is limited to what is there", Stagger::FaceX);
-const RAW_Y: LayerSpec = face("raw_y", "Flux before it is limited to what is there", Stagger::FaceY);
+const RAW_X: LayerSpec = face("raw_x", "Flux before it is limited to what is there", Centering::FaceX);
+const RAW_Y: LayerSpec = face("raw_y", "Flux before it is limited to what is there", Centering::FaceY);
 const AFFORD: LayerSpec =
     LayerSpec::new("afford", "1", "Share of its raw outflow that a cell has", (0.0, 1.0)).empty_outside();
 const AFFORD_SEDIMENT: LayerSpec =
@@ -180,7 +180,7 @@ const SPEED_Y: LayerSpec = LayerSpec::new("speed_y", "m/s", "Velocity to the sou
 const fn outflow(name: &'static str, meaning: &'static str) -> LayerSpec {
     // A one-way flux of a cell that does not exist is zero: nothing flows in over the rim.
     let mut spec = LayerSpec::new(name, "m/s", meaning, (0.0, 1e9)).empty_outside();
-    spec.beyond_closed = eyot_core::Beyond::Zero;
+    spec.beyond_closed = eyot_core::GhostFill::Zero;
     spec
 }
 

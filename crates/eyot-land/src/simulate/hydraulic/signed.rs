@@ -193,7 +193,7 @@ impl Rule for Erode {
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 8]> {
+    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 8]> {
         let (flow, load) = match side {
             Side::West => negated(edge_x(c, -1)),
             Side::East => edge_x(c, 0),

@@ -9,7 +9,7 @@
 //! Locally one-dimensional splitting (Yanenko 1971); the lines by elimination (Thomas 1949), rings with one correction
 //! (Sherman and Morrison 1950).
 
-use eyot_core::{Edge, Grid};
+use eyot_core::{BoundaryCondition, Grid};
 use rayon::prelude::*;
 
 /// Columns that are solved together: their rows are read as whole cache lines.
@@ -19,7 +19,7 @@ const COLUMNS: usize = 64;
 pub(super) fn creep(z: &mut [f64], grid: &Grid, diffusion_m2: f64) {
     let (w, h) = (grid.width, grid.height);
     // Where a whole border is held, the lines along it are held too.
-    let held = |edge: Edge| usize::from(edge == Edge::Open);
+    let held = |edge: BoundaryCondition| usize::from(edge == BoundaryCondition::Open);
     let x = Line::new(w, grid.rim.x, diffusion_m2 / (grid.cell_x_m * grid.cell_x_m));
     let y = Line::new(h, grid.rim.y, diffusion_m2 / (grid.cell_y_m * grid.cell_y_m));
     let mut rows: Vec<&mut [f64]> = z.chunks_exact_mut(w).collect();
@@ -56,8 +56,8 @@ struct Line {
 
 impl Line {
     /// `None` if nothing moves along this axis.
-    fn new(cells: usize, edge: Edge, a: f64) -> Option<Self> {
-        let inner = if edge == Edge::Open { 1..cells.saturating_sub(1) } else { 0..cells };
+    fn new(cells: usize, edge: BoundaryCondition, a: f64) -> Option<Self> {
+        let inner = if edge == BoundaryCondition::Open { 1..cells.saturating_sub(1) } else { 0..cells };
         // A single cell has nobody to give to.
         if a <= 0.0 || inner.is_empty() || cells == 1 {
             return None;
@@ -67,21 +67,21 @@ impl Line {
         let a = a.min(1e6 * (n * n) as f64);
         // Pivots are `a + e`: written with `e`, long steps cancel nothing.
         let mut e = match edge {
-            Edge::Closed => 1.0,
-            Edge::Open => 1.0 + a,
+            BoundaryCondition::Closed => 1.0,
+            BoundaryCondition::Open => 1.0 + a,
             // The ring's corner entries `-a` are taken out as a rank-one matrix, which adds `a` to both ends.
-            Edge::Wrap => 1.0 + 2.0 * a,
+            BoundaryCondition::Wrap => 1.0 + 2.0 * a,
         };
         let mut pivot = Vec::with_capacity(n);
         pivot.push(1.0 / (a + e));
         for i in 1..n {
             e = 1.0 + a * e / (a + e);
-            let last = if edge == Edge::Closed { 0.0 } else { a };
-            let ring = if edge == Edge::Wrap { a } else { 0.0 };
+            let last = if edge == BoundaryCondition::Closed { 0.0 } else { a };
+            let ring = if edge == BoundaryCondition::Wrap { a } else { 0.0 };
             pivot.push(1.0 / if i + 1 == n { last + ring + e } else { a + e });
         }
         let mut line = Self { inner, a, pivot, ring: None };
-        if edge == Edge::Wrap {
+        if edge == BoundaryCondition::Wrap {
             let mut unit = vec![0.0; n];
             unit[0] = -a;
             unit[n - 1] += -a;

@@ -14,13 +14,13 @@
 //! for landscape morphology, Water Resources Research 35, 853-870. Lines by elimination, rings with one correction, as in
 //! `creep.rs`.
 
-use eyot_core::{Edge, Grid};
+use eyot_core::{BoundaryCondition, Grid};
 use rayon::prelude::*;
 
 /// `1 - (S / S_c)^2` at which `q` turns into its tangent: 0.99 of the critical slope.
 const LEAST: f64 = 0.02;
 /// Newton's method overshoots once at most and doubles the correct digits afterwards.
-const MOST_TURNS: usize = 40;
+const MAX_TURNS: usize = 40;
 /// A turn that changes no slope by more than this share of the critical one is the last.
 const SMALL: f64 = 1e-9;
 
@@ -47,8 +47,8 @@ fn transposed(z: &[f64], width: usize) -> Vec<f64> {
 
 /// Lines of cells, stored one after the other.
 struct Lines {
-    edge: Edge,
-    across: Edge,
+    edge: BoundaryCondition,
+    across: BoundaryCondition,
     /// Distance of cells along and across the lines, m.
     d: f64,
     d_across: f64,
@@ -57,12 +57,12 @@ struct Lines {
 impl Lines {
     fn creep(&self, z: &mut [f64], length: usize, diffusion_m2: f64, critical: f64) {
         let lines = z.len() / length;
-        let inner = if self.edge == Edge::Open { 1..length.saturating_sub(1) } else { 0..length };
+        let inner = if self.edge == BoundaryCondition::Open { 1..length.saturating_sub(1) } else { 0..length };
         if inner.is_empty() || length == 1 {
             return;
         }
         let before = z.to_vec();
-        let held = |line: usize| self.across == Edge::Open && (line == 0 || line + 1 == lines);
+        let held = |line: usize| self.across == BoundaryCondition::Open && (line == 0 || line + 1 == lines);
         z.par_chunks_exact_mut(length).enumerate().filter(|(line, _)| !held(*line)).for_each_init(
             || Line::new(length),
             |work, (line, z)| {
@@ -75,7 +75,7 @@ impl Lines {
     /// At the face before each cell: `1 - (S_t / S_c)^2`.
     fn room_across(&self, z: &[f64], length: usize, line: usize, critical: f64, room: &mut [f64]) {
         let lines = z.len() / length;
-        let ring = self.across == Edge::Wrap;
+        let ring = self.across == BoundaryCondition::Wrap;
         let next = if line + 1 < lines || ring { (line + 1) % lines } else { line };
         let last = if line > 0 || ring { (line + lines - 1) % lines } else { line };
         let steps = if ring { 2 } else { next - last };
@@ -120,11 +120,11 @@ impl Line {
         // Beyond this a line is level to a millionth, and rounding would take over.
         let reach = (diffusion_m2 / (lines.d * lines.d)).min(1e6 * (length * length) as f64);
         let fall = critical * lines.d;
-        for _ in 0..MOST_TURNS {
+        for _ in 0..MAX_TURNS {
             self.right[..n].copy_from_slice(&self.start[..n]);
             for face in 0..=n {
                 let at = inner.start + face;
-                if lines.edge == Edge::Closed && (face == 0 || face == n) {
+                if lines.edge == BoundaryCondition::Closed && (face == 0 || face == n) {
                     self.a[face] = 0.0;
                     continue;
                 }
@@ -141,11 +141,11 @@ impl Line {
                     self.right[face] -= rest;
                 }
             }
-            if lines.edge == Edge::Open {
+            if lines.edge == BoundaryCondition::Open {
                 self.right[0] += self.a[0] * z[inner.start - 1];
                 self.right[n - 1] += self.a[n] * z[inner.end];
             }
-            self.eliminate(n, lines.edge == Edge::Wrap);
+            self.eliminate(n, lines.edge == BoundaryCondition::Wrap);
             let change = |(z, new): (&f64, &f64)| (z - new).abs();
             let largest = z[inner.clone()].iter().zip(&self.right).map(change).fold(0.0, f64::max);
             z[inner.clone()].copy_from_slice(&self.right[..n]);

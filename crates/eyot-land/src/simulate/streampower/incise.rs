@@ -26,7 +26,7 @@ use rayon::prelude::*;
 /// Changes below this end the turns, m.
 const STILL_M: f64 = 1e-6;
 /// Each turn divides the error by a few, more for small `G`.
-const MOST_TURNS: usize = 200;
+const MAX_TURNS: usize = 200;
 
 /// Sums over the grid, m.
 pub(super) struct Cut {
@@ -57,7 +57,7 @@ impl Rivers {
     /// Heights after the step of ground at `lifted`, of which each cell keeps `share` of what is cut upstream.
     fn cut_and_deposit(&self, lifted: &[f64], share: &[f64], control: &Control<'_>) -> Result<Vec<f64>> {
         let (mut ground, mut lost, mut level) = (lifted.to_vec(), vec![0.0; lifted.len()], lifted.to_vec());
-        for _ in 0..MOST_TURNS {
+        for _ in 0..MAX_TURNS {
             control.check()?;
             lost.par_iter_mut().zip(lifted).zip(&ground).for_each(|((lost, z), h)| *lost = z - h);
             self.stack.descend(&mut lost);

@@ -13,7 +13,7 @@
 use eyot_core::math64::{exp, ln, pow};
 
 /// Newton's method doubles the correct digits in each turn; from its start a dozen reach the last one.
-const MOST_TURNS: usize = 60;
+const MAX_TURNS: usize = 60;
 
 /// How to solve the law for one exponent of the slope.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +81,7 @@ impl Law {
             (1.0 / self.n, b, 1.0, exp(-ln_b).min(1.0))
         };
         let mut power = pow(v, p - 1.0);
-        for _ in 0..MOST_TURNS {
+        for _ in 0..MAX_TURNS {
             let next = v - (v * (a + e * power) - 1.0) / (a + e * p * power);
             // Rounding ends the descent. A step that is not a number ends it too.
             if !(next < v && next >= 0.0) {

@@ -52,8 +52,8 @@ pub use heights::HEIGHT_REST;
 
 use crate::drainage::{Base, Neighbours, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Action, ActionInstance, LayerUse, Moment, Process, SECONDS_PER_YEAR, check_ranges};
-use eyot_core::{Control, Edge, Field, Grid, LayerSpec, Result, World};
+use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Process, SECONDS_PER_YEAR, check_ranges};
+use eyot_core::{BoundaryCondition, Control, Field, Grid, LayerSpec, Result, World};
 use incise::Cut;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -145,6 +145,10 @@ impl Process for Streampower {
 impl Action for Streampower {
     fn instantiate(&self, _world: &World) -> Result<Box<dyn ActionInstance>> {
         Ok(Box::new(self.clone()))
+    }
+
+    fn locality(&self) -> Locality {
+        Locality::Whole
     }
 
     fn bytes_per_cell(&self) -> usize {
@@ -261,7 +265,7 @@ struct Held {
 
 impl Held {
     fn new(grid: &Grid, outlets: &[bool], z: &[f64], sea_level_m: f64) -> Self {
-        let (open_x, open_y) = (grid.rim.x == Edge::Open, grid.rim.y == Edge::Open);
+        let (open_x, open_y) = (grid.rim.x == BoundaryCondition::Open, grid.rim.y == BoundaryCondition::Open);
         let lowest = if open_x || open_y {
             Vec::new()
         } else {

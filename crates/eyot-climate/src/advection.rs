@@ -81,15 +81,15 @@ fn crossing<R: Real>(share: R, mixing: R, here: R, next: R) -> R {
 }
 
 /// Passes of mixing by storms in a step, and the share of a difference that mixes between two neighbours in each where
-/// there are most of them, from a diffusivity in m2/s. Beyond [`MOST_PASSES`] there is less of it.
+/// there are most of them, from a diffusivity in m2/s. Beyond [`MAX_PASSES`] there is less of it.
 pub(crate) fn storms(grid: &Grid, diffusivity: f32) -> (usize, f32) {
     let cell = grid.cell_x_m.min(grid.cell_y_m);
     let wanted = f64::from(diffusivity) * 3600.0 * hours_per_step(grid) / (cell * cell);
-    let passes = (wanted / MOST_SHARE).ceil().min(MOST_PASSES);
-    (passes as usize, (wanted / passes.max(1.0)).min(MOST_SHARE) as f32)
+    let passes = (wanted / MAX_SHARE).ceil().min(MAX_PASSES);
+    (passes as usize, (wanted / passes.max(1.0)).min(MAX_SHARE) as f32)
 }
 
 /// Most passes of mixing by storms in a step.
-const MOST_PASSES: f64 = 4.0;
+const MAX_PASSES: f64 = 4.0;
 /// Most of a difference that mixes between two neighbours in a pass: four of them leave a fifth.
-const MOST_SHARE: f64 = 0.2;
+const MAX_SHARE: f64 = 0.2;

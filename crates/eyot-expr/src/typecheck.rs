@@ -1,7 +1,7 @@
 //! What the names of a text are, and whether types, units and limits fit.
 
 use crate::functions::{FUNCTIONS, Kind as Does, NAMES, function};
-use crate::mistake::Mistake;
+use crate::parse_error::ParseError;
 use crate::rule::DeclaredLayer;
 use crate::syntax::{Binary, Kind, Text, Tree};
 use crate::unit::{Measure, Unit};
@@ -187,14 +187,14 @@ pub(crate) fn check(
     parameters: &[(String, f32)],
     stream: u32,
     uses: &mut Uses,
-) -> Result<Formula, Mistake> {
+) -> Result<Formula, ParseError> {
     let tree = Text::parse(text)?;
     let mut checker = Checker { scope, parameters, stream, uses, parts: Vec::new() };
     for (name, span, value) in &tree.names {
         let here = parameters.iter().any(|(p, _)| p == name) || checker.parts.iter().any(|p| p.name == *name);
         if here || crate::functions::meaning(name).is_some() || scope.layer(name).is_some() {
             let message = format!("`{name}` is the name of something else");
-            return Err(Mistake::at(span, message, "taken").help("choose another name for this part"));
+            return Err(ParseError::at(span, message, "taken").help("choose another name for this part"));
         }
         let found = checker.any(value, 0)?;
         checker.parts.push(Part { name: name.clone(), found });
@@ -213,7 +213,7 @@ pub(crate) fn check(
     {
         let message = format!("this is in {has}, {whose} in {needs}");
         let help = format!("a factor that you write takes any unit: {}", factor(&needs, &has));
-        return Err(Mistake::at(&tree.value.span, message, format!("in {has}")).help(help));
+        return Err(ParseError::at(&tree.value.span, message, format!("in {has}")).help(help));
     }
     Ok(Formula { parts: checker.parts.into_iter().map(|p| p.found.form).collect(), value: value.form })
 }
@@ -223,26 +223,26 @@ fn factor(wanted: &Unit, found: &Unit) -> String {
 }
 
 impl Checker<'_> {
-    fn number(&mut self, tree: &Tree, around: usize) -> Result<Found, Mistake> {
+    fn number(&mut self, tree: &Tree, around: usize) -> Result<Found, ParseError> {
         let found = self.any(tree, around)?;
         if found.measure.is_some() {
             return Ok(found);
         }
-        let problem = Mistake::at(&tree.span, "this is a condition where a number is needed", "true or false");
+        let problem = ParseError::at(&tree.span, "this is a condition where a number is needed", "true or false");
         Err(problem.help("choose numbers for both cases: if(condition, 1, 0)"))
     }
 
-    fn condition(&mut self, tree: &Tree, around: usize) -> Result<Found, Mistake> {
+    fn condition(&mut self, tree: &Tree, around: usize) -> Result<Found, ParseError> {
         let found = self.any(tree, around)?;
         if found.measure.is_none() {
             return Ok(found);
         }
-        let problem = Mistake::at(&tree.span, "this is a number where a condition is needed", "a number");
+        let problem = ParseError::at(&tree.span, "this is a number where a condition is needed", "a number");
         Err(problem.help("compare it: ... > 0"))
     }
 
     /// `around` is how far the functions outside of this part look from the cell.
-    fn any(&mut self, tree: &Tree, around: usize) -> Result<Found, Mistake> {
+    fn any(&mut self, tree: &Tree, around: usize) -> Result<Found, ParseError> {
         match &tree.kind {
             Kind::Number(n) => Ok(constant(*n)),
             Kind::Truth(t) => {
@@ -268,7 +268,7 @@ impl Checker<'_> {
         offset: Option<(i64, i64)>,
         span: &Range<usize>,
         around: usize,
-    ) -> Result<Found, Mistake> {
+    ) -> Result<Found, ParseError> {
         let (dx, dy) = offset.unwrap_or_default();
         let far = dx.unsigned_abs().max(dy.unsigned_abs()) as usize;
         if let Some(i) = self.parts.iter().position(|p| p.name == name) {
@@ -282,14 +282,14 @@ impl Checker<'_> {
             let measure = known.measure();
             if !self.uses.reads.iter().any(|r| r == name) && self.uses.reads.len() >= MAX_READS {
                 let message = format!("a rule reads at most {MAX_READS} layers, this one more");
-                return Err(Mistake::at(span, message, "one too many").help("split it into several rules"));
+                return Err(ParseError::at(span, message, "one too many").help("split it into several rules"));
             }
             let slot = self.uses.slot(name);
             let form = Form::Read(slot, dx as isize, dy as isize);
             return Ok(Found { form, measure: Some(measure), reach: far, random: false, constant: None });
         }
         if offset.is_some() {
-            let problem = Mistake::at(span, format!("`{name}` has no neighbours"), "no layer");
+            let problem = ParseError::at(span, format!("`{name}` has no neighbours"), "no layer");
             let known = self.scope.layers.iter().map(|k| k.spec.name.to_string()).collect();
             return Err(problem.help("offsets go with layers and named parts").among(name, known));
         }
@@ -322,19 +322,19 @@ impl Checker<'_> {
         Some(Found { form, measure: Some(Measure::of(known.unit)), reach: 0, random: false, constant: None })
     }
 
-    fn nothing(&self, name: &str, span: &Range<usize>) -> Mistake {
+    fn nothing(&self, name: &str, span: &Range<usize>) -> ParseError {
         if function(name).is_some() {
-            let problem = Mistake::at(span, format!("`{name}` is a function"), "without its arguments");
+            let problem = ParseError::at(span, format!("`{name}` is a function"), "without its arguments");
             return problem.help(format!("write {name}({})", function(name).map_or("", |f| f.arguments)));
         }
         let layers = self.scope.layers.iter().map(|k| k.spec.name.to_string());
         let parts = self.parts.iter().map(|p| p.name.clone());
         let parameters = self.parameters.iter().map(|(p, _)| p.clone());
         let known = layers.chain(parts).chain(parameters).chain(NAMES.iter().map(|n| n.name.to_owned())).collect();
-        Mistake::at(span, format!("nothing is called `{name}` here"), "unknown name").among(name, known)
+        ParseError::at(span, format!("nothing is called `{name}` here"), "unknown name").among(name, known)
     }
 
-    fn reaches(&self, span: &Range<usize>, own: usize, far: usize, around: usize) -> Result<(), Mistake> {
+    fn reaches(&self, span: &Range<usize>, own: usize, far: usize, around: usize) -> Result<(), ParseError> {
         if own + far + around <= MAX_REACH {
             return Ok(());
         }
@@ -345,15 +345,15 @@ impl Checker<'_> {
                 own + far + around
             ),
         };
-        Err(Mistake::at(span, message, "too far").help("let another rule bring what is farther away closer"))
+        Err(ParseError::at(span, message, "too far").help("let another rule bring what is farther away closer"))
     }
 
-    fn stays(&self, span: &Range<usize>, random: bool, far: usize) -> Result<(), Mistake> {
+    fn stays(&self, span: &Range<usize>, random: bool, far: usize) -> Result<(), ParseError> {
         if !random || far == 0 {
             return Ok(());
         }
         let message = "a random number is its own cell's; those of neighbours cannot be seen";
-        Err(Mistake::at(span, message, "random").help("keep it in a layer, and read that layer around the cell"))
+        Err(ParseError::at(span, message, "random").help("keep it in a layer, and read that layer around the cell"))
     }
 
     fn call(
@@ -363,15 +363,15 @@ impl Checker<'_> {
         arguments: &[Tree],
         tree: &Tree,
         around: usize,
-    ) -> Result<Found, Mistake> {
+    ) -> Result<Found, ParseError> {
         let Some(function) = function(name) else {
             if self.scope.layer(name).is_some() || self.parts.iter().any(|p| p.name == name) {
-                let problem = Mistake::at(at, format!("`{name}` is no function"), "a layer");
+                let problem = ParseError::at(at, format!("`{name}` is no function"), "a layer");
                 return Err(problem.help(format!("neighbours stand in brackets: {name}[1, 0]")));
             }
             let known = FUNCTIONS.iter().map(|f| f.name.to_owned()).collect();
             return Err(
-                Mistake::at(at, format!("there is no function `{name}`"), "unknown function").among(name, known)
+                ParseError::at(at, format!("there is no function `{name}`"), "unknown function").among(name, known)
             );
         };
         let (least, most) = function.count;
@@ -380,7 +380,7 @@ impl Checker<'_> {
             let wanted = if least == most { values(least) } else { format!("{least} to {most} arguments") };
             let message = format!("`{name}` takes {wanted}, not {}", arguments.len());
             let help = format!("write {name}({}): {}", function.arguments, function.meaning);
-            return Err(Mistake::at(&tree.span, message, "wrong number of arguments").help(help));
+            return Err(ParseError::at(&tree.span, message, "wrong number of arguments").help(help));
         }
         match function.kind {
             Does::Random => {
@@ -396,7 +396,7 @@ impl Checker<'_> {
         }
     }
 
-    fn choice(&mut self, arguments: &[Tree], around: usize) -> Result<Found, Mistake> {
+    fn choice(&mut self, arguments: &[Tree], around: usize) -> Result<Found, ParseError> {
         let c = self.condition(&arguments[0], around)?;
         let (a, b) = (self.number(&arguments[1], around)?, self.number(&arguments[2], around)?);
         let measure = agree(&[(&a, &arguments[1]), (&b, &arguments[2])])?;
@@ -415,11 +415,11 @@ impl Checker<'_> {
         argument: &Tree,
         tree: &Tree,
         around: usize,
-    ) -> Result<Found, Mistake> {
+    ) -> Result<Found, ParseError> {
         use crate::functions::Around::*;
         if around + 1 > MAX_REACH {
             let message = format!("functions of neighbours are nested more than {MAX_REACH} deep");
-            return Err(Mistake::at(&tree.span, message, "too far").help("let another rule compute the inner one"));
+            return Err(ParseError::at(&tree.span, message, "too far").help("let another rule compute the inner one"));
         }
         let a = self.number(argument, around + 1)?;
         let measure = a.measure.clone().unwrap_or(Measure::Unknown);
@@ -438,13 +438,19 @@ impl Checker<'_> {
         Ok(Found { form, measure: Some(measure), reach: a.reach + 1, random: a.random, constant: None })
     }
 
-    fn plain_function(&mut self, kind: Does, name: &str, arguments: &[Tree], around: usize) -> Result<Found, Mistake> {
+    fn plain_function(
+        &mut self,
+        kind: Does,
+        name: &str,
+        arguments: &[Tree],
+        around: usize,
+    ) -> Result<Found, ParseError> {
         let mut found = Vec::new();
         for argument in arguments {
             found.push(self.number(argument, around)?);
         }
         if kind == Does::Mod && found[1].constant == Some(0.0) {
-            let problem = Mistake::at(&arguments[1].span, "this divides by zero", "always 0");
+            let problem = ParseError::at(&arguments[1].span, "this divides by zero", "always 0");
             return Err(problem.help("give the length of the interval"));
         }
         let of = |i: usize| found[i].measure.clone().unwrap_or(Measure::Unknown);
@@ -472,7 +478,7 @@ impl Checker<'_> {
         })
     }
 
-    fn power(&mut self, base: &Tree, exponent: &Tree, around: usize) -> Result<Found, Mistake> {
+    fn power(&mut self, base: &Tree, exponent: &Tree, around: usize) -> Result<Found, ParseError> {
         let (a, b) = (self.number(base, around)?, self.number(exponent, around)?);
         plain(&b, exponent, "an exponent")?;
         let measure = a.measure.clone().unwrap_or(Measure::Unknown);
@@ -500,7 +506,7 @@ impl Checker<'_> {
         sides: &[Tree; 2],
         tree: &Tree,
         around: usize,
-    ) -> Result<Found, Mistake> {
+    ) -> Result<Found, ParseError> {
         use Binary::*;
         if op == Power {
             return self.power(&sides[0], &sides[1], around);
@@ -515,7 +521,7 @@ impl Checker<'_> {
             Or => (Form::Either(forms), None, None),
             And => (Form::Both(forms), None, None),
             Less | AtMost | Greater | AtLeast | Equal | Unequal => {
-                agree(&numbers).map_err(|m| Mistake { span: at.clone(), ..m })?;
+                agree(&numbers).map_err(|m| ParseError { span: at.clone(), ..m })?;
                 (Form::Compare(op, forms), None, None)
             }
             _ => {
@@ -523,10 +529,10 @@ impl Checker<'_> {
                 let measure = match op {
                     Multiply => of(&a).times(&of(&b), 1),
                     Divide => of(&a).times(&of(&b), -1),
-                    _ => agree(&numbers).map_err(|m| Mistake { span: at.clone(), ..m })?,
+                    _ => agree(&numbers).map_err(|m| ParseError { span: at.clone(), ..m })?,
                 };
                 if op == Divide && b.constant == Some(0.0) {
-                    let problem = Mistake::at(&sides[1].span, "this divides by zero", "always 0");
+                    let problem = ParseError::at(&sides[1].span, "this divides by zero", "always 0");
                     return Err(problem.help("leave the division out, or divide by something else"));
                 }
                 let values = a.constant.zip(b.constant);
@@ -537,7 +543,7 @@ impl Checker<'_> {
                     _ => a - b,
                 });
                 if constant.is_some_and(|v| !(v as f32).is_finite()) {
-                    let problem = Mistake::at(&tree.span, "this is beyond what a number can be", "too large");
+                    let problem = ParseError::at(&tree.span, "this is beyond what a number can be", "too large");
                     return Err(problem.help("the largest is 3.4e38"));
                 }
                 (Form::Arithmetic(op, forms), Some(measure), constant)
@@ -552,26 +558,26 @@ fn constant(n: f64) -> Found {
 }
 
 /// The unit that all values share.
-fn agree(values: &[(&Found, &Tree)]) -> Result<Measure, Mistake> {
+fn agree(values: &[(&Found, &Tree)]) -> Result<Measure, ParseError> {
     let mut all = Measure::Free;
     for (found, tree) in values {
         let own = found.measure.clone().unwrap_or(Measure::Unknown);
         all = all.with(&own).map_err(|(before, this)| {
             let message = format!("{before} and {this} do not go together");
             let help = format!("a factor that you write takes any unit: {}", factor(&before, &this));
-            Mistake::at(&tree.span, message, format!("in {this}")).help(help)
+            ParseError::at(&tree.span, message, format!("in {this}")).help(help)
         })?;
     }
     Ok(all)
 }
 
 /// Refuses what has a unit.
-fn plain(found: &Found, tree: &Tree, what: &str) -> Result<(), Mistake> {
+fn plain(found: &Found, tree: &Tree, what: &str) -> Result<(), ParseError> {
     match &found.measure {
         Some(Measure::Of(unit)) if !unit.is_plain() => {
             let message = format!("{what} takes a plain number, this is in {unit}");
             let help = format!("divide by something in {unit}, or multiply by a number");
-            Err(Mistake::at(&tree.span, message, format!("in {unit}")).help(help))
+            Err(ParseError::at(&tree.span, message, format!("in {unit}")).help(help))
         }
         _ => Ok(()),
     }

@@ -1,9 +1,9 @@
 //! Texts as the engine runs them, against the same texts on one cell at a time.
 
 use crate::evaluate::Evaluation;
-use crate::meaning::{Given, Known, Scope, Uses, Wanted, check};
+use crate::typecheck::{Given, Known, Scope, Uses, Wanted, check};
 use crate::unit::Measure;
-use crate::{Acting, LayerDefinition, RuleDefinition, layer, rule};
+use crate::{ExprProcess, LayerDefinition, RuleDefinition, layer, rule};
 use eyot_core::conformance::{self, random_world};
 use eyot_core::control::Control;
 use eyot_core::engine::CpuEngine;
@@ -11,7 +11,7 @@ use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::rng::{self, Key};
 use eyot_core::rule::Cell;
-use eyot_core::{Edge, Error, LayerSpec, World};
+use eyot_core::{BoundaryCondition, Error, LayerSpec, World};
 use proptest::prelude::*;
 
 const ALL: (f32, f32) = (f32::MIN, f32::MAX);
@@ -41,7 +41,7 @@ fn scheduled(text: &str) -> Vec<Scheduled> {
     };
     let rule = rule(&d, None, &scope()).unwrap_or_else(|e| panic!("{text}: {e:?}"));
     let values = rule.parameters.iter().map(|(_, v)| *v).collect();
-    vec![Scheduled { name: "r", process: Box::new(Acting { rule, values }), every: 1 }]
+    vec![Scheduled { name: "r", process: Box::new(ExprProcess { rule, values }), every: 1 }]
 }
 
 fn start(_: &str, u: f32) -> f32 {
@@ -56,8 +56,12 @@ struct One<'a> {
     y: usize,
 }
 
-fn place(i: isize, n: usize, edge: Edge) -> usize {
-    if edge == Edge::Wrap { i.rem_euclid(n as isize) as usize } else { i.clamp(0, n as isize - 1) as usize }
+fn place(i: isize, n: usize, edge: BoundaryCondition) -> usize {
+    if edge == BoundaryCondition::Wrap {
+        i.rem_euclid(n as isize) as usize
+    } else {
+        i.clamp(0, n as isize - 1) as usize
+    }
 }
 
 impl Cell<f32> for One<'_> {
@@ -216,7 +220,7 @@ fn texts_mean_what_they_say() {
         "sign(-3) * sign(-0.1)",
         "laplacian(x * x / 2) - laplacian(y * 0) + 0 * laplacian(a)",
     ] {
-        let mut world = random_world((5, 4), eyot_core::Rim::WRAP, 1, &scheduled(text), &start).unwrap();
+        let mut world = random_world((5, 4), eyot_core::Boundary::WRAP, 1, &scheduled(text), &start).unwrap();
         let span = Span { from: 0, steps: 1 };
         CpuEngine::default().simulate(&mut world, &scheduled(text), span, &Control::none()).unwrap();
         let field = &world.layer("a").unwrap().field;
@@ -232,13 +236,15 @@ fn rules_pass_the_suite_of_the_core() {
         "exp(-abs(laplacian(a))) + sin(0.1 * x) * steps",
     ] {
         conformance::check(&scheduled(text), &start).unwrap();
+        conformance::check_access(&scheduled(text), &start).unwrap();
+        assert!(conformance::check_windows(&scheduled(text), &start).unwrap(), "{text}");
     }
 }
 
 #[test]
 fn calls_of_random_differ_and_are_uniform() {
     let processes = scheduled("if(random() == random(), 1, 0) + random()");
-    let mut world = random_world((64, 64), eyot_core::Rim::CLOSED, 1, &processes, &start).unwrap();
+    let mut world = random_world((64, 64), eyot_core::Boundary::CLOSED, 1, &processes, &start).unwrap();
     CpuEngine::default().simulate(&mut world, &processes, Span { from: 0, steps: 1 }, &Control::none()).unwrap();
     let field = &world.layer("a").unwrap().field;
     let mean = field.iter().map(f64::from).sum::<f64>() / 4096.0;
@@ -389,7 +395,7 @@ fn ranged(text: &str) -> Vec<Scheduled> {
     };
     let rule = rule(&d, None, &scope).unwrap();
     let values = rule.parameters.iter().map(|(_, v)| *v).collect();
-    vec![Scheduled { name: "r", process: Box::new(Acting { rule, values }), every: 1 }]
+    vec![Scheduled { name: "r", process: Box::new(ExprProcess { rule, values }), every: 1 }]
 }
 
 /// 0/0 is no value within the range: the run ends and says where. Infinity is beyond every range, and is moved and counted.
@@ -398,7 +404,7 @@ fn what_is_no_number_does_not_become_one() {
     const NONE: &str = "hole = if(column == 3 and row == 2, 0, 1); none = hole / hole - 1 + a;";
     for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
         let run = |processes: Vec<Scheduled>| {
-            let mut world = random_world((21, 5), eyot_core::Rim::CLOSED, 1, &processes, &start).unwrap();
+            let mut world = random_world((21, 5), eyot_core::Boundary::CLOSED, 1, &processes, &start).unwrap();
             let engine = CpuEngine { isa, ..CpuEngine::default() };
             let ended = engine.simulate(&mut world, &processes, Span { from: 0, steps: 1 }, &Control::none());
             (ended, world)

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// A mistake in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mistake {
+pub struct ParseError {
     /// Its bytes in the text.
     pub span: Range<usize>,
     /// One sentence: what is wrong.
@@ -18,7 +18,7 @@ pub struct Mistake {
     pub unknown: Option<Box<(String, Vec<String>)>>,
 }
 
-impl Mistake {
+impl ParseError {
     pub(crate) fn at(span: &Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Self {
         Self { span: span.clone(), message: message.into(), label: label.into(), help: None, unknown: None }
     }
@@ -50,4 +50,4 @@ pub enum Part {
 }
 
 /// A mistake and the text that it is in.
-pub type Problem = (Part, Mistake);
+pub type Problem = (Part, ParseError);

@@ -13,9 +13,9 @@
 //! goes unnoticed.
 
 use crate::evaluate::{Evaluation, between};
-use crate::meaning::{Given, Scope, Uses, Wanted, check};
-use crate::mistake::Mistake;
+use crate::parse_error::ParseError;
 use crate::rule::{DeclaredLayer, complete, split, stream};
+use crate::typecheck::{Given, Scope, Uses, Wanted, check};
 use crate::unit::Measure;
 use eyot_core::component::Shape;
 use eyot_core::given::{Trace, Way};
@@ -25,7 +25,7 @@ use eyot_core::process::{Access, Action, Entry, LayerUse, Moment, Process};
 use eyot_core::program::Program;
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Slot};
-use eyot_core::{Edge, Error, Grid, Limits, Result, Rim, World, intern};
+use eyot_core::{Boundary, BoundaryCondition, Error, Grid, Limits, Result, World, intern};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
 use std::fmt;
@@ -67,13 +67,13 @@ pub struct Term {
 ///
 /// # Errors
 /// What is wrong, with its place.
-pub fn term(definition: &TermDefinition, scope: &Scope) -> Result<Term, Mistake> {
+pub fn term(definition: &TermDefinition, scope: &Scope) -> Result<Term, ParseError> {
     let d = definition;
     let name = format!("{}.{}", d.process, d.parameter);
     let mut uses = Uses::default();
     let wanted = Wanted::Parameter(&Measure::of(&d.unit), &d.parameter);
     let formula = check(&d.text, wanted, scope, &[], stream(&name, "term"), &mut uses)?;
-    let whole = |e: Error| Mistake::at(&(0..d.text.len()), e.to_string(), "here");
+    let whole = |e: Error| ParseError::at(&(0..d.text.len()), e.to_string(), "here");
     let list = |names: Vec<String>| names.iter().map(|n| intern(n)).collect::<Result<Vec<_>>>().map_err(whole);
     let params = list((0..uses.params.len()).map(|i| format!("given_{i}")).collect())?;
     let reads = list(uses.reads.clone())?;
@@ -213,7 +213,7 @@ impl Terms {
 }
 
 /// A process with terms.
-pub struct Replaced {
+pub struct ParameterizedProcess {
     entry: &'static Entry<dyn Process>,
     parameters: Map<String, Value>,
     terms: Arc<Terms>,
@@ -221,16 +221,16 @@ pub struct Replaced {
     plain: Box<dyn Process>,
 }
 
-impl fmt::Debug for Replaced {
+impl fmt::Debug for ParameterizedProcess {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Replaced")
+        f.debug_struct("ParameterizedProcess")
             .field("process", &self.entry.name)
             .field("terms", &self.terms)
             .finish_non_exhaustive()
     }
 }
 
-impl Replaced {
+impl ParameterizedProcess {
     /// The process of `entry` with these parameters, and with terms for others.
     ///
     /// # Errors
@@ -369,7 +369,7 @@ impl Replaced {
         let mut used = Vec::new();
         // Angles and years begin anew after a while.
         for step in MOMENTS {
-            let moment = Moment { grid: *grid, step, turn: step, sea_level_m: 0.0 };
+            let moment = Moment { turn: step, ..Moment::whole(*grid, step, 0.0) };
             let plain = Plain::of(self, &moment);
             used.extend(plain.trace.used());
             for (number, term) in varying.iter().enumerate() {
@@ -390,7 +390,7 @@ impl Replaced {
         let schema = (entry.schema)().to_value();
         let Ok(process) = (entry.make)(Value::Object(Map::new())) else { return Vec::new() };
         // What decides the number of parts of a step does so on fine grids.
-        let rim = Rim { x: Edge::Wrap, y: Edge::Closed };
+        let rim = Boundary { x: BoundaryCondition::Wrap, y: BoundaryCondition::Closed };
         let grid = |cell| Grid::new(64, 64, cell, rim, &Limits::default());
         let (Ok(coarse), Ok(fine)) = (grid(1000.0), grid(10.0)) else { return Vec::new() };
         if process.action().is_some() {
@@ -453,7 +453,7 @@ impl Beside {
 
 /// A process with numbers for all parameters at a moment, and what it says of those that are to be expressions.
 struct Plain<'a> {
-    replaced: &'a Replaced,
+    replaced: &'a ParameterizedProcess,
     moment: &'a Moment,
     parameters: Map<String, Value>,
     /// What the process does beside its plan.
@@ -465,7 +465,7 @@ struct Plain<'a> {
 }
 
 impl<'a> Plain<'a> {
-    fn of(replaced: &'a Replaced, moment: &'a Moment) -> Self {
+    fn of(replaced: &'a ParameterizedProcess, moment: &'a Moment) -> Self {
         let (parameters, (plan, trace)) = (replaced.numbers(moment), replaced.traced(moment));
         let defaults = (replaced.entry.defaults)();
         let number = |t: &Arc<Term>| parameters.get(&t.parameter).unwrap_or(&defaults[&t.parameter]).as_f64();
@@ -520,7 +520,7 @@ fn planned(process: &dyn Process, moment: &Moment) -> Plan {
     plan
 }
 
-impl Process for Replaced {
+impl Process for ParameterizedProcess {
     fn layers(&self) -> Vec<LayerUse> {
         let mut layers = self.plain.layers();
         // What the process writes alone is read now if a term names it.
@@ -590,7 +590,7 @@ impl Process for Replaced {
     }
 }
 
-impl Replaced {
+impl ParameterizedProcess {
     fn declared(&self) -> Vec<Arc<DeclaredLayer>> {
         let mut declared: Vec<_> = self.terms.list.iter().flat_map(|t| t.declared.iter().cloned()).collect();
         complete(&mut declared, &mut Vec::new());

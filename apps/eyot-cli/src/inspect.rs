@@ -3,7 +3,7 @@
 use crate::args::{Bench, Measured, Render, Stats};
 use crate::wording::CommandLine;
 use crate::{Failure, print, report};
-use eyot::core::remedy::Worded;
+use eyot::remedy::Worded;
 use eyot::store::Subject;
 use eyot::{EngineChoice, EngineOptions, Limits, View, ViewRequest, store};
 use eyot_bench::{cpu, gpu};
@@ -52,7 +52,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
         let drawn = eyot::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
-        if opened.world.components.contains(eyot::reef::corals::POPULATION) {
+        if opened.world.components.contains(eyot::process::COLONIES) {
             print::note(
                 "note: a view shows the sea and its floor; single corals are in the pictures of an export with what = \"dive\"",
             );

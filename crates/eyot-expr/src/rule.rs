@@ -1,8 +1,8 @@
 //! Layers and rules: from texts to programs, and from programs to processes.
 
 use crate::evaluate::{Evaluation, between};
-use crate::meaning::{Formula, Given, Scope, Uses, Wanted, check};
-use crate::mistake::{Mistake, Part, Problem};
+use crate::parse_error::{ParseError, Part, Problem};
+use crate::typecheck::{Formula, Given, Scope, Uses, Wanted, check};
 use crate::unit::Measure;
 use eyot_core::graph::Graph;
 use eyot_core::plan::Plan;
@@ -129,7 +129,7 @@ pub fn rule(
     for (name, text) in &d.values {
         let Some(known) = scope.layer(name) else {
             let layers = scope.layers.iter().map(|k| k.spec.name.to_string()).collect();
-            let mistake = Mistake::at(&(0..0), format!("there is no layer `{name}` to change"), "unknown layer");
+            let mistake = ParseError::at(&(0..0), format!("there is no layer `{name}` to change"), "unknown layer");
             problems.push((Part::Value(name.clone()), mistake.among(name, layers)));
             continue;
         };
@@ -163,7 +163,7 @@ pub fn rule(
 }
 
 fn whole(e: &Error) -> Problem {
-    (Part::Whole, Mistake::at(&(0..0), e.to_string(), "here"))
+    (Part::Whole, ParseError::at(&(0..0), e.to_string(), "here"))
 }
 
 /// First of the streams of random numbers of a rule; each has 1024, more than a text has places for.
@@ -311,14 +311,14 @@ impl TextRule {
 
 /// A rule with values for its parameters, as a process.
 #[derive(Clone, Debug)]
-pub struct Acting {
+pub struct ExprProcess {
     /// The rule.
     pub rule: Arc<TextRule>,
     /// Values in the order of its parameters.
     pub values: Vec<f32>,
 }
 
-impl Process for Acting {
+impl Process for ExprProcess {
     fn layers(&self) -> Vec<LayerUse> {
         // A rule changes few of the layers that it declares; the others are read by it or by their start values.
         let written = self.writes();

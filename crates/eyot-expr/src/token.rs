@@ -1,6 +1,6 @@
 //! Words of an expression.
 
-use crate::mistake::Mistake;
+use crate::parse_error::ParseError;
 use eyot_core::remedy;
 use eyot_core::remedy::Action;
 use eyot_core::text::number_length;
@@ -24,7 +24,7 @@ const FOREIGN: [(&str, &str); 5] =
     [("&&", "and"), ("||", "or"), ("!", "not"), ("%", "mod(a, b)"), ("?", "if(condition, a, b)")];
 
 /// The words of a text with their bytes; the last is [`Token::End`].
-pub(crate) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, Mistake> {
+pub(crate) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, ParseError> {
     let (mut out, mut at) = (Vec::new(), 0);
     while let Some(c) = text[at..].chars().next() {
         let rest = &text[at..];
@@ -36,11 +36,11 @@ pub(crate) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, Mistake> 
             let n = number_length(rest);
             let span = at..at + n;
             let value: f64 = rest[..n].parse().map_err(|_| {
-                Mistake::at(&span, format!("`{}` is no number", &rest[..n]), "here").help("for example 0.5 or 2e-3")
+                ParseError::at(&span, format!("`{}` is no number", &rest[..n]), "here").help("for example 0.5 or 2e-3")
             })?;
             if !(value as f32).is_finite() {
                 let message = format!("{} is beyond what a number can be", &rest[..n]);
-                return Err(Mistake::at(&span, message, "too large").help("the largest is 3.4e38"));
+                return Err(ParseError::at(&span, message, "too large").help("the largest is 3.4e38"));
             }
             out.push((Token::Number(value), span));
             at += n;
@@ -54,7 +54,7 @@ pub(crate) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, Mistake> 
         } else {
             let foreign = FOREIGN.into_iter().find(|(s, _)| rest.starts_with(s));
             let n = foreign.map_or(c.len_utf8(), |(s, _)| s.len());
-            let problem = Mistake::at(&(at..at + n), format!("`{}` means nothing here", &rest[..n]), "not expected");
+            let problem = ParseError::at(&(at..at + n), format!("`{}` means nothing here", &rest[..n]), "not expected");
             return Err(match foreign {
                 Some((_, ours)) => problem.help(format!("write {ours}")),
                 None => {

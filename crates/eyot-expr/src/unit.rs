@@ -1,6 +1,6 @@
 //! Units: products of powers of symbols.
 
-use crate::mistake::Mistake;
+use crate::parse_error::ParseError;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
@@ -36,7 +36,7 @@ const PREFIXES: [&str; 11] = ["n", "u", "µ", "μ", "m", "c", "d", "h", "k", "M"
 ///
 /// # Errors
 /// The first mistake, with its place in the text.
-pub fn check(text: &str) -> Result<(), Mistake> {
+pub fn check(text: &str) -> Result<(), ParseError> {
     let is_known = |symbol: &str| {
         let scaled = || PREFIXES.iter().filter_map(|p| symbol.strip_prefix(p)).any(|rest| SCALED.contains(&rest));
         PLAIN.contains(&symbol) || SCALED.contains(&symbol) || scaled()
@@ -49,7 +49,7 @@ pub fn check(text: &str) -> Result<(), Mistake> {
         SCALED.join(" "),
         PLAIN.join(" ")
     );
-    Err(Mistake::at(&factor.symbol, message, "unknown unit").help(help))
+    Err(ParseError::at(&factor.symbol, message, "unknown unit").help(help))
 }
 
 /// What is known of a value's unit.
@@ -74,10 +74,10 @@ impl Unit {
     }
 
     /// The factors of a text.
-    fn read(text: &str) -> Result<Vec<Factor>, Mistake> {
+    fn read(text: &str) -> Result<Vec<Factor>, ParseError> {
         let wrong = |at: usize, message: &str, label: &str| {
             let end = at + text[at..].chars().next().map_or(0, char::len_utf8);
-            Err(Mistake::at(&(at..end), message, label).help(GRAMMAR))
+            Err(ParseError::at(&(at..end), message, label).help(GRAMMAR))
         };
         let mut factors = Vec::new();
         let end = text.trim_end().len();
@@ -97,7 +97,8 @@ impl Unit {
                 }
                 let power = if n == 0 { Some(1) } else { digits[..n].parse().ok().filter(|p| (-9..=9).contains(p)) };
                 let Some(power) = power.filter(|p| *p != 0) else {
-                    let problem = Mistake::at(&(from..from + n), "no unit has such a power", "from -9 to 9, but not 0");
+                    let problem =
+                        ParseError::at(&(from..from + n), "no unit has such a power", "from -9 to 9, but not 0");
                     return Err(problem.help(GRAMMAR));
                 };
                 factors.push(Factor { symbol, power: sign * power });

@@ -13,7 +13,7 @@
 //! atom       = number | name | name "[" whole "," whole "]" | name "(" [ or { "," or } ] ")" | "(" or ")"
 //! ```
 
-use crate::mistake::Mistake;
+use crate::parse_error::ParseError;
 use crate::token::{Token, tokens};
 use crate::{MAX_BYTES, MAX_DEPTH, MAX_ITEMS};
 use std::ops::Range;
@@ -71,10 +71,10 @@ pub(crate) struct Text {
 }
 
 impl Text {
-    pub(crate) fn parse(text: &str) -> Result<Self, Mistake> {
+    pub(crate) fn parse(text: &str) -> Result<Self, ParseError> {
         if text.len() > MAX_BYTES {
             let message = format!("this text has {} bytes, at most {MAX_BYTES} are allowed", text.len());
-            return Err(Mistake::at(&(0..text.len()), message, "too long").help("split it into several rules"));
+            return Err(ParseError::at(&(0..text.len()), message, "too long").help("split it into several rules"));
         }
         let mut reader = Reader { tokens: tokens(text)?, next: 0, depth: 0, items: 0 };
         let mut names = Vec::new();
@@ -126,41 +126,43 @@ impl Reader {
         found
     }
 
-    fn unexpected(&self, wanted: &str) -> Mistake {
+    fn unexpected(&self, wanted: &str) -> ParseError {
         let found = match self.peek(0) {
-            Token::End => return Mistake::at(&self.span(), format!("the text ends where {wanted} is needed"), "here"),
+            Token::End => {
+                return ParseError::at(&self.span(), format!("the text ends where {wanted} is needed"), "here");
+            }
             Token::Number(_) => "a number".to_owned(),
             Token::Name(name) => format!("`{name}`"),
             Token::Symbol(symbol) => format!("`{symbol}`"),
         };
-        Mistake::at(&self.span(), format!("{found} stands where {wanted} is needed"), "not expected")
+        ParseError::at(&self.span(), format!("{found} stands where {wanted} is needed"), "not expected")
     }
 
     /// Counts a part of the tree, which must not become too large for those who walk it.
-    fn tree(&mut self, span: Range<usize>, kind: Kind) -> Result<Tree, Mistake> {
+    fn tree(&mut self, span: Range<usize>, kind: Kind) -> Result<Tree, ParseError> {
         self.items += 1;
         if self.items > MAX_ITEMS {
             let message = format!("this text has more than {MAX_ITEMS} numbers, names and operators");
-            return Err(Mistake::at(&span, message, "too many").help("split it into several rules"));
+            return Err(ParseError::at(&span, message, "too many").help("split it into several rules"));
         }
         Ok(Tree { span, kind })
     }
 
-    fn deeper(&mut self) -> Result<(), Mistake> {
+    fn deeper(&mut self) -> Result<(), ParseError> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             let message = format!("parentheses, calls and signs are nested more than {MAX_DEPTH} deep");
-            return Err(Mistake::at(&self.span(), message, "too deep").help("name parts: `part = ...; ...`"));
+            return Err(ParseError::at(&self.span(), message, "too deep").help("name parts: `part = ...; ...`"));
         }
         Ok(())
     }
 
-    fn binary(&mut self, op: Binary, at: Range<usize>, a: Tree, b: Tree) -> Result<Tree, Mistake> {
+    fn binary(&mut self, op: Binary, at: Range<usize>, a: Tree, b: Tree) -> Result<Tree, ParseError> {
         let span = a.span.start..b.span.end;
         self.tree(span, Kind::Binary(op, at, Box::new([a, b])))
     }
 
-    fn or(&mut self) -> Result<Tree, Mistake> {
+    fn or(&mut self) -> Result<Tree, ParseError> {
         let mut left = self.and()?;
         loop {
             let at = self.span();
@@ -172,7 +174,7 @@ impl Reader {
         }
     }
 
-    fn and(&mut self) -> Result<Tree, Mistake> {
+    fn and(&mut self) -> Result<Tree, ParseError> {
         let mut left = self.not()?;
         loop {
             let at = self.span();
@@ -184,7 +186,7 @@ impl Reader {
         }
     }
 
-    fn not(&mut self) -> Result<Tree, Mistake> {
+    fn not(&mut self) -> Result<Tree, ParseError> {
         let start = self.span().start;
         if !self.word("not") {
             return self.comparison();
@@ -195,13 +197,13 @@ impl Reader {
         self.tree(start..inner.span.end, Kind::Not(Box::new(inner)))
     }
 
-    fn comparison(&mut self) -> Result<Tree, Mistake> {
+    fn comparison(&mut self) -> Result<Tree, ParseError> {
         let left = self.sum()?;
         let Some((op, at)) = self.compares() else { return Ok(left) };
         let right = self.sum()?;
         let whole = self.binary(op, at, left, right)?;
         if let Some((_, second)) = self.compares() {
-            let problem = Mistake::at(&second, "comparisons cannot be chained", "the second one");
+            let problem = ParseError::at(&second, "comparisons cannot be chained", "the second one");
             return Err(problem.help("write `a < b and b < c`"));
         }
         Ok(whole)
@@ -215,7 +217,7 @@ impl Reader {
         Some((op, at))
     }
 
-    fn sum(&mut self) -> Result<Tree, Mistake> {
+    fn sum(&mut self) -> Result<Tree, ParseError> {
         let mut left = self.product()?;
         loop {
             let at = self.span();
@@ -231,7 +233,7 @@ impl Reader {
         }
     }
 
-    fn product(&mut self) -> Result<Tree, Mistake> {
+    fn product(&mut self) -> Result<Tree, ParseError> {
         let mut left = self.sign()?;
         loop {
             let at = self.span();
@@ -247,7 +249,7 @@ impl Reader {
         }
     }
 
-    fn sign(&mut self) -> Result<Tree, Mistake> {
+    fn sign(&mut self) -> Result<Tree, ParseError> {
         let start = self.span().start;
         let minus = self.take("-");
         if !minus && !self.take("+") {
@@ -262,7 +264,7 @@ impl Reader {
         self.tree(start..inner.span.end, Kind::Negative(Box::new(inner)))
     }
 
-    fn power(&mut self) -> Result<Tree, Mistake> {
+    fn power(&mut self) -> Result<Tree, ParseError> {
         let base = self.atom()?;
         let at = self.span();
         if !self.take("^") {
@@ -274,7 +276,7 @@ impl Reader {
         self.binary(Binary::Power, at, base, exponent)
     }
 
-    fn atom(&mut self) -> Result<Tree, Mistake> {
+    fn atom(&mut self) -> Result<Tree, ParseError> {
         let span = self.span();
         match self.peek(0).clone() {
             Token::Number(value) => {
@@ -300,7 +302,7 @@ impl Reader {
         }
     }
 
-    fn after_name(&mut self, name: String, span: Range<usize>) -> Result<Tree, Mistake> {
+    fn after_name(&mut self, name: String, span: Range<usize>) -> Result<Tree, ParseError> {
         if self.take("(") {
             self.deeper()?;
             let mut arguments = Vec::new();
@@ -343,7 +345,7 @@ impl Reader {
     }
 
     /// A whole number with its sign.
-    fn whole(&mut self) -> Result<i64, Mistake> {
+    fn whole(&mut self) -> Result<i64, ParseError> {
         let negative = self.take("-");
         if !negative {
             self.take("+");

@@ -6,8 +6,8 @@ use eyot_core::process::{Entry, Moment, Process, Scheduled, Span};
 use eyot_core::real::Real;
 use eyot_core::reference::Reference;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
-use eyot_core::{Control, Edge, Field, Grid, LayerSpec, Limits, Rim, World, given, rule_params};
-use eyot_rules::{Known, Obstacle, Replaced, Scope, Term, TermDefinition, Terms, term};
+use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, LayerSpec, Limits, World, given, rule_params};
+use eyot_expr::{Known, Obstacle, ParameterizedProcess, Scope, Term, TermDefinition, Terms, term};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -123,7 +123,7 @@ impl Rule for Boil {
     }
 
     #[inline(always)]
-    fn leaving<R: Real>(p: &BoilParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 1]> {
+    fn boundary_outflow<R: Real>(p: &BoilParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 1]> {
         Some([match side {
             Side::West | Side::East => p.plain * c.here(0),
             _ => R::of(0.0),
@@ -152,15 +152,15 @@ fn scope() -> Scope {
 
 fn checked(parameter: &str, text: &str) -> Arc<Term> {
     let schema = (ENTRY.schema)().to_value();
-    let (unit, range) = eyot_rules::of_schema(&schema["properties"][parameter]);
+    let (unit, range) = eyot_expr::of_schema(&schema["properties"][parameter]);
     let definition =
         TermDefinition { process: "pot".into(), parameter: parameter.into(), unit, range, text: text.into() };
     Arc::new(term(&definition, &scope()).unwrap())
 }
 
-fn replaced(terms: &[(&str, &str)]) -> Replaced {
+fn replaced(terms: &[(&str, &str)]) -> ParameterizedProcess {
     let list = terms.iter().map(|(name, text)| checked(name, text)).collect();
-    Replaced::new(&ENTRY, json!({}), Terms::new(list)).unwrap()
+    ParameterizedProcess::new(&ENTRY, json!({}), Terms::new(list)).unwrap()
 }
 
 /// The process with one number of its own.
@@ -170,11 +170,11 @@ fn plain(name: &str, value: impl Into<Value>) -> Box<dyn Process> {
     (ENTRY.make)(table).unwrap()
 }
 
-fn grid(rim: Rim) -> Grid {
+fn grid(rim: Boundary) -> Grid {
     Grid::new(37, 19, 10.0, rim, &Limits::default()).unwrap()
 }
 
-fn world(rim: Rim) -> World {
+fn world(rim: Boundary) -> World {
     let mut world = World::new(grid(rim), 5);
     world.put(&scope().layers[0].spec, Field::from_fn(37, 19, |x, y| ((x * 7 + y * 13) % 10) as f32 / 9.0)).unwrap();
     world.put(&STUFF, Field::from_fn(37, 19, |x, y| ((x * 3 + y * 5) % 11) as f32 - 4.0)).unwrap();
@@ -183,7 +183,7 @@ fn world(rim: Rim) -> World {
 
 /// The stuff after some steps on a ring.
 fn after(steps: u64, process: Box<dyn Process>) -> Field {
-    let mut world = world(Rim::WRAP);
+    let mut world = world(Boundary::WRAP);
     run(&mut world, steps, process);
     world.get("stuff").unwrap().clone()
 }
@@ -218,8 +218,8 @@ fn what_is_the_same_in_all_cells_is_the_number() {
 /// Several expressions at once, on all rims: the engine is the reference, bit by bit.
 #[test]
 fn the_engine_agrees_with_the_reference() {
-    let edges = [Edge::Closed, Edge::Open, Edge::Wrap];
-    for rim in edges.iter().flat_map(|&x| edges.iter().map(move |&y| Rim { x, y })) {
+    let edges = [BoundaryCondition::Closed, BoundaryCondition::Open, BoundaryCondition::Wrap];
+    for rim in edges.iter().flat_map(|&x| edges.iter().map(move |&y| Boundary { x, y })) {
         let mut world = world(rim);
         let mut reference = Reference::<f32>::new(&world);
         let before = world.clone();
@@ -239,7 +239,7 @@ fn the_engine_agrees_with_the_reference() {
 /// What each cell gets is what the process gives where that number is everybody's, to the bit.
 #[test]
 fn each_cell_has_its_own_number() {
-    let moss = world(Rim::WRAP).get("moss").unwrap().clone();
+    let moss = world(Boundary::WRAP).get("moss").unwrap().clone();
     for (name, _) in TERMS {
         let low = if name == "scaled" { -7.0 } else { 0.5 };
         let varied = after(1, Box::new(replaced(&[(name, &format!("{low} + 2 * moss"))])));
@@ -280,7 +280,7 @@ fn values_are_kept_within_the_range() {
 fn what_cannot_differ_from_cell_to_cell_says_why() {
     let obstacle = |terms: &[(&str, &str)]| {
         let process = replaced(terms);
-        process.obstacle(&grid(Rim::WRAP)).map(|(name, o)| (name.to_owned(), o))
+        process.obstacle(&grid(Boundary::WRAP)).map(|(name, o)| (name.to_owned(), o))
     };
     let of = |name: &str, o| Some((name.to_owned(), o));
     assert_eq!(obstacle(&TERMS), None);
@@ -295,5 +295,8 @@ fn what_cannot_differ_from_cell_to_cell_says_why() {
         // As a number that changes in time it can be anything.
         assert_eq!(obstacle(&[(name, "1 + 0.1 * steps")]), None, "{name}");
     }
-    assert_eq!(Replaced::possible(&ENTRY), ["plain", "scaled", "rate", "time", "square", "wave", "curved", "together"]);
+    assert_eq!(
+        ParameterizedProcess::possible(&ENTRY),
+        ["plain", "scaled", "rate", "time", "square", "wave", "curved", "together"]
+    );
 }

@@ -1,8 +1,8 @@
 //! Computes checked formulas in any kind of number.
 
 use crate::functions::{Around, Kind as Does};
-use crate::meaning::{Form, Formula};
 use crate::syntax::Binary;
+use crate::typecheck::{Form, Formula};
 use eyot_core::real::Real;
 use eyot_core::rule::Cell;
 use std::cell::RefCell;
