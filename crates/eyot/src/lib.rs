@@ -30,6 +30,7 @@ mod card;
 mod convert;
 pub mod engines;
 mod registry;
+#[cfg(feature = "run")]
 mod run;
 pub mod store;
 
@@ -45,9 +46,11 @@ pub use eyot_recipe::{
     describe, keys, merge, nearest, recipe_schema,
 };
 pub use eyot_session::{
-    Command, EngineChoice, EngineOptions, Event, Handle, JournalEntry, Look, OVERVIEW, Outcome, Progress, Record,
-    Remote, RunError, RunOptions, Stream, Timeline, Watch, Watcher, shell_word,
+    Command, EngineChoice, EngineOptions, Event, JournalEntry, Look, OVERVIEW, Outcome, Progress, Record, RunError,
+    Stream, Timeline, Watch, Watcher, shell_word,
 };
+#[cfg(feature = "run")]
+pub use eyot_session::{Handle, Remote, RunOptions};
 
 /// Measures of landscapes: of terrain, of climates, and of plates.
 pub mod analyse {
@@ -129,6 +132,7 @@ pub mod view {
 #[cfg(feature = "film")]
 pub use eyot_film::{Drawn, ViewRequest, draw_view};
 pub use registry::{Registry, component_kinds};
+#[cfg(feature = "run")]
 pub use run::{Run, host};
 
 /// Version of the engine.

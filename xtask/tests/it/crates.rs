@@ -38,6 +38,7 @@ const ABOVE: &[(&str, &[&str])] = &[
         "eyot-bench",
         &["eyot", "eyot-climate", "eyot-core", "eyot-gpu", "eyot-land", "eyot-plates", "eyot-reef", "eyot-expr"],
     ),
+    ("eyot-wasm", &["eyot"]),
     ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land"]),
 ];
 
