@@ -223,9 +223,11 @@ fn cuts(g: &Grid) -> Vec<(&'static str, Vec<[std::ops::Range<usize>; 2]>)> {
         rows.iter().flat_map(|r| columns.iter().map(|c| [c.clone(), r.clone()])).collect()
     };
     let (a, b) = (w / 3, h / 4);
+    let (columns, rows) = (0..w, 0..h);
+    let (all_columns, all_rows) = (std::slice::from_ref(&columns), std::slice::from_ref(&rows));
     vec![
-        ("rows", tiles(&[0..w], &[0..b, b..h - 2, h - 2..h])),
-        ("columns", tiles(&[0..a, a..w - 5, w - 5..w], &[0..h])),
+        ("rows", tiles(all_columns, &[0..b, b..h - 2, h - 2..h])),
+        ("columns", tiles(&[0..a, a..w - 5, w - 5..w], all_rows)),
         ("tiles", tiles(&[0..a, a..w], &[0..h - b, h - b..h])),
         ("strips", (0..h).map(|y| [0..w, y..y + 1]).collect()),
     ]
