@@ -113,7 +113,7 @@ impl Default for Humidity {
 
 impl Process for Humidity {
     fn layers(&self) -> Vec<LayerUse> {
-        let own = [HUMIDITY.changed(0.0), PRECIPITATION.written(0.0), SOIL.changed(0.0)];
+        let own = [HUMIDITY.changed(0.0), PRECIPITATION.changed(0.0), SOIL.changed(0.0)];
         let others = [HEIGHT.read(0.0), WATER.read(0.0), ICE.read(0.0), TEMPERATURE.read(CELSIUS_AT_ZERO)];
         others.into_iter().chain([WIND_X.read(0.0), WIND_Y.read(0.0)]).chain(own).collect()
     }
