@@ -1,7 +1,7 @@
 //! **Files and pictures of landscapes**: what a recipe's exports write, conversion from file to file, and the import of height
 //! maps.
 //!
-//! [`write`] makes the files of an export, [`convert`](convert::convert) turns height maps and runs into other formats, [`open`](open::open)
+//! [`write()`] makes the files of an export, [`convert`](convert::convert) turns height maps and runs into other formats, [`open`](open::open)
 //! finds the world in a file or a run's folder, [`draw`](pictures::draw) makes pictures of it. [`IMPORT`] is the generator that
 //! takes height maps into recipes, [`Files`] resolves the files that recipes name, [`Costs`] says what outputs cost, and [`RunFiles`] writes
 //! what a run has come to.

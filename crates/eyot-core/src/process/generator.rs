@@ -124,7 +124,7 @@ pub trait Generator: Send + Sync {
     }
 
     /// The most that it holds for each cell while it generates, the result included, bytes. Measured as
-    /// [`Action::bytes_per_cell`]. Most make their result row by row and hold nothing else.
+    /// [`Action::bytes_per_cell`](super::Action::bytes_per_cell). Most make their result row by row and hold nothing else.
     fn bytes_per_cell(&self, _grid: &Grid) -> usize {
         size_of::<f32>()
     }

@@ -71,7 +71,7 @@ pub enum Status {
     Finished,
     /// It was stopped on request.
     Stopped,
-    /// It has failed; [`Session::advance`] said why.
+    /// It has failed; [`Session::advance`](super::Session::advance) said why.
     Failed,
 }
 
