@@ -183,7 +183,7 @@ def make_stores(folder, expected):
         expected[f"plain-{name}.zarr"] = (land("float32"), None)
 
 
-REFUSED = {"rgb.tif": "bands", "rgb.png": "colour", "palette.png": "colour", "complex.tif": "", "lzma.tif": "COMPRESS=DEFLATE", "holes-unmarked.tif": "NaN", "complex.npy": "astype", "cube.npy": "dimensions", "rgb.exr": "--layer", "blosc.zarr": "blosc", "version2.zarr": "zarr_format=3"}
+REFUSED = {"rgb.tif": "bands", "rgb.png": "colour", "palette.png": "colour", "complex.tif": "", "lzma.tif": "COMPRESS=DEFLATE", "holes-unmarked.tif": "NaN", "complex.npy": "astype", "cube.npy": "dimensions", "rgb.exr": "`layer`", "blosc.zarr": "blosc", "version2.zarr": "zarr_format=3"}
 
 
 def make_refused(folder):

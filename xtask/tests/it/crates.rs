@@ -19,8 +19,8 @@ const BELOW: &[(&str, &[&str])] = &[
     // Layers and rules of a recipe's own.
     ("eyot-expr", &["core"]),
     // What a recipe says, and how it is carried out: no pictures, meshes, cards or network.
-    ("eyot-recipe", &["core", "rules"]),
-    ("eyot-session", &["core", "io", "recipe", "rules"]),
+    ("eyot-recipe", &["core", "expr"]),
+    ("eyot-session", &["core", "io", "recipe"]),
     // What is written and shown.
     ("eyot-mesh", &["core"]),
     ("eyot-io", &["core", "mesh"]),
@@ -28,7 +28,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-view", &["core", "gpu", "noise", "render"]),
     ("eyot-export", &["climate", "core", "io", "mesh", "recipe", "reef", "render", "session"]),
     ("eyot-film", &["core", "export", "gpu", "io", "recipe", "render", "session", "view"]),
-    ("eyot-live", &["core", "io", "recipe", "reef", "session"]),
+    ("eyot-live", &["core", "recipe", "reef", "session"]),
 ];
 
 /// What may depend on the facade, and on what else.

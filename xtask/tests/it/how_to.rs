@@ -19,7 +19,7 @@ fn the_ways_of_contributing_lead_somewhere() {
         for step in steps {
             let quoted: Vec<&str> = step.split('`').collect();
             for (i, path) in quoted.iter().enumerate().skip(1).step_by(2) {
-                if !path.contains('/') || path.contains(' ') {
+                if !path.contains('/') || !path.contains('.') || path.contains(' ') {
                     continue;
                 }
                 let file = root.join(path);
