@@ -172,8 +172,11 @@ impl Field {
 
     /// From the first to the last value.
     fn interior(&self) -> std::ops::Range<usize> {
-        let last = if self.width == 0 { 0 } else { self.height.saturating_sub(1) * self.stride + self.width };
-        self.origin..self.origin + if self.height == 0 { 0 } else { last }
+        if self.width == 0 || self.height == 0 {
+            // A field without values may end before its origin.
+            return 0..0;
+        }
+        self.origin..self.origin + (self.height - 1) * self.stride + self.width
     }
 
     /// Value at (column, row).
