@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::grid::Grid;
 use crate::layer::LayerSpec;
 use crate::plan::Plan;
-use crate::world::World;
+use crate::world::{World, check_clock};
 use std::borrow::Cow;
 
 mod entry;
@@ -233,6 +233,22 @@ pub fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut Moment, 
         s.process.advance(moment);
     }
     moment.step += 1;
+}
+
+/// What a moment becomes in a span of steps, without doing any of them.
+///
+/// # Errors
+/// As [`check_clock`], for the first step after which it is beyond its bounds.
+pub fn clock_after(processes: &[Scheduled], mut moment: Moment, span: Span) -> Result<Moment> {
+    for step in span.from..span.from + span.steps {
+        for s in processes.iter().filter(|s| s.is_due(step)) {
+            moment.turn = step / s.every.max(1);
+            s.process.advance(&mut moment);
+        }
+        moment.step += 1;
+        check_clock(moment.step, moment.sea_level_m)?;
+    }
+    Ok(moment)
 }
 
 /// True if a process that is due in this step has an action.

@@ -58,6 +58,7 @@ pub(crate) fn recipe(
     exports.extend(v.presets(&overrides.presets, &exports));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
     v.memory(&doc, grid, &steps, &exports, &view);
+    v.clock(&doc, grid, document.sea_level, &steps);
     let (out, texts) = (v.out, v.texts);
     if !out.is_empty() {
         return Err(Problems::new(sources, out));
@@ -75,6 +76,7 @@ pub(crate) fn recipe(
     Ok(Recipe { name, about, seed, grid, georeference, sea_level_m, steps, exports, view, source, overrides, texts })
 }
 
+mod clock;
 pub(crate) mod rules;
 mod steps;
 pub(crate) mod terms;

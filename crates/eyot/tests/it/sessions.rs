@@ -160,3 +160,45 @@ fn a_session_that_was_dropped_at_its_start_begins_anew() {
     let whole = Run::start(recipe(60), RunOptions::default()).unwrap().join().unwrap();
     assert_eq!(go(s, u64::MAX).fingerprint, whole.fingerprint);
 }
+
+/// A reef whose sea rises by `rise` metres in each of `steps` steps of a year.
+fn drowning(rise: f64, steps: u64) -> Result<Recipe, String> {
+    let text = format!(
+        "[grid]\nsize = 8\n[[step]]\ngenerate = \"cone\"\nheight = 300.0\n[[step]]\nsimulate = [\"reef\"]\nsteps = {steps}\n\
+         reef.years_per_step = 10000\nreef.sea_level_rise = {}\n",
+        rise / 10000.0
+    );
+    crate::common::parse(&text, &[], eyot::Overrides::default(), &eyot::Limits::default())
+}
+
+#[test]
+fn a_sea_that_would_leave_the_range_of_heights_is_refused_before_the_run() {
+    let e = drowning(5.0, 4000).err().unwrap();
+    assert!(e.contains("step 2 (reef) goes too far: after step 2401 the sea would stand at 12005.0 m"), "{e}");
+    drowning(5.0, 2400).unwrap();
+    drowning(-5.0, 2400).unwrap();
+    assert!(drowning(-5.0, 2401).err().unwrap().contains("-12005.0 m"));
+}
+
+#[test]
+fn a_run_that_drowns_by_hand_ends_before_and_leaves_a_checkpoint_that_can_be_read() {
+    let memory = Memory::new();
+    let host = || Host::new(&eyot::Registry::standard(), Clock::system()).with_storage(memory.clone());
+    let options = || SessionOptions { chunk: Some(100), checkpoint_every: Duration::ZERO, ..SessionOptions::default() };
+    let mut s = Session::new(drowning(5.0, 2000).unwrap(), options(), host()).unwrap();
+    while s.world().step < 1000 {
+        assert_eq!(s.advance(Budget::Piece).unwrap(), Status::Working);
+    }
+    s.command(Command::Change(Change::new("reef.sea_level_rise", 0.0012)));
+    let e = loop {
+        if let Err(e) = s.advance(Budget::Piece) {
+            break e;
+        }
+    };
+    assert!(e.to_string().contains("after step 1584 the sea would stand at 12008.0 m"), "{e}");
+    assert!(e.help().is_some());
+    let mut again = Session::resume(options(), host()).unwrap();
+    assert_eq!(again.world().step, 1500);
+    assert!((again.world().sea_level_m - 11000.0).abs() < 0.1);
+    assert!(again.advance(Budget::Steps(84)).is_err() || again.advance(Budget::Piece).is_err());
+}
