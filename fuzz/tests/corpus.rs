@@ -31,3 +31,16 @@ fn every_corpus_has_a_target() {
         assert!(eyot_fuzz::target(&name).is_some(), "nobody reads corpus/{name}");
     }
 }
+
+/// Every field of every component that processes keep, with numbers that it should not have: refused, or harmless.
+#[test]
+fn checkpoints_are_sound_field_by_field() {
+    let state = eyot_fuzz::target("state").unwrap();
+    let most = if cfg!(debug_assertions) { 24 } else { 160 };
+    let (mut inputs, mut accepted) = (0, 0);
+    eyot_fuzz::field_by_field(most, |input| {
+        inputs += 1;
+        accepted += usize::from((state.run)(input));
+    });
+    assert!(inputs > 500 && accepted > 50 && accepted < inputs, "{accepted} of {inputs}");
+}

@@ -22,8 +22,9 @@ const SAND: [f32; 3] = [118.0, 104.0, 78.0];
 const ROCK: [f32; 3] = [66.0, 54.0, 42.0];
 const TURF: [f32; 3] = [46.0, 50.0, 22.0];
 const CUT: [f32; 3] = [52.0, 46.0, 37.0];
-/// Depth of a band on the sides of a block, m.
+/// Depth of a band on the sides of a block, m; more where there would be more than [`MOST_BANDS`].
 const BAND_M: f32 = 5.0;
+const MOST_BANDS: f32 = 200.0;
 /// Plots up to this side are overlooked from one place, m.
 const OVERLOOKED_M: f32 = 25.0;
 /// What a diver on a larger one sees, m: further out there is only water.
@@ -372,10 +373,11 @@ impl Floor {
     /// maps.
     fn wall(&mut self, edge: &[usize], sea_level: f32, foot: f32, out: [f32; 3]) {
         let top = edge.iter().map(|&n| self.positions[n][1]).fold(foot, f32::max);
-        let band = |z: f32| ((sea_level - z) / BAND_M).floor() as i32;
+        let each = BAND_M.max((top - foot) / MOST_BANDS);
+        let band = |z: f32| ((sea_level - z) / each).floor() as i32;
         for band in band(top)..=band(foot) {
             let first = self.positions.len() as u32;
-            let [upper, lower] = [band, band + 1].map(|n| sea_level - n as f32 * BAND_M);
+            let [upper, lower] = [band, band + 1].map(|n| sea_level - n as f32 * each);
             let shade = if band % 2 == 0 { 1.0 } else { 0.82 };
             let light = daylight(SHOWN_DEPTH * (sea_level - upper));
             let colour = bytes(std::array::from_fn(|i| shade * light[i] * CUT[i]));
