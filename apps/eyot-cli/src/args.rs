@@ -102,6 +102,9 @@ pub(crate) struct Run {
     /// Start over where a stopped run lies in the folder
     #[arg(long)]
     pub(crate) restart: bool,
+    /// Overwrite files in the folder that are not of a former run
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Give the commands of an earlier run again at the same steps: its run.json
     #[arg(long, value_name = "FILE")]
     pub(crate) replay: Option<PathBuf>,
@@ -539,6 +542,9 @@ pub(crate) struct Convert {
     /// Which row of an output without header comes first: north or south [default: north; for unity south]
     #[arg(long, value_name = "ROW", value_parser = row_order)]
     pub(crate) rows: Option<RowOrder>,
+    /// Overwrite what is there already
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Memory that the conversion may use, such as 8G or 500M
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) max_memory: Option<u64>,

@@ -330,8 +330,16 @@ fn remedies_fit_and_refusals_say_so() {
     assert!(!said(f, &["stats", "nan.npy"], 2, &["--nodata"]).contains("give the --out folder"));
     said(f, &["convert", "huge.npy", "a.tif"], 2, &["do not fit the 32 bits"]);
     std::fs::create_dir(f.join("plain.zarr")).unwrap();
-    assert!(!said(f, &["convert", "good.npy", "plain.zarr"], 1, &["holds no zarr.json"]).contains("other files"));
+    said(f, &["convert", "good.npy", "plain.zarr"], 2, &["is there already", "--force"]);
+    let forced = ["convert", "good.npy", "plain.zarr", "--force"];
+    assert!(!said(f, &forced, 1, &["holds no zarr.json"]).contains("other files"));
     said(f, &["convert", "good.npy", "a.tif", "--cell", "5"], 0, &[]);
+    let before = fs::read(f.join("a.tif")).unwrap();
+    said(f, &["convert", "good.npy", "a.tif", "--cell", "7"], 2, &["`a.tif` is there already; nothing was written"]);
+    assert!(fs::read(f.join("a.tif")).unwrap() == before);
+    said(f, &["convert", "good.npy", "a.tif", "--cell", "7", "--force"], 0, &[]);
+    fs::write(f.join("a.r32.json"), "mine").unwrap();
+    said(f, &["convert", "good.npy", "a.r32"], 2, &["`a.r32.json` is there already"]);
     said(f, &["convert", "good.npy", "a.tif", "--from-range", "0,1"], 2, &["leave out --from-range"]);
     for name in ["a.zarr", "x.TIF", "x.glb"] {
         said(f, &["convert", "good.npy", name, "--preset", "unity"], 2, &["would be a folder", "another name"]);
