@@ -334,11 +334,11 @@ fn remedies_fit_and_refusals_say_so() {
     let forced = ["convert", "good.npy", "plain.zarr", "--force"];
     assert!(!said(f, &forced, 1, &["holds no zarr.json"]).contains("other files"));
     said(f, &["convert", "good.npy", "a.tif", "--cell", "5"], 0, &[]);
-    let before = fs::read(f.join("a.tif")).unwrap();
+    let before = std::fs::read(f.join("a.tif")).unwrap();
     said(f, &["convert", "good.npy", "a.tif", "--cell", "7"], 2, &["`a.tif` is there already; nothing was written"]);
-    assert!(fs::read(f.join("a.tif")).unwrap() == before);
+    assert!(std::fs::read(f.join("a.tif")).unwrap() == before);
     said(f, &["convert", "good.npy", "a.tif", "--cell", "7", "--force"], 0, &[]);
-    fs::write(f.join("a.r32.json"), "mine").unwrap();
+    std::fs::write(f.join("a.r32.json"), "mine").unwrap();
     said(f, &["convert", "good.npy", "a.r32"], 2, &["`a.r32.json` is there already"]);
     said(f, &["convert", "good.npy", "a.tif", "--from-range", "0,1"], 2, &["leave out --from-range"]);
     for name in ["a.zarr", "x.TIF", "x.glb"] {
