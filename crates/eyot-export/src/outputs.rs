@@ -77,6 +77,7 @@ impl Outputs<'_> {
         let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
         text.push('\n');
         write_text(&path, &text).map_err(RunError::file)?;
+        self.check_there(&written)?;
         if state.streamed {
             self.remove(CHECKPOINT_FILE)?;
         }
@@ -129,8 +130,18 @@ impl Outputs<'_> {
         }
     }
 
+    /// Whoever reads the report must find what it lists.
+    fn check_there(&self, written: &[PathBuf]) -> Result<(), RunError> {
+        (self.results.in_place)()?;
+        match written.iter().find(|path| !path.exists()) {
+            Some(path) => Err(RunError::File(format!("`{}` was removed while the run wrote others", path.display()).into())),
+            None => Ok(()),
+        }
+    }
+
     fn begin(&self, path: PathBuf, written: &mut Vec<PathBuf>) -> Result<PathBuf, ExportError> {
         self.results.control.check().map_err(ExportError::stopped)?;
+        (self.results.in_place)().map_err(ExportError::file)?;
         (self.results.tell)(Event::Writing { path: path.clone() });
         written.push(path.clone());
         Ok(path)

@@ -200,6 +200,7 @@ fn launch(
         .thread_name(|i| format!("eyot-{i}"))
         .build()
         .map_err(|e| RunError::Threads { threads, reason: e.to_string() })?;
+    let held = options.out.as_deref().map(|out| Folder::held(out).map_err(RunError::file)).transpose()?;
     let (commands, inbox) = channel();
     let (outbox, events) = channel();
     for message in warnings {
@@ -209,7 +210,7 @@ fn launch(
     let last = Arc::new(Mutex::new(None));
     let host = Host {
         events: pass_on(outbox.clone(), last.clone()),
-        storage: options.out.as_deref().map(storage_of),
+        storage: held.map(|folder| Arc::new(folder) as Arc<dyn Storage>),
         outputs: host.outputs.clone().filter(|_| options.out.is_some()),
         branches: options.out.clone().map(|out| Arc::new(FolderBranches(out)) as Arc<dyn Branches>),
         ..host.clone()
