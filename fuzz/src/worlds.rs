@@ -2,9 +2,9 @@
 
 use crate::{limits, scratch};
 use eyot::{Boundary, Grid, Limits, World};
+use eyot_core::component::{Points, Table, Type};
 use eyot_core::layer::known;
 use eyot_core::{Centering, LayerSpec};
-use eyot_core::component::{Points, Table, Type};
 use eyot_io::checkpoint;
 use serde_json::Value;
 use std::ops::Range;

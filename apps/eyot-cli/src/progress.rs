@@ -92,7 +92,7 @@ impl Bars {
                 let step = self.step.get_or_insert_with(|| {
                     self.all.insert(0, bar("{prefix:<20!} {bar:20.cyan/black} {pos}/{len} {msg}", p.total))
                 });
-                step.set_prefix(title);
+                step.set_prefix(print::clean(&title).into_owned());
                 step.set_length(p.total);
                 step.set_position(p.step);
                 step.set_message(speed);

@@ -134,7 +134,9 @@ impl Outputs<'_> {
     fn check_there(&self, written: &[PathBuf]) -> Result<(), RunError> {
         (self.results.in_place)()?;
         match written.iter().find(|path| !path.exists()) {
-            Some(path) => Err(RunError::File(format!("`{}` was removed while the run wrote others", path.display()).into())),
+            Some(path) => {
+                Err(RunError::File(format!("`{}` was removed while the run wrote others", path.display()).into()))
+            }
             None => Ok(()),
         }
     }

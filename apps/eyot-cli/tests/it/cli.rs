@@ -460,3 +460,43 @@ fn statistics_of_a_planet_are_tables() {
     assert!(belts.iter().all(|l| l.len() == belts[0].len()), "{belts:#?}");
     assert!(belts[12].contains("-82.500"), "{belts:#?}");
 }
+
+/// A recipe or a file of somebody else must not steer the terminal of whoever looks at it.
+#[test]
+fn escape_sequences_in_names_do_not_reach_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    let wild = "\\u001b]0;owned\\u0007\\u009b31m";
+    let text = SMALL.replace("\"Small\"", &format!("\"a{wild}b\"")).replace("\"hill\"", &format!("\"c{wild}d\""));
+    std::fs::write(f.join("wild.toml"), &text).unwrap();
+    let raw = "\u{1b}[2J";
+    std::fs::write(f.join("raw.toml"), format!("{SMALL}# {raw}\nheihgt{raw} = 3 # {raw}\n")).unwrap();
+    std::fs::write(f.join("odd.toml"), SMALL.replace("height = 200.0", "height = \"\\u001b[2J\"")).unwrap();
+    let runs: [&[&str]; 5] = [
+        &["run", "wild.toml", "--out", "out"],
+        &["check", "wild.toml"],
+        &["check", "raw.toml"],
+        &["check", "odd.toml"],
+        &["stats", "out"],
+    ];
+    for args in runs {
+        let o = eyot(f, args).output().unwrap();
+        for bytes in [&o.stdout, &o.stderr] {
+            let said = String::from_utf8_lossy(bytes);
+            assert!(!said.contains(['\u{1b}', '\u{7}', '\u{9b}']), "{args:?}: {said:?}");
+        }
+    }
+}
+
+#[test]
+fn a_prefix_that_is_too_long_for_a_file_name_is_refused_by_the_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    let with =
+        |n: usize| SMALL.replace("format = \"r32\"", &format!("format = \"r32\"\nprefix = \"{}\"", "p".repeat(n)));
+    std::fs::write(f.join("long.toml"), with(250)).unwrap();
+    said(f, &["check", "long.toml"], 2, &["a file name of 260 bytes", "shorter `prefix`"]);
+    std::fs::write(f.join("good.toml"), with(230)).unwrap();
+    said(f, &["check", "good.toml"], 0, &[]);
+    said(f, &["run", "good.toml", "--out", "out"], 0, &[]);
+}

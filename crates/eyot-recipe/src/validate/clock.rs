@@ -22,7 +22,8 @@ impl Validator<'_> {
             match clock_after(&scheduled, moment, Span { from: 0, steps: work.steps.min(FORESEEN) }) {
                 Ok(after) => moment = after,
                 Err(e) => {
-                    let span = doc.get("step").and_then(|n| n.elements().get(step.number - 1)).unwrap_or(doc).span.clone();
+                    let span =
+                        doc.get("step").and_then(|n| n.elements().get(step.number - 1)).unwrap_or(doc).span.clone();
                     let message = format!("step {} ({}) goes too far: {e}", step.number, step.name);
                     let help = "do fewer `steps`, let each be shorter, or let the sea rise or fall less in it";
                     return self.out.push(Diagnostic::at(span, message, "this simulation").help(help));

@@ -17,6 +17,9 @@ use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
 
+/// Bytes of a file name: 255 on every system, less what the description of a file adds to it.
+const MAX_FILE_NAME: usize = 250;
+
 /// Checks a document. Files whose texts are known already are not read.
 pub(crate) fn recipe(
     source: RecipeSource,
@@ -297,6 +300,12 @@ impl Validator<'_> {
                 );
             }
             self.export_keys(item, &export);
+            let longest = export.files().into_iter().max_by_key(String::len).filter(|f| f.len() > MAX_FILE_NAME);
+            if let Some(file) = longest {
+                let message = format!("a file name of {} bytes is too long: there can be {MAX_FILE_NAME}", file.len());
+                let help = "choose a shorter `prefix`";
+                self.out.push(Diagnostic::at(place("prefix"), message, "this prefix").help(help));
+            }
             for file in export.files().into_iter().filter(|_| export.enabled) {
                 if !files.insert(file.clone()) {
                     let message = format!("two exports would write `{file}`");

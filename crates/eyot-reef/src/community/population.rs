@@ -102,7 +102,8 @@ impl Population {
                 return Err(format!("colony {} is none", c.id));
             }
         }
-        let sound = |a: &Alga| finite(&[a.x, a.y]) && [a.radius, a.height].iter().all(|v| (0.0..=MAX_ALGA_M).contains(v));
+        let sound =
+            |a: &Alga| finite(&[a.x, a.y]) && [a.radius, a.height].iter().all(|v| (0.0..=MAX_ALGA_M).contains(v));
         match self.algae.iter().find(|a| !sound(a)) {
             Some(a) => Err(format!("alga {} is none", a.id)),
             None if self.turf.iter().any(|c| !(0.0..=1.0).contains(c)) => Err("turf beyond 0 to 1".into()),
