@@ -42,6 +42,7 @@ use std::ops::Range;
 /// Which noise is summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Basis {
     /// Triangles: the same in all directions. One octave's standard deviation is 0.54 of the bound.
     #[default]
@@ -63,6 +64,7 @@ pub enum Basis {
 
 /// How octaves are put together.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Sum {
     /// Plain weighted sum, within -1..=1.
     Fbm,
