@@ -38,7 +38,6 @@ impl ParseError {
 
 /// Which text of a layer or rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Part {
     /// The start value of a layer.
     Start,

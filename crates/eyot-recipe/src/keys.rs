@@ -312,7 +312,6 @@ pub enum ExportFormat {
 /// All files that a program wants, in its sizes, scales and orders, with a JSON file that says what to enter where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum Preset {
     /// Unreal Engine landscape: 16-bit height of 505, 1009, 2017, 4033 or 8129 vertices, one weight map a material.
     Unreal,

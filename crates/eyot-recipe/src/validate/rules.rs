@@ -280,7 +280,7 @@ impl Validator<'_> {
                 What::Layer(..) => own.node.get("next"),
                 What::Rule(..) => own.node.get("set").and_then(|s| s.get(layer)),
             },
-            Part::Whole | _ => None,
+            Part::Whole => None,
         };
         let span = text.map_or_else(|| own.node.span.clone(), |node| self.inside(node, mistake));
         self.mistaken(span, mistake)

@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 /// Growth forms of corals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum Shape {
     /// A boulder with lobes.
     #[default]

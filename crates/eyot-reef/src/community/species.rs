@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 /// How a colony stands in the fight for space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum Form {
     /// Solid: it covers the polygon through the ends of its rays, and branches cannot grow into it.
     #[default]
