@@ -202,3 +202,53 @@ fn a_run_that_drowns_by_hand_ends_before_and_leaves_a_checkpoint_that_can_be_rea
     assert!((again.world().sea_level_m - 11000.0).abs() < 0.1);
     assert!(again.advance(Budget::Steps(84)).is_err() || again.advance(Budget::Piece).is_err());
 }
+
+/// What the frames of a recording say of their runs, but for times.
+fn frames(memory: &Memory) -> Vec<serde_json::Value> {
+    let storage = std::sync::Arc::new(memory.clone());
+    let timeline = eyot_io::timeline::Timeline::open_in(storage, "timeline.zarr", &eyot::Limits::default()).unwrap();
+    let timeless = |i: usize| {
+        let mut state = timeline.state(i).unwrap();
+        ["seconds", "timings", "card_seconds"].iter().for_each(|key| state[*key] = serde_json::Value::Null);
+        serde_json::json!([timeline.frames()[i].step, state])
+    };
+    (0..timeline.frames().len()).map(timeless).collect()
+}
+
+/// Wherever it is killed, also between the last step of one simulation and the first of the next, or after the very last.
+#[test]
+fn a_recording_is_the_same_however_often_its_run_was_killed() {
+    let text = GOOD.replacen(
+        "[[step]]\ngenerate = \"noise\"\nlayer",
+        "[[step]]\nsimulate = [\"hydraulic\"]\nsteps = 15\n[[step]]\nenabled = false\ngenerate = \"noise\"\nlayer",
+        1,
+    );
+    let recipe = || parse(&text.replace("layers = [\"height\", \"rough\"]", ""), &["step.2.steps=20"]).unwrap();
+    let record = Some(Record { every: 10, max_bytes: 1 << 30 });
+    let options = || SessionOptions {
+        record,
+        chunk: Some(5),
+        checkpoint_every: Duration::ZERO,
+        ..SessionOptions::default()
+    };
+    let host = |memory: &Memory| Host::new(&registry(), Clock::system()).with_storage(memory.clone());
+    let whole = Memory::new();
+    go(Session::new(recipe(), options(), host(&whole)).unwrap(), u64::MAX);
+    let wanted = frames(&whole);
+    assert_eq!(wanted.iter().map(|f| f[0].as_u64().unwrap()).collect::<Vec<_>>(), [0, 10, 20, 30, 35]);
+    for pieces in 1.. {
+        let memory = Memory::new();
+        let mut s = Session::new(recipe(), options(), host(&memory)).unwrap();
+        let mut ended = false;
+        for _ in 0..pieces {
+            ended |= s.advance(Budget::Piece).unwrap() != Status::Working;
+        }
+        drop(s);
+        if ended {
+            assert!(pieces > 10, "{pieces}");
+            break;
+        }
+        go(Session::resume(options(), host(&memory)).unwrap(), u64::MAX);
+        assert_eq!(frames(&memory), wanted, "killed after {pieces} pieces");
+    }
+}
