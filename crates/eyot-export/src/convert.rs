@@ -1,6 +1,7 @@
 //! From one file format to another, and to the files of a preset.
 
 use crate::error::ExportError;
+use crate::estimate;
 use crate::files::{self, Job, Layer};
 use crate::import::read_raster;
 use crate::open;
@@ -343,6 +344,10 @@ impl Conversion<'_> {
             let files = export.files().into_iter().map(|f| self.output.join(f));
             self.check_free(files.flat_map(|f| [beside(&f), f]))?;
         }
+        let what = format!("`{}`", self.output.display());
+        let bytes = estimate::export(&world.grid, &export, self.limits);
+        let help = remedy!["convert fewer cells, or raise the limit with ", Setting::MaxMemory];
+        estimate::check(&what, world, bytes, self.limits, help).map_err(ExportError::file)?;
         let made = preset.is_some() && !self.output.exists();
         if preset.is_some() {
             std::fs::create_dir_all(self.output)

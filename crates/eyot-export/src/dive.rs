@@ -40,6 +40,12 @@ const DETAILS: [(f32, Detail); 3] = [
     (f32::INFINITY, Detail { solid_m: 0.1, open_m: 0.03, per_radius: 8.0, rounds: 1 }),
 ];
 
+/// Bytes that the diver's picture takes of a sea floor without corals, which every reef is asked for.
+pub(crate) fn least_bytes() -> u128 {
+    let camera = Camera::looking([0.0, -1.0, 1.0], [0.0; 3], 48.0);
+    mesh_view_bytes(0, 0, &MeshViewOptions::new(camera, DIVE, Some(WATER)))
+}
+
 /// A picture to be made.
 struct Shot {
     camera: Camera,

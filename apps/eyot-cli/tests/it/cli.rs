@@ -500,3 +500,16 @@ fn a_prefix_that_is_too_long_for_a_file_name_is_refused_by_the_check() {
     said(f, &["check", "good.toml"], 0, &[]);
     said(f, &["run", "good.toml", "--out", "out"], 0, &[]);
 }
+
+/// Hours of work must not end in a refusal that could be foreseen.
+#[test]
+fn the_check_refuses_what_a_run_would_refuse_at_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("a.toml"), "[grid]\nsize = 6000\n[[step]]\ngenerate = \"cone\"\nheight = 300.0\n").unwrap();
+    // One layer of 137 MiB fits, its pictures do not.
+    let tight = ["check", "a.toml", "--max-memory", "1500M"];
+    said(f, &tight, 0, &[]);
+    said(f, &[&tight[..], &["--stream", "never"]].concat(), 2, &["in one piece, with its files,"]);
+    said(f, &["check", "reef", "--max-memory", "80M"], 2, &["dive.png"]);
+}

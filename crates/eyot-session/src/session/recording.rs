@@ -65,8 +65,7 @@ impl Session {
         // it would say the other.
         let here = settled(&self.recipe, self.state.place());
         let is_here = |s: &State| settled(&self.recipe, s.place()) == here;
-        let is_current =
-            last.is_some() && state_of(&timeline, timeline.frames().len() - 1).is_ok_and(|s| is_here(&s));
+        let is_current = last.is_some() && state_of(&timeline, timeline.frames().len() - 1).is_ok_and(|s| is_here(&s));
         let clock = clock::of_run(&self.recipe, &self.state.journal, &self.host.registry);
         Ok(Some(Recorder { timeline, clock, is_current, warned: false }))
     }

@@ -225,12 +225,8 @@ fn a_recording_is_the_same_however_often_its_run_was_killed() {
     );
     let recipe = || parse(&text.replace("layers = [\"height\", \"rough\"]", ""), &["step.2.steps=20"]).unwrap();
     let record = Some(Record { every: 10, max_bytes: 1 << 30 });
-    let options = || SessionOptions {
-        record,
-        chunk: Some(5),
-        checkpoint_every: Duration::ZERO,
-        ..SessionOptions::default()
-    };
+    let options =
+        || SessionOptions { record, chunk: Some(5), checkpoint_every: Duration::ZERO, ..SessionOptions::default() };
     let host = |memory: &Memory| Host::new(&registry(), Clock::system()).with_storage(memory.clone());
     let whole = Memory::new();
     go(Session::new(recipe(), options(), host(&whole)).unwrap(), u64::MAX);
