@@ -7,9 +7,9 @@ use crate::recipe::{Step, Work};
 use eyot_core::Grid;
 use eyot_core::process::{Moment, Span, clock_after};
 
-/// Steps of a simulation that are gone through; beyond them the run itself finds out, before the step. So many take milliseconds,
-/// a tenth of a second with parameters that are expressions.
-const FORESEEN: u64 = 1 << 17;
+/// Steps of a simulation that are gone through; beyond them the run itself finds out, before the step. So many take less than a
+/// millisecond, and half a second where parameters are expressions of time.
+const FORESEEN: u64 = 1 << 15;
 
 impl Validator<'_> {
     /// Refuses steps after which the world would have a sea that no world can have.
