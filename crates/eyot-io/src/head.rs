@@ -147,8 +147,9 @@ impl Head {
             state: state.clone(),
         };
         let fault = |problem: String| Error::format(path, problem, "it was not written, the former one is unharmed");
-        // By the bounds that readers check, but for limits on memory, which are whoever reads it's own.
-        head.check(path, &UNLIMITED).map_err(|e| fault(e.to_string()))?;
+        // By the bounds that readers check, but for limits on memory, which are each reader's own.
+        check_clock(head.step, head.sea_level_m).map_err(|e| fault(e.to_string()))?;
+        head.check(path, &UNLIMITED)?;
         let text = serde_json::to_vec(&head).map_err(|e| fault(e.to_string()))?;
         // A head that cannot be read back is worse than none, so try.
         match serde_json::from_slice::<Self>(&text) {
