@@ -57,7 +57,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "expression", run: expressions::read, seeds: expressions::seeds, words: expressions::WORDS },
 ];
 
-pub use states::field_by_field;
+pub use states::{field_by_field, loaded};
 
 /// The target of a name.
 pub fn target(name: &str) -> Option<&'static Target> {

@@ -22,18 +22,22 @@ const CHECKPOINT: &str = "checkpoint.eyot";
 /// A run, and changes of its components: number of the run; then for each change the component, where in it (two bytes), how many
 /// bytes (1 to 8), and eight bytes of which so many are put there.
 pub(crate) fn read(bytes: &[u8]) -> bool {
-    let [run, changes @ ..] = bytes else { return false };
+    loaded(bytes).is_some_and(|checkpoint| go_on(&checkpoint))
+}
+
+/// The changed checkpoint, if it can be read; it can then be written, too.
+pub fn loaded(bytes: &[u8]) -> Option<Vec<u8>> {
+    let [run, changes @ ..] = bytes else { return None };
     let sound = checkpoints()[usize::from(*run) % RUNS.len()].clone();
     let changed = changes.chunks_exact(12).take(8).fold(sound, |bytes, c| {
         let value = &c[4..4 + usize::from(c[3] % 8) + 1];
         worlds::changed(bytes, usize::from(c[0]), usize::from(u16::from_le_bytes([c[1], c[2]])), value)
     });
     let kinds = eyot::component_kinds();
-    let Ok(loaded) = checkpoint::read(Cursor::new(&changed), &limits(), &kinds) else { return false };
-    // What can be read can be written.
+    let loaded = checkpoint::read(Cursor::new(&changed), &limits(), &kinds).ok()?;
     let mut again = Vec::new();
     checkpoint::write(&mut again, &loaded.world, &loaded.recipe_toml, &loaded.state).expect("what was read");
-    go_on(&changed)
+    Some(changed)
 }
 
 /// Goes on from a checkpoint for some steps. False if that was refused.

@@ -51,7 +51,10 @@ pub(crate) fn chosen(
         // The check of the recipe was content with what it takes when it is streamed.
         (Stream::Never, None) => {
             let whole = memory::whole(steps, exports, view, grid, costs, limits).map_err(fail)?;
-            limits.check_bytes("this recipe in one piece, with its files,", whole).map(|()| false).map_err(fail)
+            limits
+                .check_bytes("this recipe in one piece, with its files,", whole)
+                .map(|()| false)
+                .map_err(RunError::input)
         }
     }
 }

@@ -13,11 +13,14 @@ const LAND: &str = "name = \"Hill\"\nseed = 7\n[grid]\nsize = [40, 30]\ncell = 2
     [[step]]\ngenerate = \"ramp\"\nlayer = \"share\"\n[view]\nenabled = false\n";
 
 fn go(from: &Path, to: &Path, options: &ConvertOptions) -> Vec<String> {
+    // Most of these tests convert to one name again and again.
+    let options = &ConvertOptions { force: true, ..options.clone() };
     let done = convert(from, to, options, &Limits::default()).unwrap_or_else(|e| panic!("{from:?} -> {to:?}: {e}"));
     done.notes.iter().map(ToString::to_string).collect()
 }
 
 fn refused(from: &Path, to: &Path, options: &ConvertOptions) -> String {
+    let options = &ConvertOptions { force: true, ..options.clone() };
     match convert(from, to, options, &Limits::default()) {
         Err(RunError::File(message) | RunError::Input { reason: message, .. }) => message.to_string(),
         other => panic!("{from:?} -> {to:?}: {other:?}"),
