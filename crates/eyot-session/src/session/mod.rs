@@ -33,6 +33,7 @@ mod progress;
 mod recording;
 mod requests;
 mod simulate;
+mod trial;
 mod watching;
 
 use crate::engines::{EngineOptions, OpenEngine, Opened, processor};
