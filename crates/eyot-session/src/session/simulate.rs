@@ -1,6 +1,7 @@
 //! The steps of a simulation, chunk by chunk.
 
 use super::device::Failure;
+use super::trial::{After, Trial};
 use super::{Heard, Phase, Session, label, overall};
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry, Progress};
@@ -21,6 +22,7 @@ pub(super) struct Simulation {
     chunk: u64,
     /// Steps per second lately.
     rate: f64,
+    trial: Trial,
     begun: Duration,
     /// The card's own time before this simulation, less what the engine had counted by then, s.
     card_seconds: f64,
@@ -39,7 +41,9 @@ impl Session {
         }
         let chunk = self.options.chunk.unwrap_or(1).max(1);
         let (uses, scheduled) = self.scheduled(step, work)?;
-        self.phase = Phase::Simulating(Box::new(Simulation { uses, scheduled, chunk, rate: 0.0, begun, card_seconds }));
+        let trial = Trial::default();
+        let simulation = Simulation { uses, scheduled, chunk, rate: 0.0, trial, begun, card_seconds };
+        self.phase = Phase::Simulating(Box::new(simulation));
         Ok(())
     }
 
@@ -112,7 +116,12 @@ impl Session {
             Err(Failure::Work(e)) => return Err(fail(e)),
             Ok(()) | Err(Failure::Device(_)) => {}
         }
-        self.measure(&mut s, did, self.host.clock.since(begun));
+        let time = self.host.clock.since(begun);
+        self.measure(&mut s, did, time);
+        let left = work.steps - self.state.done;
+        if let Some(event) = s.trial.count(did, time, left, &After::of(&recipe.steps, step.number, work)) {
+            self.tell(event);
+        }
         let eta = (work.steps - self.state.done) as f64 / s.rate.max(1e-9);
         let (before, share) = overall(&recipe.steps, step.number);
         self.tell(Event::Progress(Progress {
