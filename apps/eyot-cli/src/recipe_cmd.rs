@@ -3,7 +3,6 @@
 use crate::args::{Change, Check, Cite, CiteFormat, New};
 use crate::wording::CommandLine;
 use crate::{Failure, print, report};
-use eyot::remedy::Worded;
 use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, RunOptions, Work};
 use std::io::Write;
 
