@@ -165,7 +165,7 @@ pub fn check_access(processes: &[Scheduled], start: &dyn Fn(&str, f32) -> f32) -
         // Whatever a preparation makes.
         crate::stepper::prepare(&mut CpuEngine::default().runner(), &mut before, alone).map_err(|e| match e {
             crate::engine::EngineError::Core(e) => e,
-            crate::engine::EngineError::Device(e) => unreachable!("{e}"),
+            e => unreachable!("{e}"),
         })?;
         let mut other = before.clone();
         let unread: Vec<String> = before.layers().iter().map(|l| l.spec.name.to_string()).collect();

@@ -31,8 +31,9 @@ pub enum GpuError {
         /// All that is missing, with what there is.
         missing: String,
     },
-    /// Nothing has arrived yet, and this platform lets no thread wait for it: use the futures.
-    #[error("the graphics device is not done, and a browser cannot wait for it")]
+    /// The device is not done yet, and nobody may wait for it: browsers let no thread do so, and [`Options::polled`](crate::Options)
+    /// asks for it. The same call again, or a future, gives the answer.
+    #[error("the graphics device is not done yet, and its host does not wait")]
     CannotWait,
     /// The device is gone: unplugged, reset, or its driver crashed.
     #[error("the graphics device was lost: {0}")]

@@ -3,5 +3,6 @@
 mod actions;
 mod components;
 mod foundations;
+mod polled;
 mod programs;
 mod rules;

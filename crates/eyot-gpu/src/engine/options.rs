@@ -17,6 +17,9 @@ pub struct Options {
     pub timed: bool,
     /// A submission aims at this long.
     pub submission: Duration,
+    /// Never waits for the card: whatever would have to answers [`GpuError::CannotWait`](crate::GpuError::CannotWait), has changed
+    /// nothing, and is to be called again. In browsers there is no other way.
+    pub polled: bool,
 }
 
 impl Default for Options {
@@ -27,6 +30,7 @@ impl Default for Options {
             most_bytes: u64::MAX,
             timed: false,
             submission: Duration::from_millis(20),
+            polled: cfg!(target_arch = "wasm32"),
         }
     }
 }
@@ -55,6 +59,11 @@ impl Options {
     /// With submissions of about this long.
     pub fn submission(self, submission: Duration) -> Self {
         Self { submission, ..self }
+    }
+
+    /// For a host that polls, or one that waits.
+    pub fn polled(self, polled: bool) -> Self {
+        Self { polled, ..self }
     }
 }
 
