@@ -24,6 +24,8 @@ pub(crate) const WORDS: &[&str] = &[
     "\"import\"",
     "[\"hydraulic\", \"reef\"]",
     "\"wrap\"",
+    "what",
+    "\"mask\"",
     "format",
     "\"glb\"",
     "[[layer]]",
@@ -150,8 +152,12 @@ format = "png16"
 layers = ["height", "water"]
 prefix = "a_"
 [[export]]
+what = "terrain"
 format = "glb"
 levels = 2
+[[export]]
+what = "mask"
+enabled = false
 [view]
 size = [64, 48]
 azimuth = 20.0

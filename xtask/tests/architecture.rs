@@ -181,3 +181,31 @@ fn unsafe_code_gives_its_reason() {
         }
     }
 }
+
+/// The code of a file without what only its tests compile: unit tests stand at the end.
+fn without_tests(text: &str) -> &str {
+    text.split("\n#[cfg(test)]\nmod ").next().unwrap_or(text)
+}
+
+/// True for a flag such as `--seed`.
+fn names_a_flag(line: &str) -> bool {
+    line.match_indices("--").any(|(i, _)| {
+        let before = line[..i].chars().next_back();
+        !before.is_some_and(|c| c == '-' || c.is_alphanumeric())
+            && line[i + 2..].starts_with(|c: char| c.is_ascii_lowercase())
+    })
+}
+
+#[test]
+fn libraries_speak_no_command_line() {
+    assert!(names_a_flag("raise --max-memory") && names_a_flag("(--layer NAME)") && !names_a_flag("a --- b"));
+    for (path, text) in rust_files("crates") {
+        let name = path.to_string_lossy().replace('\\', "/");
+        if !name.contains("/src/") || name.ends_with("/tests.rs") {
+            continue;
+        }
+        for line in code(without_tests(&text)) {
+            assert!(!names_a_flag(line) && !line.contains("`eyot "), "{name} speaks of the command line: {line}");
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! `convert`: from one file format to another.
 
 use crate::args::Convert;
+use crate::wording::CommandLine;
 use crate::{Failure, made, print, report};
 use eyot::convert::{ConvertOptions, convert as run};
 use eyot::io::ReadOptions;
@@ -27,7 +28,7 @@ pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {
         size: args.size,
     };
     let done = run(&args.from, &args.to, &options, &made::limits(args.max_memory)).map_err(|e| report::run(&e))?;
-    done.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+    done.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
     for file in &done.files {
         print::line(&format!("wrote {}", file.display()))?;
     }

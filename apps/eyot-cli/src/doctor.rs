@@ -1,12 +1,16 @@
 //! `doctor`: what this machine can simulate on.
 
 use crate::args::Doctor;
+use crate::wording::CommandLine;
 use crate::{Failure, print, report};
+use eyot::core::remedy::Worded;
 use eyot_bench::doctor::{Examination, examine};
 
 /// Looks at the machine and tests it.
 pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
-    let found = examine(args.adapter.as_deref()).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
+    let mut found =
+        examine(args.adapter.as_deref()).map_err(|e| Failure::Failed(report::plain(&e.worded(&CommandLine), None)))?;
+    found.test.failure = found.test.failure.map(|f| f.worded(&CommandLine).into());
     if args.json {
         let json = serde_json::to_value(&found).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
         print::line(&format!("{json:#}"))?;
@@ -16,7 +20,7 @@ pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
     if found.test.passed {
         return Ok(());
     }
-    let message = found.test.failure.unwrap_or_else(|| "the engines do not agree".to_owned());
+    let message = found.test.failure.map_or_else(|| "the engines do not agree".to_owned(), |f| f.to_string());
     let help = "--engine cpu works without a graphics card; a driver that gives other results is worth a report";
     Err(Failure::Failed(report::plain(&message, Some(help.to_owned()))))
 }

@@ -2,6 +2,7 @@
 
 use crate::args::{Draws, Look, size};
 use crate::progress::{bar, time};
+use crate::wording::CommandLine;
 use crate::{Failure, look, print, report};
 use clap::Args;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Subject, Video};
@@ -152,7 +153,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     if args.quiet {
         return Ok(());
     }
-    filmed.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+    filmed.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
     let there = filmed.frames - filmed.drawn;
     let kept = if there > 0 { format!(" ({there} were there)") } else { String::new() };
     print::line(&format!("{} pictures in {}{kept}", filmed.frames, out.display()))?;

@@ -1,7 +1,9 @@
 //! `render`, `stats`, `bench`: looking at what is there.
 
 use crate::args::{Bench, Measured, Render, Stats};
+use crate::wording::CommandLine;
 use crate::{Failure, print, report};
+use eyot::core::remedy::Worded;
 use eyot::store::Subject;
 use eyot::{EngineChoice, EngineOptions, Limits, View, ViewRequest, store};
 use eyot_bench::{cpu, gpu};
@@ -49,7 +51,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     if subject == Subject::View {
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
         let drawn = eyot::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
-        drawn.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+        drawn.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
         if opened.world.components.contains(eyot::reef::corals::POPULATION) {
             print::note(
                 "note: a view shows the sea and its floor; single corals are in the pictures of the export `dive`",
@@ -216,7 +218,7 @@ pub(crate) fn measure(args: &Bench) -> Result<(), Failure> {
         classic: args.classic,
         seconds: args.seconds,
     };
-    let r = cpu::run(&options).map_err(|e| report::usage(&e.to_string(), "see `eyot bench --help`"))?;
+    let r = cpu::run(&options).map_err(|e| report::usage(&e.worded(&CommandLine), "see `eyot bench --help`"))?;
     if args.json {
         let json = serde_json::to_value(&r).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
         return print::line(&format!("{json:#}"));
@@ -327,6 +329,6 @@ fn print_gpu(args: &Bench, r: &gpu::GpuBenchReport) -> Result<(), Failure> {
 
 pub(crate) fn open(path: &Path) -> Result<store::Opened, Failure> {
     let opened = store::open(path, &Limits::default()).map_err(|e| report::run(&e))?;
-    opened.notes.iter().for_each(|n| print::note(&format!("note: {n}")));
+    opened.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
     Ok(opened)
 }

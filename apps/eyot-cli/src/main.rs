@@ -16,6 +16,7 @@ mod report;
 mod runs;
 mod serve;
 mod timeline;
+mod wording;
 mod words;
 
 use args::{Cli, Verb};

@@ -1,6 +1,7 @@
 //! Progress on the terminal: one bar for the step of the recipe, one for the whole run.
 
 use crate::print;
+use crate::wording::CommandLine;
 use eyot::Event;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -114,7 +115,7 @@ impl Bars {
                 self.say(&format!("  {} begins at {steps_done} steps", out.display()));
             }
             Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set, e.step)),
-            Event::Warning { message } => self.say(&format!("warning: {message}")),
+            Event::Warning { message } => self.say(&format!("warning: {}", message.worded(&CommandLine))),
             Event::Joined { client, address } => self.say(&format!("  client {client} at {address} has connected")),
             Event::Left { client, reason, .. } => self.say(&format!("  client {client} is gone: {reason}")),
             Event::Refused { address, reason } => self.say(&format!("  {address} was not let in: {reason}")),

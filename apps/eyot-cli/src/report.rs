@@ -2,7 +2,9 @@
 
 use crate::Failure;
 use crate::excerpt::{clipped, excerpt};
-use eyot::{Problems, RunError};
+use crate::wording::CommandLine;
+use eyot::core::remedy::Worded;
+use eyot::{Problems, RunError, Source};
 use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, NamedSource, Report, SourceCode};
 use std::fmt;
 use std::io::IsTerminal;
@@ -50,14 +52,15 @@ pub(crate) fn recipe(problems: &Problems) -> Failure {
                         None => d.label.clone(),
                     };
                     let label = LabeledSpan::new(Some(label), at.start, at.len());
-                    (label, NamedSource::new(&source.name, text).with_language("TOML"))
+                    (label, NamedSource::new(source_name(source), text).with_language("TOML"))
                 })
                 .unzip();
-            let message = clipped(&d.message, LONGEST_MESSAGE).into_owned();
-            One { message, help: d.help.as_deref().map(|h| clipped(h, LONGEST_MESSAGE).into_owned()), label, source }
+            let message = clipped(&d.message.worded(&CommandLine), LONGEST_MESSAGE).into_owned();
+            let help = d.help.as_ref().map(|h| clipped(&h.worded(&CommandLine), LONGEST_MESSAGE).into_owned());
+            One { message, help, label, source }
         })
         .collect();
-    let name = problems.sources.first().map_or("the recipe", |s| s.name.as_str());
+    let name = problems.sources.first().map_or("the recipe", source_name);
     let message = match all.len() {
         1 => format!("{name} cannot be run"),
         n if problems.more == 0 => format!("{name} cannot be run: {n} problems"),
@@ -67,9 +70,14 @@ pub(crate) fn recipe(problems: &Problems) -> Failure {
     Failure::Usage(Report::new(Many { message, all }))
 }
 
+/// The file, or the flag that a text was given with.
+fn source_name(source: &Source) -> &str {
+    if source.name == Source::SET { "--set" } else { &source.name }
+}
+
 /// An error of the facade with its exit code.
 pub(crate) fn run(e: &RunError) -> Failure {
-    let report = plain(&e.to_string(), e.help());
+    let report = plain(&e.worded(&CommandLine), e.help().map(|h| h.worded(&CommandLine)));
     match e {
         RunError::Recipe(p) => recipe(p),
         _ if e.is_refusal() => Failure::Usage(report),

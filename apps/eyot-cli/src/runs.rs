@@ -2,6 +2,7 @@
 
 use crate::args::{Resume, Run, Work};
 use crate::progress::Bars;
+use crate::wording::CommandLine;
 use crate::{Failure, made, print, report};
 use eyot::{Command, Handle, JournalEntry, Record, Registry, Remote, RunOptions};
 use std::path::{Path, PathBuf};
@@ -123,7 +124,7 @@ fn attend(handle: Handle, interrupts: &Interrupts, work: &Work, out: &Path) -> R
     for event in handle.events() {
         if work.json {
             // A reader that has gone away or a full device do not stop the run: its files are still wanted.
-            let text = serde_json::to_string(&event).unwrap_or_default();
+            let text = serde_json::to_string(&event.worded(&CommandLine)).unwrap_or_default();
             if unheard.is_none() {
                 unheard = print::line(&text).err();
             }

@@ -3,6 +3,7 @@
 use crate::args::{Change, Work, bytes};
 use crate::progress::Bars;
 use crate::runs::{Interrupts, folder_name, options};
+use crate::wording::CommandLine;
 use crate::{Failure, made, print, report};
 use clap::Args;
 use eyot::network;
@@ -138,7 +139,7 @@ fn attend(serving: Serving, interrupts: &Interrupts, args: &Serve, out: &Path) -
     let mut show = |event: &Event| {
         if args.work.json {
             // As with `eyot run`, a reader that has gone does not stop the run.
-            let text = serde_json::to_string(event).unwrap_or_default();
+            let text = serde_json::to_string(&event.worded(&CommandLine)).unwrap_or_default();
             if unheard.is_none() {
                 unheard = print::line(&text).err();
             }

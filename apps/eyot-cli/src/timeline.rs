@@ -1,7 +1,9 @@
 //! `timeline`, `rewind`, `branch`: recordings of runs.
 
 use crate::args::{Branch, Rewind, Timeline};
+use crate::wording::CommandLine;
 use crate::{Failure, print, report};
+use eyot::core::remedy::Worded;
 use eyot::timeline::{Branching, Damaged, Frame};
 use eyot::{Limits, Registry, shell_word};
 use serde_json::json;
@@ -14,7 +16,7 @@ pub(crate) fn list(args: &Timeline) -> Result<(), Failure> {
     if args.json {
         let object = json!({
             "every": record.every, "max_bytes": record.max_bytes, "bytes": bytes, "frames": frames,
-            "damaged": timeline.damaged(),
+            "damaged": in_words(timeline.damaged().to_vec()),
         });
         return print::line(&object.to_string());
     }
@@ -42,8 +44,9 @@ pub(crate) fn list(args: &Timeline) -> Result<(), Failure> {
 /// Sets a run back.
 pub(crate) fn rewind(args: &Rewind) -> Result<(), Failure> {
     let done = eyot::timeline::rewind(&args.folder, args.moment.get(), args.forget, &Limits::default());
-    let done = done.map_err(|e| report::run(&e))?;
+    let mut done = done.map_err(|e| report::run(&e))?;
     if args.json {
+        done.damaged = in_words(done.damaged);
         return print::line(&json!(done).to_string());
     }
     tell(&done.damaged);
@@ -64,8 +67,9 @@ pub(crate) fn branch(args: &Branch) -> Result<(), Failure> {
     let how = Branching { set: args.set.clone(), forget: args.forget };
     let (moment_of, registry) = (args.moment.get(), Registry::standard());
     let done = eyot::timeline::branch(&args.folder, moment_of, &args.out, &how, &registry, &Limits::default());
-    let done = done.map_err(|e| report::run(&e))?;
+    let mut done = done.map_err(|e| report::run(&e))?;
     if args.json {
+        done.damaged = in_words(done.damaged);
         return print::line(&json!(done).to_string());
     }
     tell(&done.damaged);
@@ -74,7 +78,13 @@ pub(crate) fn branch(args: &Branch) -> Result<(), Failure> {
 
 /// Says which frames are lost.
 fn tell(damaged: &[Damaged]) {
-    damaged.iter().for_each(|d| print::note(&format!("warning: {d}")));
+    damaged.iter().for_each(|d| print::note(&format!("warning: {}", d.worded(&CommandLine))));
+}
+
+/// The same in the words of the command line.
+fn in_words(mut damaged: Vec<Damaged>) -> Vec<Damaged> {
+    damaged.iter_mut().for_each(|d| d.reason = d.reason.worded(&CommandLine).into());
+    damaged
 }
 
 fn moment(frame: &Frame) -> String {

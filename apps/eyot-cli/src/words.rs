@@ -1,6 +1,7 @@
 //! `list`, `describe`, `schema`: what there is and what it takes.
 
 use crate::args::{Describe, List};
+use crate::wording::CommandLine;
 use crate::{Failure, print, report};
 use eyot::Registry;
 use serde_json::json;
@@ -46,7 +47,7 @@ pub(crate) fn describe(args: &Describe) -> Result<(), Failure> {
             serde_json::to_string_pretty(&found).map_err(|e| Failure::Failed(report::plain(&e.to_string(), None)))?;
         return print::line(&text);
     }
-    print::line(&found.to_string())
+    print::line(&found.worded(&CommandLine))
 }
 
 /// The JSON Schema of recipes.

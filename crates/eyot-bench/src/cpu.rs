@@ -9,6 +9,8 @@ use eyot_core::engine::{CpuEngine, MemoryEstimate};
 use eyot_core::isa::Isa;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Action as _, Generator, Moment, Process, Scheduled, Site, Span};
+use eyot_core::remedy;
+use eyot_core::remedy::Setting;
 use eyot_core::{Cancel, Control, Edge, Error, Field, Grid, LayerSpec, Limits, Result, Rim, World};
 use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
@@ -259,7 +261,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
     });
     result.map_err(|e| match e {
         Error::Limit { what, needed, limit, .. } => {
-            Error::Limit { what, needed, limit, remedy: "choose fewer cells with --size" }
+            Error::Limit { what, needed, limit, remedy: remedy!["choose fewer cells with ", Setting::Size] }
         }
         other => other,
     })

@@ -5,6 +5,7 @@ use eyot::{EngineChoice, EngineOptions};
 use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
 use eyot_core::process::{Scheduled, Span};
+use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Error, Field, Grid, Limits, Rim, World};
 use eyot_gpu::{AdapterReport, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_land::simulate::{Hydraulic, Thermal};
@@ -74,7 +75,7 @@ pub struct Test {
     /// Time of the other one, s, with the way to the card and back.
     pub other_s: Option<f64>,
     /// What went wrong.
-    pub failure: Option<String>,
+    pub failure: Option<Remedy>,
     /// Whether it passed.
     pub passed: bool,
 }
@@ -146,7 +147,7 @@ fn test(adapter: Option<&str>, no_adapters: bool) -> Result<Test, Error> {
         }
     };
     let other_s = outcome.is_ok().then(|| begun.elapsed().as_secs_f64());
-    let failure = outcome.err().map(|e| e.to_string());
+    let failure = outcome.err().map(Remedy::from);
     let difference = match &failure {
         None => {
             let (a, b) = (&reference.layer("height")?.field, &world.layer("height")?.field);

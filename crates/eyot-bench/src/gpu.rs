@@ -8,6 +8,8 @@ use crate::cpu::{self, BenchSubject};
 use eyot::engines::{card, keep_pipelines};
 use eyot::{EngineOptions, Overrides, Recipe, RecipeSource, Registry, Run, RunError, RunOptions, Work as StepWork};
 use eyot_core::process::{Scheduled, Span};
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Setting};
 use eyot_core::{Control, Error, Limits, World};
 use eyot_gpu::{GpuEngine, GpuError, Options, Work, copy_bandwidth};
 use serde::Serialize;
@@ -102,10 +104,7 @@ struct Phase {
 /// If there is no adapter, the device fails, or the world does not fit it.
 pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
     if !(options.seconds > 0.0 && options.seconds <= 86_400.0) {
-        return Err(RunError::Input {
-            reason: format!("seconds: {} is not within 0..=86400", options.seconds),
-            help: None,
-        });
+        return Err(RunError::input(format!("seconds: {} is not within 0..=86400", options.seconds)));
     }
     let (world, phases) = case(options)?;
     let how = Options::default().timed(true).most_passes(options.most_passes);
@@ -150,23 +149,24 @@ fn refused(e: RunError) -> RunError {
 }
 
 fn input(e: Error) -> RunError {
-    const SMALLER: &str = "choose fewer cells with --size";
     match e {
-        // A benchmark has no --max-memory.
-        Error::Limit { what, needed, limit, .. } => RunError::Input {
-            reason: format!("too large: {what} needs {needed}, the limit is {limit}"),
-            help: Some(SMALLER),
-        },
-        e => RunError::Input { reason: e.to_string(), help: Some("see `eyot bench --help`") },
+        // A benchmark has no setting for the limit on memory.
+        Error::Limit { what, needed, limit, .. } => RunError::refused(
+            format!("too large: {what} needs {needed}, the limit is {limit}"),
+            remedy!["choose fewer cells with ", Setting::Size],
+        ),
+        e => RunError::refused(e, remedy!["see ", Action::BenchOptions]),
     }
 }
 
 /// The world at the start, and what is to be done to it.
 fn case(options: &GpuBenchOptions) -> Result<(World, Vec<Phase>), RunError> {
     let Some(what) = options.what else { return island(options.size) };
-    let none = || RunError::Input {
-        reason: format!("`{}` has no rules of cells and runs on the processor", what.name()),
-        help: Some("choose --engine cpu"),
+    let none = || {
+        RunError::refused(
+            format!("`{}` has no rules of cells and runs on the processor", what.name()),
+            remedy!["choose ", Setting::Engine.to("cpu")],
+        )
     };
     match what {
         BenchSubject::Noise | BenchSubject::Drainage | BenchSubject::Community | BenchSubject::Plates => {
@@ -184,7 +184,7 @@ fn case(options: &GpuBenchOptions) -> Result<(World, Vec<Phase>), RunError> {
 /// The recipe `island`: its generators have been at work, its simulations are the phases.
 fn island(size: usize) -> Result<(World, Vec<Phase>), RunError> {
     let source = RecipeSource::builtin("island").ok_or_else(|| RunError::Fault("there is no island".into()))?;
-    let side = u32::try_from(size).map_err(|e| RunError::Input { reason: e.to_string(), help: None })?;
+    let side = u32::try_from(size).map_err(|e| RunError::input(e.to_string()))?;
     let overrides = Overrides { size: Some((side, Some(side))), ..Overrides::default() };
     let mut recipe = Recipe::parse(source, overrides, &Registry::standard(), &Limits::default())?;
     let mut phases = Vec::new();
@@ -328,15 +328,15 @@ mod tests {
     #[test]
     fn what_cannot_be_measured_is_refused_with_what_to_do() {
         for (options, remedy) in [
-            (options(Some(BenchSubject::Drainage), 64), "--engine cpu"),
-            (options(Some(BenchSubject::Noise), 64), "--engine cpu"),
-            (options(Some(BenchSubject::Streampower), 64), "--engine cpu"),
-            (options(Some(BenchSubject::Hydraulic), 200_000), "--size"),
+            (options(Some(BenchSubject::Drainage), 64), "the engine `cpu`"),
+            (options(Some(BenchSubject::Noise), 64), "the engine `cpu`"),
+            (options(Some(BenchSubject::Streampower), 64), "the engine `cpu`"),
+            (options(Some(BenchSubject::Hydraulic), 200_000), "`size`"),
         ] {
             let e = run(&options).unwrap_err();
             assert!(e.is_refusal(), "{e}");
-            assert!(e.help().unwrap().contains(remedy), "{e}: {:?}", e.help());
-            assert!(!e.to_string().contains("--max-memory"), "{e}");
+            assert!(e.help().unwrap().to_string().contains(remedy), "{e}: {:?}", e.help());
+            assert!(!e.to_string().contains("max_memory"), "{e}");
         }
         let forever = GpuBenchOptions { seconds: f64::INFINITY, ..options(Some(BenchSubject::Thermal), 64) };
         assert!(run(&forever).unwrap_err().to_string().contains("seconds"));

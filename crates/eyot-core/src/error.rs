@@ -1,5 +1,7 @@
 //! Errors of the core and of everything that builds on it.
 
+use crate::remedy;
+use crate::remedy::{Remedy, Worded};
 use std::time::Duration;
 
 /// Result with the core's [`Error`].
@@ -22,7 +24,7 @@ pub enum Error {
         /// What is allowed.
         limit: String,
         /// How to raise the limit or shrink the request.
-        remedy: &'static str,
+        remedy: Remedy,
     },
     /// A layer that is needed is not there.
     #[error("layer `{name}` is missing; this world has: {present}")]
@@ -49,6 +51,16 @@ pub enum Error {
         field: String,
         /// What is wrong and what would be right.
         reason: String,
+    },
+    /// A file that a generator or process is to read cannot be used.
+    #[error("{owner}.{field}: {reason}")]
+    BadFile {
+        /// Process or generator.
+        owner: String,
+        /// The parameter that names the file.
+        field: String,
+        /// What is wrong with the file and what to do.
+        reason: Remedy,
     },
     /// Sizes of two things that must agree do not.
     #[error("{what}: expected {expected} values, found {found}")]
@@ -77,4 +89,22 @@ pub enum Error {
     /// The caller asked to stop.
     #[error("stopped on request after {0:?}")]
     Cancelled(Duration),
+}
+
+impl From<Error> for Remedy {
+    fn from(e: Error) -> Self {
+        e.sentence()
+    }
+}
+
+impl Worded for Error {
+    fn sentence(&self) -> Remedy {
+        match self {
+            Self::Limit { what, needed, limit, remedy } => {
+                remedy![format!("too large: {what} needs {needed}, the limit is {limit} ("), remedy.clone(), ")"]
+            }
+            Self::BadFile { owner, field, reason } => remedy![format!("{owner}.{field}: "), reason.clone()],
+            other => other.to_string().into(),
+        }
+    }
 }

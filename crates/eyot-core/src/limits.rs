@@ -1,6 +1,8 @@
 //! One set of limits that every generator and importer meets before it allocates.
 
 use crate::error::{Error, Result};
+use crate::remedy;
+use crate::remedy::Setting;
 
 /// Upper bounds on what one world may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +43,7 @@ impl Limits {
                 what: format!("a grid of {width} x {height}"),
                 needed: format!("{cells} cells"),
                 limit: format!("{} cells", self.max_cells),
-                remedy: "choose fewer cells or larger ones",
+                remedy: "choose fewer cells or larger ones".into(),
             });
         }
         Ok(())
@@ -62,7 +64,7 @@ impl Limits {
                 what: what.to_owned(),
                 needed,
                 limit,
-                remedy: "choose a smaller grid, fewer layers, or raise the limit with --max-memory",
+                remedy: remedy!["choose a smaller grid, fewer layers, or raise the limit with ", Setting::MaxMemory],
             });
         }
         Ok(())

@@ -22,7 +22,7 @@ pub fn intern(name: &str) -> Result<&'static str> {
         what: what.to_owned(),
         needed: needed.to_string(),
         limit: limit.to_string(),
-        remedy: "use fewer and shorter names, or start the program anew",
+        remedy: "use fewer and shorter names, or start the program anew".into(),
     };
     if name.len() > LONGEST {
         return Err(too_many("the bytes of a name", name.len(), LONGEST));

@@ -5,9 +5,11 @@ use crate::files::{self, Job, Layer};
 use crate::import::read_raster;
 use crate::open;
 use crate::source::Source;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
-use eyot_recipe::{Export, ExportFormat, FirstRow, Preset};
+use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, What};
 use serde_json::{Map, Value};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -54,7 +56,7 @@ pub struct Converted {
     /// The files that were written.
     pub files: Vec<PathBuf>,
     /// Things to know about them.
-    pub notes: Vec<String>,
+    pub notes: Vec<Remedy>,
 }
 
 /// Converts a height map, or layers of a run, into the format that the name of `output` says, or into the files of a preset
@@ -131,11 +133,14 @@ impl Output {
             ("glb", _) => Ok(Self::Mesh(ExportFormat::Glb)),
             ("obj", _) => Ok(Self::Mesh(ExportFormat::Obj)),
             (_, Some(format)) => Ok(Self::Raster(format)),
-            _ => Err(ExportError::input(format!(
-                "`{}` does not say its format; end it in .tif, .png, .r16, .raw, .r32, .exr, .npy, .zarr, .glb or .obj, or \
-                 choose a --preset",
-                output.display()
-            ))),
+            _ => Err(ExportError::input(remedy![
+                format!(
+                    "`{}` does not say its format; end it in .tif, .png, .r16, .raw, .r32, .exr, .npy, .zarr, .glb or \
+                     .obj, or choose a ",
+                    output.display()
+                ),
+                Setting::Preset,
+            ])),
         }
     }
 
@@ -207,7 +212,7 @@ impl Conversion<'_> {
         }
     }
 
-    fn read(&self) -> Result<(Rasters, Vec<String>), ExportError> {
+    fn read(&self) -> Result<(Rasters, Vec<Remedy>), ExportError> {
         let named = self.options.layers.iter().map(|l| Some(l.clone()));
         let wanted: Vec<Option<String>> = match &self.from {
             _ if named.len() > 0 => named.collect(),
@@ -241,9 +246,9 @@ impl Conversion<'_> {
     }
 
     /// Adds a note if a raster cannot say all of its place.
-    fn say_place(&self, place: Option<&Georeference>, notes: &mut Vec<String>) {
+    fn say_place(&self, place: Option<&Georeference>, notes: &mut Vec<Remedy>) {
         let Output::Raster(format) = self.to else { return };
-        notes.extend(place.and_then(|g| io::unsaid(g, format)).map(str::to_owned));
+        notes.extend(place.and_then(|g| io::unsaid(g, format)).map(Remedy::from));
     }
 
     /// From a run.
@@ -293,7 +298,7 @@ impl Conversion<'_> {
         world: &World,
         source: &dyn Source,
         layers: Vec<String>,
-        notes: Vec<String>,
+        notes: Vec<Remedy>,
     ) -> Result<Converted, ExportError> {
         let (name, notes) = (self.name(), RefCell::new(notes));
         let mut files = Vec::new();
@@ -303,7 +308,7 @@ impl Conversion<'_> {
             RowOrder::SouthFirst => FirstRow::South,
         });
         let export = match self.to {
-            Output::Mesh(format) => Export { format, ..Export::default() },
+            Output::Mesh(format) => Export { what: Some(What::Terrain), format: Some(format), ..Export::default() },
             _ => Export { preset, size: self.options.size, layers, first_row, ..Export::default() },
         };
         if export.needs_two_cells() && (world.grid.width < 2 || world.grid.height < 2) {

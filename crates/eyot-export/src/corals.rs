@@ -6,11 +6,13 @@ use crate::estimate;
 use crate::files::Job;
 use crate::files::write_text;
 use crate::plots::{self, Curve, Story};
+use crate::views;
 use eyot_core::component::Attribute;
 use eyot_core::process::parameters_from;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Field, Limits, Result, World};
-use eyot_recipe::ExportFormat;
-use eyot_recipe::{Actor, Recipe, Work};
+use eyot_recipe::{Actor, ExportFormat, Recipe, What, Work};
 use eyot_reef::bodies::{Bodies, Body, Detail};
 use eyot_reef::community::{Alga, Colony, Heat, Plot, Species};
 use eyot_reef::corals::{CORALS, Corals};
@@ -22,7 +24,9 @@ use std::path::Path;
 use {eyot_io as io, eyot_mesh as mesh};
 
 /// What to do about a reef that is too large.
-const REMEDY: &str = "export a smaller plot, leave out `corals`, or raise --max-memory";
+fn remedy() -> Remedy {
+    remedy!["export a smaller plot, leave out `corals`, or raise ", Setting::MaxMemory]
+}
 /// Linear colour of macroalgae.
 pub(crate) const ALGAE: [u8; 4] = [52, 60, 14, 255];
 
@@ -169,7 +173,7 @@ impl<'a> Reef<'a> {
                 normals: &b.solid.normals,
                 colours: &b.colours,
                 // Nothing of a GLB wears a texture; whoever paints takes the OBJ.
-                texture: if format == ExportFormat::CoralsObj { &b.texture } else { &[] },
+                texture: if format == ExportFormat::Obj { &b.texture } else { &[] },
                 indices: &b.solid.indices,
                 material: usize::from(c.species),
             })
@@ -210,8 +214,8 @@ impl<'a> Reef<'a> {
         materials.push(SceneMaterial { name: "macroalgae", colour: [1.0; 3] });
         let scene = Scene { name, meshes, materials, nodes };
         match format {
-            ExportFormat::CoralsObj => io::write_scene_obj(path, &scene),
-            ExportFormat::CoralsPly => io::write_scene_ply(path, &scene),
+            ExportFormat::Obj => io::write_scene_obj(path, &scene),
+            ExportFormat::Ply => io::write_scene_ply(path, &scene),
             _ => io::write_scene_glb(path, &scene),
         }
     }
@@ -253,50 +257,51 @@ fn alga() -> Result<Solid> {
     Ok(mesh_field(&blobs, &lattice, &MeshingOptions { rounds: 1 }, &limits).map_err(fault)?.largest_piece())
 }
 
-/// Writes the files of an export of corals.
+/// Writes the files of an export of corals, in the order of [`eyot_recipe::Export::files`].
 pub(crate) fn write(
     job: &mut Job<'_>,
     corals: &Corals,
-    format: ExportFormat,
+    what: &What,
+    formats: &[ExportFormat],
     files: &[String],
 ) -> std::result::Result<(), ExportError> {
-    match format {
-        ExportFormat::Census => {
-            let text = census(job, corals).map_err(ExportError::file)?.csv();
-            let path = job.file(&files[0])?;
-            write_text(&path, &text).map_err(ExportError::file)
-        }
-        ExportFormat::Parquet => {
+    match what {
+        What::Census => {
             let table = census(job, corals).map_err(ExportError::file)?;
-            let path = job.file(&files[0])?;
-            io::write_parquet(&path, &table).map_err(ExportError::file)
+            views::write_table(job, &table, formats[0], &files[0])
         }
-        ExportFormat::Plots => {
+        What::Plots => {
             let drawings = [cover(corals, job.world, job.name).map_err(ExportError::file)?, plan(corals, job.world)?];
-            let (texts, pictures) = files.split_at(drawings.len());
-            for (name, drawing) in texts.iter().zip(&drawings) {
-                let path = job.file(name)?;
-                write_text(&path, &drawing.svg()).map_err(ExportError::file)?;
-            }
-            for (name, drawing) in pictures.iter().zip(&drawings) {
-                let (path, picture) = (job.file(name)?, drawing.picture());
-                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
+            for (format, names) in formats.iter().zip(files.chunks(drawings.len())) {
+                for (name, drawing) in names.iter().zip(&drawings) {
+                    let path = job.file(name)?;
+                    write_drawing(drawing, *format, &path).map_err(ExportError::file)?;
+                }
             }
             Ok(())
         }
-        _ => write_bodies(job, corals, format, files),
+        _ => write_bodies(job, corals, what, formats[0], files),
     }
+}
+
+fn write_drawing(drawing: &Drawing, format: ExportFormat, path: &Path) -> io::Result<()> {
+    if format == ExportFormat::Svg {
+        return write_text(path, &drawing.svg());
+    }
+    let picture = drawing.picture();
+    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels)
 }
 
 /// Writes what needs bodies: a file of meshes, or pictures.
 fn write_bodies(
     job: &mut Job<'_>,
     corals: &Corals,
+    what: &What,
     format: ExportFormat,
     files: &[String],
 ) -> std::result::Result<(), ExportError> {
     let reef = Reef::new(corals, job.world).map_err(ExportError::file)?;
-    if format == ExportFormat::Dive {
+    if *what == What::Dive {
         let pictures = dive::pictures(&reef, job.limits).map_err(ExportError::file)?;
         for (name, picture) in files.iter().zip(pictures) {
             let path = job.file(name)?;
@@ -305,13 +310,13 @@ fn write_bodies(
         return Ok(());
     }
     if reef.plot.colonies().is_empty() && reef.algae().next().is_none() {
-        (job.note)(format!("`{}` is not written: nothing lives on the plot any more", files[0]));
+        job.tell(format!("`{}` is not written: nothing lives on the plot any more", files[0]));
         return Ok(());
     }
     // Arrays are written as they are; names and numbers of the nodes take room of their own.
     let nodes = 2048 * (reef.plot.colonies().len() + reef.plot.algae().len()) as u128;
     let needed = Bodies::bytes(&reef.plot, Detail::default()) + nodes;
-    estimate::check("the bodies of corals", job.world, needed, job.limits, REMEDY).map_err(ExportError::file)?;
+    estimate::check("the bodies of corals", job.world, needed, job.limits, remedy()).map_err(ExportError::file)?;
     let mut bodies = Bodies::new(reef.plot.community(), reef.seed, Detail::default()).map_err(ExportError::file)?;
     bodies.update(&reef.plot).map_err(ExportError::file)?;
     let (name, path) = (job.name, job.file(&files[0])?);

@@ -1,12 +1,13 @@
 //! How much memory the files of a run need, so that it is refused before the work and not in it.
 
 use crate::pictures::{self, Subject};
+use eyot_core::remedy::Remedy;
 use eyot_core::{Grid, Limits, Result, World};
 use eyot_recipe::memory::check_bytes;
-use eyot_recipe::{Export, ExportFormat, Preset, View};
+use eyot_recipe::{Export, Preset, View, What};
 use {eyot_mesh as mesh, eyot_render as render};
 
-pub use eyot_recipe::memory::{EXPORT_REMEDY, PICTURE_REMEDY};
+pub use eyot_recipe::memory::{export_remedy, picture_remedy};
 
 /// Bytes that the pictures of a run take while they are drawn, beside the world.
 pub fn pictures(grid: &Grid, view: &View) -> u128 {
@@ -31,14 +32,14 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
         render::terrain_colours_bytes(cells)
             + mesh::terrain_bytes(grid.width, grid.height, &mesh::MeshOptions::default(), limits)
     };
-    match (export.preset, export.format) {
+    match (export.preset, export.shows()) {
         (Some(Preset::Gis), _) => 0,
         // The mesh, and the shares of a material on their way to its vertices.
         (Some(Preset::Blender), _) => mesh() + 24 * grid.cells() as u128,
         // Heights on other vertices, rows on their way there, and one band of shares.
         (Some(_), _) => 16 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
-        (None, ExportFormat::Glb | ExportFormat::Obj) => mesh(),
-        (None, ExportFormat::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
+        (None, What::Terrain) => mesh(),
+        (None, What::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
         _ => 0,
     }
 }
@@ -47,7 +48,7 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
 ///
 /// # Errors
 /// [`eyot_core::Error::Limit`] with this remedy.
-pub fn check(what: &str, world: &World, bytes: u128, limits: &Limits, remedy: &'static str) -> Result<()> {
+pub fn check(what: &str, world: &World, bytes: u128, limits: &Limits, remedy: Remedy) -> Result<()> {
     let held: usize = world.layers().iter().map(|l| l.field.bytes()).sum();
     check_bytes(what, (held + world.components.bytes()) as u128 + bytes, limits, remedy)
 }

@@ -2,13 +2,14 @@
 
 use crate::error::ExportError;
 use crate::import::row_order;
+use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 
 use crate::materials::{self, Materials};
 use crate::source::Source;
-use crate::{corals, preset};
-use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, Preset};
+use crate::{corals, preset, views};
+use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, Preset, What};
 use eyot_reef::corals::Corals;
 use serde_json::{Map, Value};
 use std::io::Write;
@@ -36,7 +37,7 @@ pub struct Job<'a> {
     /// Called before each file with its path; may refuse to go on.
     pub begin: &'a mut dyn FnMut(PathBuf) -> Result<PathBuf, ExportError>,
     /// Called with what a user should know.
-    pub note: &'a dyn Fn(String),
+    pub note: &'a dyn Fn(Remedy),
 }
 
 impl Job<'_> {
@@ -60,6 +61,11 @@ impl Job<'_> {
             note: self.note,
         }
     }
+
+    /// Says what a user should know.
+    pub(crate) fn tell(&self, note: impl Into<Remedy>) {
+        (self.note)(note.into());
+    }
 }
 
 /// How values of layers are written.
@@ -72,18 +78,20 @@ fn write_options(export: &Export) -> WriteOptions {
     }
 }
 
+/// The formats of layers in recipes, and how they are written.
+const RASTERS: [(ExportFormat, RasterFormat); 7] = [
+    (ExportFormat::GeoTiff, RasterFormat::GeoTiff),
+    (ExportFormat::Png16, RasterFormat::Png16),
+    (ExportFormat::R16, RasterFormat::R16),
+    (ExportFormat::R32, RasterFormat::R32),
+    (ExportFormat::Exr, RasterFormat::Exr),
+    (ExportFormat::Npy, RasterFormat::Npy),
+    (ExportFormat::Zarr, RasterFormat::Zarr),
+];
+
 /// The raster format, if it is one.
-pub(crate) fn raster(format: ExportFormat) -> Option<RasterFormat> {
-    Some(match format {
-        ExportFormat::Png16 => RasterFormat::Png16,
-        ExportFormat::GeoTiff => RasterFormat::GeoTiff,
-        ExportFormat::R32 => RasterFormat::R32,
-        ExportFormat::R16 => RasterFormat::R16,
-        ExportFormat::Exr => RasterFormat::Exr,
-        ExportFormat::Npy => RasterFormat::Npy,
-        ExportFormat::Zarr => RasterFormat::Zarr,
-        _ => return None,
-    })
+fn raster(format: ExportFormat) -> Option<RasterFormat> {
+    RASTERS.into_iter().find(|(f, _)| *f == format).map(|(_, raster)| raster)
 }
 
 /// Writes the files of an export.
@@ -91,33 +99,29 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     if let Some(preset) = export.preset {
         return preset::write(job, export, preset);
     }
+    if let Some((reason, help)) = export.format_problem() {
+        return Err(ExportError::refused(reason, help));
+    }
     let (world, source, files) = (job.world, job.source, export.files());
     let present = |l: &String| world.get(l).is_some();
     let sea_level_m = world.sea_level_m;
-    match export.format {
-        ExportFormat::Glb | ExportFormat::Obj => write_mesh(job, Path::new(&files[0]), export),
-        ExportFormat::Splat => {
+    let formats = export.formats();
+    let format = formats[0];
+    match export.shows() {
+        What::Terrain => write_mesh(job, Path::new(&files[0]), export),
+        What::Splat => {
             let path = job.file(&files[0])?;
             write_splat(job, &path, export)
         }
-        ExportFormat::Zarr | ExportFormat::Exr if files.len() < 2 => {
-            let exact = |l: &String| materials::layer(source, l, sea_level_m, export, false);
-            let mut layers: Vec<Layer<'_>> = export.layers.iter().filter_map(exact).collect();
-            if layers.is_empty() {
-                return Ok(());
-            }
-            say_place(job, raster(export.format));
-            let path = job.file(&files[0])?;
-            write_together(&path, &mut layers, export.format, &job.attributes)
-        }
-        format if format.is_of_corals() => {
+        What::View(name) => views::write(job, &name, format, &files[0]),
+        what if what.is_of_corals() => {
             let Some(reef) = job.corals.clone() else {
-                (job.note)(format!("`{}` is not written: no step with `corals` is switched on", files[0]));
+                job.tell(format!("`{}` is not written: no step with `corals` is switched on", files[0]));
                 return Ok(());
             };
-            corals::write(job, &reef, format, &files)
+            corals::write(job, &reef, &what, &formats, &files)
         }
-        ExportFormat::Map => {
+        What::Map => {
             for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
                 let path = job.file(name)?;
                 let picture =
@@ -126,12 +130,12 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             }
             Ok(())
         }
-        ExportFormat::Mask => {
+        What::Mask => {
             for (name, layer) in files.iter().zip(&export.layers) {
                 if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, true) {
                     let path = job.file(name)?;
                     if let Some((low, high)) = about.range.filter(|(low, high)| *low < 0.0 || *high > 1.0) {
-                        (job.note)(format!(
+                        job.tell(format!(
                             "layer `{layer}` holds values from {low} to {high}; in a mask those below 0 are 0 and those above 1 are 1"
                         ));
                     }
@@ -140,8 +144,18 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             }
             Ok(())
         }
-        other => {
-            let Some(format) = raster(other) else { return Ok(()) };
+        _ if matches!(format, ExportFormat::Zarr | ExportFormat::Exr) && files.len() < 2 => {
+            let exact = |l: &String| materials::layer(source, l, sea_level_m, export, false);
+            let mut layers: Vec<Layer<'_>> = export.layers.iter().filter_map(exact).collect();
+            if layers.is_empty() {
+                return Ok(());
+            }
+            say_place(job, raster(format));
+            let path = job.file(&files[0])?;
+            write_together(&path, &mut layers, format, &job.attributes)
+        }
+        _ => {
+            let Some(format) = raster(format) else { return Ok(()) };
             say_place(job, Some(format));
             for (name, layer) in files.iter().zip(&export.layers) {
                 if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) {
@@ -158,7 +172,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
 pub(crate) fn say_place(job: &Job<'_>, format: Option<RasterFormat>) {
     let place = job.world.georeference.as_ref();
     if let Some(lost) = place.zip(format).and_then(|(g, format)| io::unsaid(g, format)) {
-        (job.note)(lost.to_owned());
+        job.tell(lost);
     }
 }
 
@@ -202,7 +216,7 @@ pub(crate) fn write_layer(
 
 /// A refusal of the system may pass; values that do not fit a format will not, however often one tries.
 fn unmade(e: io::Error) -> ExportError {
-    if matches!(e, io::Error::Io { .. }) { ExportError::file(e) } else { ExportError::Values(e.to_string()) }
+    if matches!(e, io::Error::Io { .. }) { ExportError::file(e) } else { ExportError::Values(e.into()) }
 }
 
 /// The terrain as a mesh, in the job's folder under the name at the end of `name`.
@@ -238,4 +252,19 @@ pub(crate) fn write_mesh(job: &mut Job<'_>, name: &Path, export: &Export) -> Res
 pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
     let fail = |source| io::Error::Io { path: path.to_owned(), action: "write", source };
     io::write_atomically(path, |w| w.write_all(text.as_bytes()).map_err(fail))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recipes_and_writers_have_the_same_formats_of_layers() {
+        assert_eq!(RASTERS.map(|(format, _)| format), *What::Layers.formats());
+        for raster in RasterFormat::ALL {
+            let of_recipes: Vec<_> = RASTERS.into_iter().filter(|(_, r)| *r == raster).collect();
+            let [(format, _)] = *of_recipes else { panic!("{raster:?} stands there {} times", of_recipes.len()) };
+            assert_eq!((format.name(), format.extension()), (raster.name(), raster.extension()));
+        }
+    }
 }

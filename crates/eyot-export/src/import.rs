@@ -14,6 +14,7 @@
 //! Heights that the file says are feet become metres; other units stay as they are.
 
 use eyot_core::process::{Entry, Generator, Site};
+use eyot_core::remedy::Remedy;
 use eyot_core::{Edge, Error, Field, Grid, Limits, Result, about};
 use eyot_io::{self as io, ReadOptions, RowOrder, Sample};
 use eyot_recipe::{DATA, FirstRow, RasterInfo, Refusal, Resolver, alternatives, data, nearest};
@@ -115,7 +116,6 @@ impl Import {
     }
 
     fn read(&self, grid: &Grid) -> Result<io::Raster> {
-        let fault = |reason: String| Error::BadParameter { owner: "import".into(), field: "file".into(), reason };
         let numbers = match self.numbers.as_deref() {
             None => None,
             Some(text) => Some(Sample::parse(text).ok_or_else(|| Error::BadParameter {
@@ -137,7 +137,11 @@ impl Import {
         };
         let mut limits = Limits::default();
         limits.max_bytes = self.max_bytes.unwrap_or(limits.max_bytes);
-        let raster = read_raster(&self.file, &options, &limits).map_err(fault)?;
+        let raster = read_raster(&self.file, &options, &limits).map_err(|reason| Error::BadFile {
+            owner: "import".into(),
+            field: "file".into(),
+            reason,
+        })?;
         // The file, the file in the grid's columns, and the result.
         let [file, narrow, result] = [
             (raster.field.width(), raster.field.height()),
@@ -154,9 +158,9 @@ impl Import {
 ///
 /// # Errors
 /// One sentence with its remedy.
-pub fn read_raster(file: &str, options: &ReadOptions, limits: &Limits) -> std::result::Result<io::Raster, String> {
+pub fn read_raster(file: &str, options: &ReadOptions, limits: &Limits) -> std::result::Result<io::Raster, Remedy> {
     let Some(name) = file.strip_prefix("builtin:") else {
-        return io::read_raster(Path::new(file), options, limits).map_err(|e| e.to_string());
+        return io::read_raster(Path::new(file), options, limits).map_err(Remedy::from);
     };
     let found = data(name).ok_or_else(|| missing_builtin(name))?;
     let unpack = || -> std::io::Result<(tempfile::TempDir, PathBuf)> {
@@ -167,7 +171,7 @@ pub fn read_raster(file: &str, options: &ReadOptions, limits: &Limits) -> std::r
     };
     let (_folder, path) =
         unpack().map_err(|e| format!("cannot unpack `{file}` into the temporary folder: {e}; make room there"))?;
-    io::read_raster(&path, options, limits).map_err(|e| e.to_string())
+    io::read_raster(&path, options, limits).map_err(Remedy::from)
 }
 
 /// The files of this machine, and the height maps that come with Eyot as `builtin:NAME`.
@@ -321,11 +325,11 @@ mod tests {
             window: Some(window),
             ..Import::default()
         };
-        let check = |window: [f64; 4]| file(window).check(&grid(8, 8, Rim::CLOSED)).map_err(|e| e.to_string());
+        let check = |window: [f64; 4]| file(window).check(&grid(8, 8, Rim::CLOSED)).map_err(Remedy::from);
         assert_eq!(check([10.0, 10.0, 100.0, 50.0]), Ok(()));
         for window in [[0.0, 0.0, 1e6, 50.0], [1e5, 0.0, 10.0, 50.0], [0.0, 0.0, 0.0, 50.0]] {
             let e = check(window).unwrap_err();
-            assert!(e.contains("window") && e.contains("m is not within"), "{e}");
+            assert!(e.to_string().contains("window") && e.to_string().contains("m is not within"), "{e}");
         }
     }
 

@@ -19,6 +19,7 @@ pub mod pictures;
 mod plots;
 mod preset;
 mod source;
+mod views;
 
 pub use error::ExportError;
 pub use files::{Job, write, write_text};

@@ -3,6 +3,8 @@
 use crate::error::ExportError;
 use crate::import::read_raster;
 use eyot_core::layer::known;
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy, Setting};
 use eyot_core::{ComponentKinds, Grid, Limits, Rim, World};
 use eyot_io::run_folder::{CHECKPOINT_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_io::{self as io, ReadOptions, checkpoint};
@@ -24,7 +26,7 @@ pub struct Opened {
     /// Engines that simulated, in order; empty if that is not known.
     pub engines: Vec<String>,
     /// Things to know about it.
-    pub notes: Vec<String>,
+    pub notes: Vec<Remedy>,
 }
 
 /// Opens the folder of a run, a saved world or any height map. Saved worlds may hold components of these kinds.
@@ -77,7 +79,7 @@ pub fn of_raster(mut raster: io::Raster, path: &Path, limits: &Limits) -> Result
     let grid = grid.checked(limits).map_err(ExportError::input)?;
     let mut notes = notes(&raster, false);
     if raster.to_metres() {
-        notes.push("heights in feet were turned into metres".to_owned());
+        notes.push("heights in feet were turned into metres".into());
     }
     let mut world = World::new(grid, 0);
     world.georeference = raster.georeference;
@@ -88,29 +90,38 @@ pub fn of_raster(mut raster: io::Raster, path: &Path, limits: &Limits) -> Result
 }
 
 /// What one should know of a height map; `holes_stay` if what is made of it marks missing cells.
-pub fn notes(raster: &io::Raster, holes_stay: bool) -> Vec<String> {
+pub fn notes(raster: &io::Raster, holes_stay: bool) -> Vec<Remedy> {
     let mut notes = Vec::new();
     if raster.cell_m.is_none() {
-        notes
-            .push("the file does not say how large its cells are; 1 m is assumed (eyot convert has --cell)".to_owned());
+        notes.push(remedy![
+            "the file does not say how large its cells are; 1 m is assumed (",
+            Action::Converter,
+            " has ",
+            Setting::Cell,
+            ")",
+        ]);
     }
     if raster.numbers == io::Numbers::Bare {
-        notes.push(
-            "the file does not say which heights its whole numbers stand for; metres are assumed (eyot convert has \
-             --from-range)"
-                .to_owned(),
-        );
+        notes.push(remedy![
+            "the file does not say which heights its whole numbers stand for; metres are assumed (",
+            Action::Converter,
+            " has ",
+            Setting::InputRange,
+            ")",
+        ]);
     }
     if raster.missing.is_some() {
         let fate = if holes_stay { "stay without one" } else { "were filled from their neighbours" };
-        notes.push(format!("{} cells without a value {fate}", raster.filled()));
+        notes.push(format!("{} cells without a value {fate}", raster.filled()).into());
     }
     if raster.rounded_by > 0.0 {
         let by = raster.rounded_by;
-        notes.push(format!("the file holds numbers of more than 32 bits; they were rounded, by {by:.1e} at most"));
+        notes.push(
+            format!("the file holds numbers of more than 32 bits; they were rounded, by {by:.1e} at most").into(),
+        );
     }
     if raster.steps > 1 {
-        notes.push(format!("the file holds {} steps of time; this is the last", raster.steps));
+        notes.push(format!("the file holds {} steps of time; this is the last", raster.steps).into());
     }
     notes
 }
@@ -137,7 +148,7 @@ fn streamed(folder: &Path, limits: &Limits, kinds: &ComponentKinds) -> Option<Re
         opened.has_sea = true;
         opened.from_above = seen_from_above(&report["recipe"], &report["set"]);
         opened.engines = engines(&report["engines"]);
-        opened.notes.push(format!("the run was streamed; this is its export `{name}`"));
+        opened.notes.push(format!("the run was streamed; this is its export `{name}`").into());
         opened
     });
     Some(opened)
@@ -147,7 +158,7 @@ fn saved(file: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Opened,
     let saved = checkpoint::load(file, limits, kinds).map_err(ExportError::input)?;
     let mut notes = Vec::new();
     if saved.state["finished"] != Value::Bool(true) {
-        notes.push("this run is not finished; this is its last checkpoint".to_owned());
+        notes.push("this run is not finished; this is its last checkpoint".into());
     }
     let engines = engines(&saved.state["engines"]);
     let from_above = seen_from_above(&json!(saved.recipe_toml), &saved.state["overrides"]["set"]);
@@ -160,6 +171,6 @@ fn engines(list: &Value) -> Vec<String> {
 
 /// Something that cannot be opened.
 fn unusable(reason: String) -> ExportError {
-    let help = "give the --out folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)";
-    ExportError::Input { reason, help: Some(help) }
+    let map = " folder of a run, or a height map (.tif, .png, .exr, .npy, .r16, .r32, .zarr)";
+    ExportError::refused(reason, remedy!["give the ", Setting::Out, map])
 }

@@ -36,10 +36,8 @@ pub fn draw_file(
     if let Subject::Layer(name) = subject {
         world.layer(name).map_err(ExportError::input)?;
     }
-    let picture =
-        draw(world, options, subject, limits, &Control::none()).map_err(|e| ExportError::File(e.to_string()))?;
-    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels)
-        .map_err(|e| ExportError::File(e.to_string()))
+    let picture = draw(world, options, subject, limits, &Control::none()).map_err(ExportError::file)?;
+    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)
 }
 
 /// Fails unless a PNG picture can be written to `path`.
@@ -49,9 +47,9 @@ pub fn draw_file(
 pub fn check_picture_name(path: &Path) -> std::result::Result<(), ExportError> {
     if let Some(other) = path.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
         let reason = format!("`{}` would be a PNG picture that is called .{}", path.display(), other.display());
-        return Err(ExportError::Input { reason, help: Some("give it a name that ends in .png") });
+        return Err(ExportError::refused(reason, "give it a name that ends in .png"));
     }
-    io::check_place(path).map_err(|e| ExportError::File(e.to_string()))
+    io::check_place(path).map_err(ExportError::file)
 }
 
 /// Draws a picture as the options say.
@@ -66,7 +64,7 @@ pub fn draw(
     control: &Control<'_>,
 ) -> Result<render::Picture> {
     let bytes = estimate::picture(&world.grid, options, subject);
-    estimate::check("this picture", world, bytes, limits, estimate::PICTURE_REMEDY)?;
+    estimate::check("this picture", world, bytes, limits, estimate::picture_remedy())?;
     match subject {
         Subject::View => render::perspective_controlled(world, &view_options(options), control),
         Subject::Relief => render::relief_controlled(world, &relief_options(options, None), control),

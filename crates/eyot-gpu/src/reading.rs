@@ -27,12 +27,15 @@ impl Reading {
     pub(crate) fn new(gpu: &Gpu, staging: wgpu::Buffer) -> Self {
         let told = Arc::<Mutex<Told>>::default();
         let tell = Arc::clone(&told);
-        staging.map_async(wgpu::MapMode::Read, .., move |outcome| {
-            let mut told = tell.lock().unwrap_or_else(PoisonError::into_inner);
-            told.outcome = Some(outcome.is_ok());
-            if let Some(waker) = told.waker.take() {
-                waker.wake();
-            }
+        // Buffers of a lost device are not sound; `outcome` says so, and a host without a handler for errors must not hear of it.
+        let _ = gpu.scoped(wgpu::ErrorFilter::Validation, || {
+            staging.map_async(wgpu::MapMode::Read, .., move |outcome| {
+                let mut told = tell.lock().unwrap_or_else(PoisonError::into_inner);
+                told.outcome = Some(outcome.is_ok());
+                if let Some(waker) = told.waker.take() {
+                    waker.wake();
+                }
+            });
         });
         Self { device: gpu.device.clone(), health: Arc::clone(&gpu.health), staging, told }
     }

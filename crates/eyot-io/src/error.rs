@@ -1,5 +1,7 @@
 //! Errors of reading and writing files: which file, what is wrong, what to do.
 
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting, Worded};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -28,7 +30,7 @@ pub enum Error {
         /// What is wrong.
         problem: String,
         /// What to do about it.
-        remedy: String,
+        remedy: Remedy,
     },
     /// A cell holds a number that is not finite.
     #[error("`{}`: the value at column {x}, row {y} is {value}; {remedy}", path.display())]
@@ -42,7 +44,7 @@ pub enum Error {
         /// Row.
         y: usize,
         /// What to do about it.
-        remedy: &'static str,
+        remedy: Remedy,
     },
     /// The content exceeds a limit or makes no sound grid or layer.
     #[error("`{}`: {source}", path.display())]
@@ -77,7 +79,7 @@ impl Error {
         self
     }
 
-    pub(crate) fn format(path: &Path, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+    pub(crate) fn format(path: &Path, problem: impl Into<String>, remedy: impl Into<Remedy>) -> Self {
         Self::Format { path: path.to_owned(), problem: problem.into(), remedy: remedy.into() }
     }
 
@@ -89,11 +91,17 @@ impl Error {
     /// For `map_err` on limits that the content of a file exceeds.
     pub(crate) fn beyond(path: &Path) -> impl FnOnce(eyot_core::Error) -> Self {
         use eyot_core::Error::Limit;
-        const REMEDY: &str = "is the file damaged? If not, make it smaller with another program, or raise the limit \
-                              with --max-memory";
         move |e| {
             Self::core(path)(match e {
-                Limit { what, needed, limit, .. } => Limit { what, needed, limit, remedy: REMEDY },
+                Limit { what, needed, limit, .. } => Limit {
+                    what,
+                    needed,
+                    limit,
+                    remedy: remedy![
+                        "is the file damaged? If not, make it smaller with another program, or raise the limit with ",
+                        Setting::MaxMemory,
+                    ],
+                },
                 other => other,
             })
         }
@@ -102,6 +110,28 @@ impl Error {
     /// For `map_err` on checks of the core.
     pub(crate) fn core(path: &Path) -> impl FnOnce(eyot_core::Error) -> Self {
         move |source| Self::Core { path: path.to_owned(), source }
+    }
+}
+
+impl From<Error> for Remedy {
+    fn from(e: Error) -> Self {
+        e.sentence()
+    }
+}
+
+impl Worded for Error {
+    fn sentence(&self) -> Remedy {
+        match self {
+            Self::Io { .. } => self.to_string().into(),
+            Self::Format { path, problem, remedy } => {
+                remedy![format!("`{}`: {problem}; ", path.display()), remedy.clone()]
+            }
+            Self::NotFinite { path, value, x, y, remedy } => {
+                let problem = format!("the value at column {x}, row {y} is {value}");
+                remedy![format!("`{}`: {problem}; ", path.display()), remedy.clone()]
+            }
+            Self::Core { path, source } => remedy![format!("`{}`: ", path.display()), source.sentence()],
+        }
     }
 }
 

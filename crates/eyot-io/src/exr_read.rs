@@ -11,6 +11,8 @@ use exr::error::Error as ExrError;
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, SampleType};
 use exr::meta::header::Header;
+use eyot_core::remedy;
+use eyot_core::remedy::Setting;
 use eyot_core::{Field, Limits};
 use std::fs::File;
 use std::io::{BufReader, Seek};
@@ -111,7 +113,7 @@ fn choose(path: &Path, headers: &[Header], wanted: Option<&str>) -> Result<(usiz
         (None, [one]) => Ok(one.2),
         (None, _) => ["height", "Y", "Z"].into_iter().find_map(find).ok_or_else(|| {
             let problem = format!("the EXR has the channels {}", names());
-            Error::format(path, problem, "say which one holds the heights (--layer NAME)")
+            Error::format(path, problem, remedy!["say which one holds the heights (", Setting::Layer.form(), ")"])
         }),
     }
 }
@@ -127,7 +129,11 @@ fn check(path: &Path, all: &[Header], h: &Header, channel: usize, bytes: u64, li
         return Err(Error::format(path, "a deep image holds no heights", "flatten it first"));
     }
     if h.channels.list[channel].sampling != Vec2(1, 1) {
-        return Err(Error::format(path, "a subsampled channel holds no heights", "choose another (--layer NAME)"));
+        return Err(Error::format(
+            path,
+            "a subsampled channel holds no heights",
+            remedy!["choose another (", Setting::Layer.form(), ")"],
+        ));
     }
     // Tables of offsets come before the data, eight bytes a block.
     let blocks: u128 = all.iter().map(|h| h.chunk_count as u128).sum();

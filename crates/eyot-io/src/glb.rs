@@ -216,7 +216,7 @@ impl<'a> Document<'a> {
         self.accessors.len() - 1
     }
 
-    fn write(mut self, path: &Path, remedy: &str) -> Result<()> {
+    fn write(mut self, path: &Path, remedy: &'static str) -> Result<()> {
         self.root["nodes"] = self.nodes.into();
         self.root["meshes"] = self.meshes.into();
         self.root["accessors"] = self.accessors.into();

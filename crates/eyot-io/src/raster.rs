@@ -6,6 +6,8 @@ use crate::georef::is_sound;
 use crate::rows::Rows;
 use crate::sample::{ByteOrder, RowOrder, Sample};
 use crate::{exr_read, geotiff_read, npy, png_read, raw, zarr};
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy, Setting};
 use eyot_core::{Field, Georeference, Limits};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -270,17 +272,21 @@ pub(crate) fn check_compression(path: &Path, width: usize, height: usize, image:
 }
 
 fn unknown(path: &Path, start: &[u8]) -> Error {
-    let (problem, remedy) = match start {
+    let (problem, remedy): (_, Remedy) = match start {
         [b'{', ..] if path.extension().is_some_and(|e| e == "json") => {
-            ("this is a JSON file, not a raster", "give the name of the raster beside it")
+            ("this is a JSON file, not a raster", "give the name of the raster beside it".into())
         }
         [0x89, b'P', b'N', b'G', ..] => {
-            ("the PNG signature is damaged", "it was copied as text: copy it again as binary")
+            ("the PNG signature is damaged", "it was copied as text: copy it again as binary".into())
         }
-        [0xff, 0xd8, ..] => ("this is a JPEG image, which cannot hold heights", "convert it to 16-bit grey PNG"),
+        [0xff, 0xd8, ..] => ("this is a JPEG image, which cannot hold heights", "convert it to 16-bit grey PNG".into()),
         _ => (
             "this is no GeoTIFF, PNG, EXR, NPY, R16 or R32 file",
-            "convert it to GeoTIFF, for example with gdal_translate, or say which bare numbers it holds (--from-type)",
+            remedy![
+                "convert it to GeoTIFF, for example with gdal_translate, or say which bare numbers it holds (",
+                Setting::InputType,
+                ")",
+            ],
         ),
     };
     Error::format(path, problem, remedy)
@@ -299,11 +305,22 @@ fn checked(path: &Path, mut raster: Raster) -> Result<Raster> {
             x,
             y,
             remedy: if value.is_nan() {
-                "if it marks missing cells, say so with --nodata (eyot convert), or in the file, for example with \
-                 gdal_translate -a_nodata nan"
+                remedy![
+                    "if it marks missing cells, say so with ",
+                    Setting::Nodata,
+                    " (",
+                    Action::Converter,
+                    "), or in the file, for example with gdal_translate -a_nodata nan",
+                ]
             } else {
-                "numbers beyond 3.4e38 do not fit the 32 bits of heights; if the file's own number marks missing cells, \
-                 say so with --nodata (eyot convert)"
+                remedy![
+                    "numbers beyond 3.4e38 do not fit the 32 bits of heights; if the file's own number marks missing \
+                     cells, say so with ",
+                    Setting::Nodata,
+                    " (",
+                    Action::Converter,
+                    ")",
+                ]
             },
         }),
     }

@@ -10,6 +10,8 @@ use crate::rows::{Rows, band_rows, each_band, each_band_from_south};
 use crate::sample::{ByteOrder, Narrowed, RowOrder, Sample};
 use crate::scale::{Meaning, Scale};
 use crate::sidecar::{Sidecar, sidecar_path};
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Field, Limits};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
@@ -89,9 +91,11 @@ pub(crate) fn read_if_known(
     let needed = width as u128 * height as u128 * sample.bytes() as u128;
     if u128::from(bytes) != needed {
         let problem = format!("{width}x{height} cells need {needed} bytes, the file has {bytes}");
-        let remedy = match (&options.size, &sidecar) {
-            (None, Some(_)) => "it is truncated or its .json belongs to another file: export it again",
-            _ => "check the size (--from-size) and the kind of numbers (--from-type)",
+        let remedy: Remedy = match (&options.size, &sidecar) {
+            (None, Some(_)) => "it is truncated or its .json belongs to another file: export it again".into(),
+            _ => {
+                remedy!["check the size (", Setting::InputSize, ") and the kind of numbers (", Setting::InputType, ")",]
+            }
         };
         return Err(Error::format(path, problem, remedy));
     }
@@ -148,7 +152,7 @@ fn size(
                     "its {bytes} bytes make no square, and there is no description in `{}`",
                     sidecar_path(path).display()
                 );
-                let remedy = "copy both files together, or say the size with --from-size COLUMNSxROWS";
+                let remedy = remedy!["copy both files together, or say the size with ", Setting::InputSize.form()];
                 return Err(Error::format(path, problem, remedy));
             }
             (side as usize, side as usize)

@@ -114,7 +114,7 @@ pub(crate) fn read_band(path: &Path, rows: &mut dyn Rows, first: usize, out: &mu
                 value: out[i],
                 x: i % width,
                 y: first + i / width,
-                remedy: "no format can carry it on; this is a fault of the process that made the layer",
+                remedy: "no format can carry it on; this is a fault of the process that made the layer".into(),
             })
         }
     }

@@ -5,6 +5,8 @@ use crate::error::{Error, Result};
 use crate::format::WriteOptions;
 use crate::raster::{Numbers, Raster, ReadOptions};
 use crate::rows::{Rows, range_of};
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Setting};
 use std::path::Path;
 
 /// Largest number of 16 bits.
@@ -92,13 +94,21 @@ impl Meaning {
             Some((low, high)) if (low as f32).is_finite() && (high as f32).is_finite() => (Scale { low, high }, false),
             Some((low, high)) => {
                 let problem = format!("0 (black) stands for {low} and {largest} (white) for {high}");
-                return Err(Error::format(path, problem, "give finite numbers for low_m and high_m (--from-range)"));
+                return Err(Error::format(
+                    path,
+                    problem,
+                    remedy!["give finite numbers for low_m and high_m (", Setting::InputRange, ")"],
+                ));
             }
             None if options.bare_numbers => (Scale { low: 0.0, high: largest }, true),
             None => {
                 let problem = format!("nothing says which heights 0 (black) and {largest} (white) stand for");
-                let remedy = "give low_m and high_m in a recipe (generate = \"import\"), or --from-range LOW,HIGH to \
-                              eyot convert";
+                let remedy = remedy![
+                    "give low_m and high_m in a recipe (generate = \"import\"), or ",
+                    Setting::InputRange.form(),
+                    " to ",
+                    Action::Converter,
+                ];
                 return Err(Error::format(path, problem, remedy));
             }
         };

@@ -80,7 +80,7 @@ impl Scene<'_> {
     /// # Errors
     /// If there is nothing to show, arrays differ in length, or a number points to nothing.
     pub(crate) fn check(&self, path: &Path) -> Result<()> {
-        let fail = |problem: String, remedy: &str| Err(Error::format(path, problem, remedy));
+        let fail = |problem: String, remedy: &'static str| Err(Error::format(path, problem, remedy));
         if self.nodes.is_empty() {
             return fail("there is no body to write".into(), "add nodes that show meshes");
         }

@@ -1,6 +1,7 @@
 //! Errors of meshing.
 
 use crate::solid::{Point, Primitive};
+use eyot_core::remedy::{Remedy, Worded};
 
 /// Result with the meshing [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -80,4 +81,19 @@ pub enum Error {
     /// Sizes that must agree do not, or a limit is exceeded.
     #[error(transparent)]
     Core(#[from] eyot_core::Error),
+}
+
+impl From<Error> for Remedy {
+    fn from(e: Error) -> Self {
+        e.sentence()
+    }
+}
+
+impl Worded for Error {
+    fn sentence(&self) -> Remedy {
+        match self {
+            Self::Core(e) => e.sentence(),
+            other => other.to_string().into(),
+        }
+    }
 }

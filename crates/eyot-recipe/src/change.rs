@@ -38,7 +38,7 @@ impl Change {
     pub fn parse(text: &str) -> Result<Self, Problems> {
         let (text, parsed) = set::parse(text, 0);
         let end = text.len();
-        let fail = |problems| Problems::new(vec![Source { name: "--set".to_owned(), text }], problems);
+        let fail = |problems| Problems::new(vec![Source { name: Source::SET.to_owned(), text }], problems);
         let node = match parsed {
             Ok(node) => node,
             Err(problems) => return Err(fail(problems)),

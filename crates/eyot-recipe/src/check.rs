@@ -107,6 +107,11 @@ fn choice(choices: &[&str], node: &Node, path: &str, whole: &Value, out: &mut Ve
     if choices.contains(&text) {
         return;
     }
+    if let Some(lines) = whole["former"][text].as_str() {
+        let message = format!("`{path}` is no longer \"{text}\"");
+        out.push(Diagnostic::at(node.span.clone(), message, "former form").help(format!("write\n{lines}")));
+        return;
+    }
     let list = alternatives(choices.iter().copied());
     let help = match nearest(text, choices.iter().copied()) {
         Some(n) => format!("did you mean \"{n}\"? It may be {list}"),
@@ -328,7 +333,7 @@ mod tests {
         let node = Node::parse(text, 0).unwrap();
         let mut out = Vec::new();
         table(&schema, &node, "p", &[], &mut out);
-        out.into_iter().map(|d| d.message).collect()
+        out.into_iter().map(|d| d.message.to_string()).collect()
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! What a generator or process takes, from its schema: for people and for programs.
 
-use crate::check::{choices, expects, shown};
+use crate::check::{expects, shown};
 use crate::diagnostic::{alternatives, nearest};
 use crate::keys;
 use crate::registry::Registry;
 use eyot_core::process::{Entry, Process, schema_of};
+use eyot_core::remedy::{Action, Neutral, Wording};
 use eyot_rules::Replaced;
 use eyot_rules::functions::{FUNCTIONS, NAMES};
 use serde::Serialize;
@@ -152,7 +153,7 @@ fn from_schema(
         takes: expects(p),
         minimum: bound(p, "minimum", "exclusiveMinimum"),
         maximum: bound(p, "maximum", "exclusiveMaximum"),
-        choices: if choices(p).is_some() { choice_list(p) } else { Vec::new() },
+        choices: choice_list(p),
         default: match defaults.get(key) {
             Some(d) => tidy(d),
             None => tidy(&p["default"]),
@@ -258,8 +259,16 @@ fn flatten(before: &str, table: &Value, out: &mut Vec<String>) {
     }
 }
 
-impl fmt::Display for Description {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Description {
+    /// The text in the words of a front end.
+    pub fn worded(&self, wording: &dyn Wording) -> String {
+        let mut text = String::new();
+        // Writing to a text cannot fail.
+        let _ = self.write(&mut text, wording);
+        text
+    }
+
+    fn write(&self, f: &mut dyn fmt::Write, wording: &dyn Wording) -> fmt::Result {
         writeln!(f, "{} ({})", self.name, self.kind)?;
         if !self.summary.is_empty() {
             writeln!(f, "  {}", self.summary)?;
@@ -302,12 +311,18 @@ impl fmt::Display for Description {
             writeln!(f, "\n{}", indent(&self.about, 2))?;
         }
         if !self.sources.is_empty() {
-            writeln!(f, "\n  Cited as {} (`eyot cite RECIPE`)", self.sources.join(", "))?;
+            writeln!(f, "\n  Cited as {} ({})", self.sources.join(", "), wording.action(&Action::Cite))?;
         }
         if self.kind == "process" {
             writeln!(f, "\n  Every process also takes `every` (act in every n-th step) and `enabled`.")?;
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for Description {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(f, &Neutral)
     }
 }
 

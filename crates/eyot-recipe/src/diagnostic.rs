@@ -4,13 +4,14 @@
 //! line draws the source around the place.
 
 use crate::node::Span;
+use eyot_core::Remedy;
 use std::fmt;
 use std::sync::Arc;
 
-/// A text that a span points into: the recipe, or a flag such as `--set grid.cell=5`.
+/// A text that a span points into: the recipe, or a change of it such as `grid.cell=5`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// File name, or the flag.
+    /// File name, or [`Source::SET`].
     pub name: String,
     /// The whole text.
     pub text: String,
@@ -20,29 +21,34 @@ pub struct Source {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     /// One sentence: what is wrong.
-    pub message: String,
+    pub message: Remedy,
     /// Short text at the place itself.
     pub label: String,
     /// What would be right.
-    pub help: Option<String>,
+    pub help: Option<Remedy>,
     /// The place, if there is one.
     pub span: Option<Span>,
 }
 
+impl Source {
+    /// Name of the texts that are changes of a recipe.
+    pub const SET: &str = "set";
+}
+
 impl Diagnostic {
     /// A diagnostic at a place.
-    pub fn at(span: Span, message: impl Into<String>, label: impl Into<String>) -> Self {
+    pub fn at(span: Span, message: impl Into<Remedy>, label: impl Into<String>) -> Self {
         Self { message: message.into(), label: label.into(), help: None, span: Some(span) }
     }
 
     /// A diagnostic about the document as a whole.
-    pub fn whole(message: impl Into<String>) -> Self {
+    pub fn whole(message: impl Into<Remedy>) -> Self {
         Self { message: message.into(), label: String::new(), help: None, span: None }
     }
 
     /// The same with a remedy.
     #[must_use]
-    pub fn help(mut self, help: impl Into<String>) -> Self {
+    pub fn help(mut self, help: impl Into<Remedy>) -> Self {
         self.help = Some(help.into());
         self
     }
@@ -115,7 +121,7 @@ impl fmt::Display for Problems {
                 write!(f, " ({})", d.label)?;
             }
             if let Some(help) = &d.help {
-                write!(f, "\n  help: {}", help.replace('\n', "\n        "))?;
+                write!(f, "\n  help: {}", help.to_string().replace('\n', "\n        "))?;
             }
         }
         if let Some(rest) = self.rest() {

@@ -1,6 +1,8 @@
 //! What follows from an export's keys alone: its files, the layers that it takes, and whether it can be streamed.
 
-use crate::keys::{Export, ExportFormat, Preset};
+use crate::diagnostic::alternatives;
+use crate::keys::{Export, ExportFormat, Preset, What};
+use std::collections::BTreeMap;
 
 /// Layers that only exports know: the shares of the ground, in the order of red, green, blue and alpha.
 pub const MATERIALS: [&str; 4] = ["grass", "rock", "sand", "snow"];
@@ -10,15 +12,48 @@ const UNREAL: [usize; 5] = [505, 1009, 2017, 4033, 8129];
 /// Vertices along a side of Unity's terrains.
 const UNITY: [usize; 8] = [33, 65, 129, 257, 513, 1025, 2049, 4097];
 
+/// Texts that `format` could be in earlier versions, when it said what a file holds as well, and the lines that say the same now.
+const FORMER: [(&str, &str); 9] = [
+    ("mask", "what = \"mask\""),
+    ("splat", "what = \"splat\""),
+    ("map", "what = \"map\""),
+    ("census", "what = \"census\""),
+    ("plots", "what = \"plots\""),
+    ("corals", "what = \"corals\""),
+    ("coralsobj", "what = \"corals\"\nformat = \"obj\""),
+    ("coralsply", "what = \"corals\"\nformat = \"ply\""),
+    ("dive", "what = \"dive\""),
+];
+
+/// [`FORMER`] for the schema, where the check of keys finds it.
+pub(crate) fn former_formats() -> BTreeMap<&'static str, &'static str> {
+    FORMER.into_iter().collect()
+}
+
 impl Export {
-    /// False for exports that always show the height.
+    /// What it shows: as the key says, or what its format is for.
+    pub fn shows(&self) -> What {
+        match (&self.what, self.format) {
+            (Some(what), _) => what.clone(),
+            (None, Some(format)) => format.shows().unwrap_or(What::Layers),
+            (None, None) => What::Layers,
+        }
+    }
+
+    /// How it is written: as the key says, or what is usual for what it shows; `plots` without a format are written in all of theirs.
+    pub fn formats(&self) -> Vec<ExportFormat> {
+        match (self.format, self.shows()) {
+            (Some(format), _) => vec![format],
+            (None, What::Plots) => What::Plots.formats().to_vec(),
+            (None, what) => vec![what.formats()[0]],
+        }
+    }
+
+    /// False for exports that always show the height, or no layers.
     pub fn uses_layers(&self) -> bool {
         match self.preset {
             Some(preset) => preset == Preset::Gis,
-            None => {
-                !self.format.is_of_corals()
-                    && !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj | ExportFormat::Splat)
-            }
+            None => matches!(self.shows(), What::Layers | What::Mask | What::Map),
         }
     }
 
@@ -26,7 +61,7 @@ impl Export {
     pub fn knows(&self, layer: &str) -> bool {
         let takes = match self.preset {
             Some(preset) => preset == Preset::Gis,
-            None => self.format != ExportFormat::Map,
+            None => matches!(self.shows(), What::Layers | What::Mask),
         };
         takes && MATERIALS.contains(&layer)
     }
@@ -35,7 +70,7 @@ impl Export {
     pub fn needs_two_cells(&self) -> bool {
         match self.preset {
             Some(preset) => preset != Preset::Gis,
-            None => matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
+            None => self.shows() == What::Terrain,
         }
     }
 
@@ -43,7 +78,7 @@ impl Export {
     pub fn streams(&self) -> bool {
         match self.preset {
             Some(preset) => preset == Preset::Gis,
-            None => !self.format.is_of_corals() && !matches!(self.format, ExportFormat::Glb | ExportFormat::Obj),
+            None => matches!(self.shows(), What::Layers | What::Splat | What::Mask | What::Map),
         }
     }
 
@@ -57,47 +92,157 @@ impl Export {
                 other => other.files(p),
             };
         }
-        match (self.format, self.format.extension()) {
-            (ExportFormat::Zarr, _) => vec![format!("{p}world.zarr")],
-            (ExportFormat::Exr, _) if self.layers.len() > 1 => vec![format!("{p}layers.exr")],
-            (_, Some(extension)) => each(&format!(".{extension}")),
-            (ExportFormat::Glb, _) => vec![format!("{p}terrain.glb")],
-            (ExportFormat::Obj, _) => vec![format!("{p}terrain.obj")],
-            (ExportFormat::Splat, _) => vec![format!("{p}splat.png")],
-            (ExportFormat::Mask, _) => each("_mask.png"),
-            (ExportFormat::Census, _) => vec![format!("{p}census.csv")],
-            (ExportFormat::Parquet, _) => vec![format!("{p}census.parquet")],
-            (ExportFormat::Plots, _) => {
-                ["cover.svg", "plot.svg", "cover.png", "plot.png"].map(|n| format!("{p}{n}")).to_vec()
-            }
-            (ExportFormat::Corals, _) => vec![format!("{p}corals.glb")],
-            (ExportFormat::CoralsObj, _) => vec![format!("{p}corals.obj")],
-            (ExportFormat::CoralsPly, _) => vec![format!("{p}corals.ply")],
-            (ExportFormat::Dive, _) => ["dive", "side", "above"].map(|n| format!("{p}{n}.png")).to_vec(),
-            _ => each("_map.png"),
+        let formats = self.formats();
+        let all = |names: &[&str]| {
+            formats.iter().flat_map(|f| names.iter().map(move |n| format!("{p}{n}.{}", f.extension()))).collect()
+        };
+        match (self.shows(), formats[0]) {
+            (What::Layers, ExportFormat::Zarr) => all(&["world"]),
+            (What::Layers, ExportFormat::Exr) if self.layers.len() > 1 => all(&["layers"]),
+            (What::Layers, format) => each(&format!(".{}", format.extension())),
+            (What::Mask, _) => each("_mask.png"),
+            (What::Map, _) => each("_map.png"),
+            (What::Terrain, _) => all(&["terrain"]),
+            (What::Splat, _) => all(&["splat"]),
+            (What::Census, _) => all(&["census"]),
+            (What::Plots, _) => all(&["cover", "plot"]),
+            (What::Corals, _) => all(&["corals"]),
+            (What::Dive, _) => all(&["dive", "side", "above"]),
+            (What::View(name), _) => all(&[&name]),
         }
+    }
+
+    /// What is wrong with `what` and `format` together, and what would be right.
+    pub fn format_problem(&self) -> Option<(String, String)> {
+        let format = self.format?;
+        let quoted = |formats: &[ExportFormat]| alternatives(formats.iter().map(|f| f.name()));
+        let Some(what) = &self.what else {
+            if format.shows().is_some() {
+                return None;
+            }
+            let message = format!("`format = \"{}\"` does not say what the file holds", format.name());
+            let which = What::ALL.into_iter().filter(|w| w.formats().contains(&format));
+            let names: Vec<String> = which.map(|w| w.name().to_owned()).collect();
+            let help = match format {
+                // Until there was `what`, this was the census.
+                ExportFormat::Parquet => "write\nwhat = \"census\"\nformat = \"parquet\"".to_owned(),
+                _ => format!("add `what`: it may be {}", alternatives(names.iter().map(String::as_str))),
+            };
+            return Some((message, help));
+        };
+        let formats = what.formats();
+        let message = format!("`what = \"{}\"` is not written as `{}`", what.name(), format.name());
+        (!formats.contains(&format)).then(|| (message, format!("it is written as {}", quoted(formats))))
+    }
+}
+
+impl What {
+    /// What needs no name of a table, of points or of lines.
+    pub const ALL: [Self; 9] = [
+        Self::Layers,
+        Self::Terrain,
+        Self::Splat,
+        Self::Mask,
+        Self::Map,
+        Self::Census,
+        Self::Plots,
+        Self::Corals,
+        Self::Dive,
+    ];
+
+    /// Name in recipes.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Layers => "layers",
+            Self::Terrain => "terrain",
+            Self::Splat => "splat",
+            Self::Mask => "mask",
+            Self::Map => "map",
+            Self::Census => "census",
+            Self::Plots => "plots",
+            Self::Corals => "corals",
+            Self::Dive => "dive",
+            Self::View(name) => name,
+        }
+    }
+
+    /// How it can be written, the usual format first.
+    pub fn formats(&self) -> &'static [ExportFormat] {
+        use ExportFormat::{Csv, Exr, GeoTiff, Glb, Npy, Obj, Parquet, Ply, Png, Png16, R16, R32, Svg, Zarr};
+        match self {
+            Self::Layers => &[GeoTiff, Png16, R16, R32, Exr, Npy, Zarr],
+            Self::Terrain => &[Glb, Obj],
+            Self::Splat | Self::Mask | Self::Map | Self::Dive => &[Png],
+            Self::Census | Self::View(_) => &[Csv, Parquet],
+            Self::Plots => &[Svg, Png],
+            Self::Corals => &[Glb, Obj, Ply],
+        }
+    }
+
+    /// True for what `corals` leaves beside layers.
+    pub fn is_of_corals(&self) -> bool {
+        matches!(self, Self::Census | Self::Plots | Self::Corals | Self::Dive)
     }
 }
 
 impl ExportFormat {
-    /// True for what `corals` leaves beside layers.
-    pub fn is_of_corals(self) -> bool {
-        use ExportFormat::{Census, Corals, CoralsObj, CoralsPly, Dive, Parquet, Plots};
-        matches!(self, Census | Parquet | Plots | Corals | CoralsObj | CoralsPly | Dive)
+    /// All formats.
+    pub const ALL: [Self; 14] = [
+        Self::GeoTiff,
+        Self::Png16,
+        Self::R16,
+        Self::R32,
+        Self::Exr,
+        Self::Npy,
+        Self::Zarr,
+        Self::Glb,
+        Self::Obj,
+        Self::Ply,
+        Self::Csv,
+        Self::Parquet,
+        Self::Png,
+        Self::Svg,
+    ];
+
+    /// What an export of this format shows that does not say it; `None` where it has to.
+    pub fn shows(self) -> Option<What> {
+        match self {
+            Self::GeoTiff | Self::Png16 | Self::R16 | Self::R32 | Self::Exr | Self::Npy | Self::Zarr => {
+                Some(What::Layers)
+            }
+            Self::Glb | Self::Obj => Some(What::Terrain),
+            Self::Ply => Some(What::Corals),
+            Self::Svg => Some(What::Plots),
+            Self::Csv | Self::Parquet | Self::Png => None,
+        }
     }
 
-    /// The extension of its files without the dot, if it writes values of layers as a raster.
-    pub fn extension(self) -> Option<&'static str> {
-        Some(match self {
-            Self::Png16 => "png",
+    /// Name in recipes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::GeoTiff => "geotiff",
+            Self::Png16 => "png16",
+            other => other.extension(),
+        }
+    }
+
+    /// The extension of its files without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
             Self::GeoTiff => "tif",
-            Self::R32 => "r32",
+            Self::Png16 | Self::Png => "png",
             Self::R16 => "r16",
+            Self::R32 => "r32",
             Self::Exr => "exr",
             Self::Npy => "npy",
             Self::Zarr => "zarr",
-            _ => return None,
-        })
+            Self::Glb => "glb",
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+            Self::Csv => "csv",
+            Self::Parquet => "parquet",
+            Self::Svg => "svg",
+        }
     }
 }
 
@@ -166,5 +311,83 @@ impl Preset {
             export.prefix = format!("{}_{}", self.name(), export.prefix);
         }
         export.prefix
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RecipeDoc;
+
+    fn export(text: &str) -> Export {
+        RecipeDoc::parse(&format!("[[export]]\n{text}")).unwrap_or_else(|p| panic!("{text}: {p}")).exports.remove(0)
+    }
+
+    #[test]
+    fn names_are_those_of_recipes() {
+        for what in What::ALL {
+            assert_eq!(export(&format!("what = '{}'", what.name())).what, Some(what));
+        }
+        for format in ExportFormat::ALL {
+            assert_eq!(export(&format!("format = '{}'", format.name())).format, Some(format));
+            assert!(What::ALL.iter().any(|w| w.formats().contains(&format)), "{format:?}");
+            // What is left out must be something that this format can show.
+            assert!(format.shows().is_none_or(|w| w.formats().contains(&format)), "{format:?}");
+        }
+        assert_eq!(export("what = 'corals.colonies'").what, Some(What::View("corals.colonies".into())));
+    }
+
+    #[test]
+    fn files_have_the_names_that_they_always_had() {
+        for (text, files) in [
+            ("", "height.tif"),
+            ("format = 'png16'", "height.png"),
+            ("format = 'zarr'", "world.zarr"),
+            ("format = 'exr'\nlayers = ['a', 'b']", "layers.exr"),
+            ("format = 'npy'\nlayers = ['a', 'b']", "a.npy b.npy"),
+            ("format = 'glb'", "terrain.glb"),
+            ("what = 'terrain'\nformat = 'obj'\nprefix = 'x_'", "x_terrain.obj"),
+            ("what = 'mask'\nlayers = ['rock']", "rock_mask.png"),
+            ("what = 'map'", "height_map.png"),
+            ("what = 'splat'", "splat.png"),
+            ("what = 'census'", "census.csv"),
+            ("what = 'census'\nformat = 'parquet'", "census.parquet"),
+            ("what = 'plots'", "cover.svg plot.svg cover.png plot.png"),
+            ("format = 'svg'", "cover.svg plot.svg"),
+            ("what = 'corals'", "corals.glb"),
+            ("format = 'ply'", "corals.ply"),
+            ("what = 'dive'", "dive.png side.png above.png"),
+            ("what = 'corals.algae'", "corals.algae.csv"),
+        ] {
+            assert_eq!(export(text).files().join(" "), files, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_written_so_is_told_with_what_can() {
+        for what in What::ALL.into_iter().chain([What::View("a.b".into())]) {
+            for format in ExportFormat::ALL {
+                let export = Export { what: Some(what.clone()), format: Some(format), ..Export::default() };
+                let fits = what.formats().contains(&format);
+                assert_eq!(export.format_problem().is_none(), fits, "{what:?} {format:?}");
+            }
+        }
+        let problem = |text: &str| export(text).format_problem().map(|(message, help)| format!("{message}; {help}"));
+        let told = "`what = \"terrain\"` is not written as `r16`; it is written as `glb` or `obj`";
+        assert_eq!(problem("what = 'terrain'\nformat = 'r16'").as_deref(), Some(told));
+        let told = "`format = \"csv\"` does not say what the file holds; add `what`: it may be `census`";
+        assert_eq!(problem("format = 'csv'").as_deref(), Some(told));
+        assert!(problem("format = 'parquet'").unwrap().ends_with("write\nwhat = \"census\"\nformat = \"parquet\""));
+    }
+
+    #[test]
+    fn former_formats_are_answered_with_lines_that_work() {
+        for (former, lines) in FORMER {
+            let told = RecipeDoc::parse(&format!("[[export]]\nformat = '{former}'")).unwrap_err();
+            assert_eq!(told.diagnostics.len(), 1, "{told}");
+            let help = told.diagnostics[0].help.as_ref().unwrap().to_string();
+            assert_eq!(help, format!("write\n{lines}"));
+            assert!(export(lines).format_problem().is_none(), "{lines}");
+        }
     }
 }

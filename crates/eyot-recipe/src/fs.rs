@@ -6,6 +6,8 @@ use crate::host::Refusal;
 use crate::recipe::{Overrides, Recipe, RecipeSource};
 use crate::registry::Registry;
 use eyot_core::Limits;
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy};
 use std::path::Path;
 
 /// Longest text that a recipe may name, bytes: some centuries of days.
@@ -29,7 +31,7 @@ impl RecipeSource {
     pub fn read(path: &Path) -> Result<Self, Problems> {
         const MAX_BYTES: u64 = 4 << 20;
         let name = path.display().to_string();
-        let fail = |message: String, help: &str| {
+        let fail = |message: String, help: Remedy| {
             let source = Source { name: name.clone(), text: String::new() };
             Problems::new(vec![source], vec![Diagnostic::whole(message).help(help)])
         };
@@ -37,26 +39,28 @@ impl RecipeSource {
         let meta = std::fs::metadata(path).map_err(|e| {
             let guess = path.file_stem().and_then(|s| s.to_str()).and_then(|s| nearest(s, known.clone()));
             let help = match guess {
-                Some(n) => format!("did you mean the built-in recipe `{n}`? `eyot list` shows all of them"),
-                None => "give the name of a recipe file, or of a built-in recipe from `eyot list`".to_owned(),
+                Some(n) => {
+                    remedy![format!("did you mean the built-in recipe `{n}`? "), Action::List, " shows all of them",]
+                }
+                None => remedy!["give the name of a recipe file, or of a built-in recipe from ", Action::List],
             };
-            fail(format!("cannot read the recipe `{name}`: {e}"), &help)
+            fail(format!("cannot read the recipe `{name}`: {e}"), help)
         })?;
         if !meta.is_file() {
             return Err(fail(
                 format!("`{name}` is not a file"),
-                "give the name of a recipe file; `eyot resume` takes a folder",
+                remedy!["give the name of a recipe file; ", Action::Resume(None), " takes a folder"],
             ));
         }
         if meta.len() > MAX_BYTES {
             let message = format!("`{name}` has {} bytes, which no recipe needs", meta.len());
-            return Err(fail(message, "recipes are short TOML documents; is this the right file?"));
+            return Err(fail(message, "recipes are short TOML documents; is this the right file?".into()));
         }
         let bytes = std::fs::read(path)
-            .map_err(|e| fail(format!("cannot read the recipe `{name}`: {e}"), "check its permissions"))?;
+            .map_err(|e| fail(format!("cannot read the recipe `{name}`: {e}"), "check its permissions".into()))?;
         let text = String::from_utf8(bytes).map_err(|e| {
             let message = format!("`{name}` is not text: byte {} is not UTF-8", e.utf8_error().valid_up_to());
-            fail(message, "recipes are TOML documents in UTF-8; is this the right file?")
+            fail(message, "recipes are TOML documents in UTF-8; is this the right file?".into())
         })?;
         let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = std::path::absolute(parent).unwrap_or_else(|_| parent.to_owned());
@@ -82,8 +86,9 @@ impl RecipeSource {
 /// If there is no such file, or it is no text, or longer than 4 MiB.
 pub fn text(file: &str, folder: &Path) -> Result<String, Refusal> {
     let path = folder.join(file);
-    let fail =
-        |reason: &str, help: &str| Err(Refusal::new(format!("cannot read `{}`: {reason}", path.display()), help));
+    let fail = |reason: &str, help: &'static str| {
+        Err(Refusal::new(format!("cannot read `{}`: {reason}", path.display()), help))
+    };
     let meta = match std::fs::metadata(&path) {
         Ok(meta) => meta,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
@@ -133,7 +138,12 @@ mod tests {
             ("long.csv", "4194304 are allowed"),
         ] {
             let Refusal { message, help } = text(name, folder.path()).unwrap_err();
-            assert!(message.contains(words) && message.contains(name) && !help.is_empty(), "{message}");
+            assert!(
+                message.to_string().contains(words)
+                    && message.to_string().contains(name)
+                    && !help.to_string().is_empty(),
+                "{message}"
+            );
         }
     }
 }

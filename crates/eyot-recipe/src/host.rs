@@ -2,6 +2,7 @@
 
 use crate::keys::{Export, View};
 use crate::recipe::Step;
+use eyot_core::remedy::Remedy;
 use eyot_core::{Georeference, Grid, Limits, Result};
 use std::path::Path;
 
@@ -9,14 +10,14 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// One sentence: what is wrong.
-    pub message: String,
+    pub message: Remedy,
     /// What would be right.
-    pub help: String,
+    pub help: Remedy,
 }
 
 impl Refusal {
     /// A refusal with its remedy.
-    pub fn new(message: impl Into<String>, help: impl Into<String>) -> Self {
+    pub fn new(message: impl Into<Remedy>, help: impl Into<Remedy>) -> Self {
         Self { message: message.into(), help: help.into() }
     }
 }

@@ -1,5 +1,6 @@
 //! The keys of a recipe as structs. Their schemas check recipes, complete them in editors and make the reference.
 
+use crate::export::former_formats;
 use crate::merge::Merge;
 use eyot_core::Edge;
 use schemars::JsonSchema;
@@ -245,49 +246,67 @@ impl Default for Rule {
     }
 }
 
-/// What a file holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+/// What an export shows.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum What {
+    /// The values of layers.
+    Layers,
+    /// The land as a coloured mesh.
+    Terrain,
+    /// Shares of grass, rock, sand and snow as red, green, blue and alpha, which sum to 255.
+    Splat,
+    /// Grey pictures of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the shares of grass, rock, sand and snow.
+    Mask,
+    /// Layers in colours.
+    Map,
+    /// What `corals` counted each month, as a table.
+    Census,
+    /// Drawings of what `corals` grew: cover of each species over the years, and the plot from above.
+    Plots,
+    /// A body for each colony that `corals` grew, with species, age and bleaching.
+    Corals,
+    /// Pictures of the corals' bodies: as a diver sees them, from the side, and from above.
+    Dive,
+    /// A table, points or lines that a process keeps beside layers, by name: `corals.colonies`.
+    #[serde(untagged)]
+    View(#[schemars(regex(pattern = r"^[a-z_][a-z0-9_.]*$"))] String),
+}
+
+/// How an export is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum ExportFormat {
+    /// GeoTIFF of 32-bit floats with its place on Earth, for GIS programs.
+    GeoTiff,
     /// Grey picture of 16 bits; the text inside says which heights black and white are.
     Png16,
-    /// GeoTIFF of 32-bit floats with its place on Earth, for GIS programs.
-    #[default]
-    GeoTiff,
-    /// Bare 32-bit floats, little-endian, row by row from the north, described by a JSON file beside them.
-    R32,
     /// Bare whole numbers of 16 bits, described by a JSON file beside them that says which heights 0 and 65535 are.
     R16,
+    /// Bare 32-bit floats, little-endian, row by row from the north, described by a JSON file beside them.
+    R32,
     /// OpenEXR of 32-bit floats; several layers become channels of one file.
     Exr,
     /// NumPy array of 32-bit floats, described by a JSON file beside it.
     Npy,
     /// Zarr v3 store (a folder) with all layers, their units and coordinates, for xarray and other tools of research.
     Zarr,
-    /// glTF 2.0 binary: the terrain as a coloured mesh with levels of detail.
+    /// glTF 2.0 binary: meshes with colours and names, of the terrain with levels of detail.
     Glb,
-    /// Wavefront OBJ: the terrain as a coloured mesh.
+    /// Wavefront OBJ: meshes with colours.
     Obj,
-    /// Grey picture of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the shares of grass, rock, sand and snow.
-    Mask,
-    /// Picture whose red, green, blue and alpha are the shares of grass, rock, sand and snow and sum to 255.
-    Splat,
-    /// Picture of a layer in colours, PNG.
-    Map,
-    /// What `corals` counted each month: a table of comma-separated values.
-    Census,
-    /// What `corals` counted each month, as Apache Parquet: with types, and units in its metadata.
+    /// PLY: meshes with colours.
+    Ply,
+    /// Comma-separated values, a line for each row of a table, each point or each line.
+    Csv,
+    /// The same as Apache Parquet: with types, and units in its metadata.
     Parquet,
-    /// Drawings of what `corals` grew, SVG and PNG: cover of each species over the years, and the plot from above.
-    Plots,
-    /// A body for each colony that `corals` grew, glTF 2.0 binary, with species, age and bleaching.
-    Corals,
-    /// The bodies of all colonies as Wavefront OBJ.
-    CoralsObj,
-    /// The bodies of all colonies as PLY with colours.
-    CoralsPly,
-    /// Pictures of the corals' bodies, PNG: as a diver sees them, from the side, and from above.
-    Dive,
+    /// Picture.
+    Png,
+    /// Drawing that can be enlarged.
+    Svg,
 }
 
 /// All files that a program wants, in its sizes, scales and orders, with a JSON file that says what to enter where.
@@ -332,16 +351,19 @@ pub enum FirstRow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Export {
-    /// What the file holds.
-    pub format: ExportFormat,
-    /// All files for a program instead of one format: sizes are resampled, scales and orders are the program's.
+    /// What the files show. If not given, what the format is for: `terrain` of `glb` and `obj`, `corals` of `ply`, `plots` of `svg`, and otherwise `layers`.
+    pub what: Option<What>,
+    /// How it is written. If not given: `layers` as `geotiff`, `terrain` and `corals` as `glb`, tables, points and lines as `csv`, `plots` as `svg` and `png`, all else as `png`.
+    #[schemars(extend("former" = former_formats()))]
+    pub format: Option<ExportFormat>,
+    /// All files for a program instead of one kind: sizes are resampled, scales and orders are the program's.
     pub preset: Option<Preset>,
-    /// The layers, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make. Meshes, `splat` and presets other than `gis` always show the height and do not need it.
+    /// The layers that `layers`, `mask` and `map` show, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make. `terrain`, `splat` and presets other than `gis` always show the height and do not need it.
     #[schemars(length(min = 1))]
     pub layers: Vec<String>,
     /// Start of the file name; the layer's name follows. The layer's name alone if empty.
     pub prefix: String,
-    /// Levels of detail of a `glb` mesh; each has a quarter of the triangles of the one before.
+    /// Levels of detail of a terrain as `glb`; each has a quarter of the triangles of the one before.
     #[schemars(range(min = 1, max = 12), extend("unit" = "1"))]
     pub levels: u32,
     /// Heights that 0 and 65535 stand for in `png16` and `r16`; the lowest and the highest value if not given.
@@ -370,7 +392,8 @@ pub struct Export {
 impl Default for Export {
     fn default() -> Self {
         Self {
-            format: ExportFormat::GeoTiff,
+            what: None,
+            format: None,
             preset: None,
             layers: vec!["height".to_owned()],
             prefix: String::new(),

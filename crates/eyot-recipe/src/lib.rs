@@ -63,7 +63,7 @@ pub use doc::{RecipeDoc, StepDoc};
 pub use export::MATERIALS;
 pub use eyot_core::Limits;
 pub use host::{Estimator, NoFiles, NoOutputs, RasterInfo, Refusal, Resolver, Streamed};
-pub use keys::{Bytes, Export, ExportFormat, FirstRow, Preset, View};
+pub use keys::{Bytes, Export, ExportFormat, FirstRow, Preset, View, What};
 pub use merge::Merge;
 pub use node::Span;
 pub use recipe::{

@@ -1,17 +1,28 @@
 //! How much memory the steps of a recipe need, and what keeps a recipe from being streamed.
 
 use crate::host::Estimator;
-use crate::keys::{Export, View};
+use crate::keys::{Export, View, What};
 use crate::recipe::{Step, Work};
 use eyot_core::process::Reach;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Error, Field, Grid, Limits, Result, engine};
 
 /// What helps where a picture does not fit.
-pub const PICTURE_REMEDY: &str =
-    "make it smaller with `size`, leave it out with view.enabled=false, or raise the limit with --max-memory";
+pub fn picture_remedy() -> Remedy {
+    remedy![
+        "make it smaller with `size`, leave it out with view.enabled=false, or raise the limit with ",
+        Setting::MaxMemory,
+    ]
+}
+
 /// What helps where an export does not fit.
-pub const EXPORT_REMEDY: &str =
-    "leave out this export with its enabled=false, choose a smaller grid, or raise the limit with --max-memory";
+pub fn export_remedy() -> Remedy {
+    remedy![
+        "leave out this export with its enabled=false, choose a smaller grid, or raise the limit with ",
+        Setting::MaxMemory,
+    ]
+}
 
 /// The step of a run in one piece that needs most memory, and how much that is.
 pub struct Peak<'a> {
@@ -83,7 +94,7 @@ pub fn whole(
 ///
 /// # Errors
 /// [`Error::Limit`] with this remedy.
-pub fn check_bytes(what: &str, bytes: u128, limits: &Limits, remedy: &'static str) -> Result<()> {
+pub fn check_bytes(what: &str, bytes: u128, limits: &Limits, remedy: Remedy) -> Result<()> {
     limits.check_bytes(what, bytes).map_err(|e| match e {
         Error::Limit { what, needed, limit, .. } => Error::Limit { what, needed, limit, remedy },
         other => other,
@@ -122,7 +133,11 @@ pub fn obstacle(steps: &[Step], exports: &[Export], grid: &Grid) -> Option<Obsta
     };
     let of_export = |(i, export): (usize, &Export)| {
         let file = export.files().into_iter().next().unwrap_or_default();
-        let what = if export.preset.is_some() { "presets other than `gis` resample it" } else { "so does every mesh" };
+        let what = match (export.preset, export.shows()) {
+            (Some(_), _) => "presets other than `gis` resample it",
+            (None, What::Terrain | What::Corals) => "so does every mesh",
+            _ => "so does all that simulations leave beside layers",
+        };
         let reason = format!("the export `{file}` needs the whole grid in memory ({what})");
         (!export.streams()).then_some(Obstacle { place: Place::Export(i), reason })
     };

@@ -88,10 +88,11 @@ fn finish(mut schema: Value) -> Value {
     schema
 }
 
-/// Removes what only stands at the root of a schema, and what TOML does not know: null.
+/// Removes what only stands at the root of a schema, what TOML does not know (null), and texts of earlier versions.
 fn strip(schema: &mut Value) {
     if let Some(map) = schema.as_object_mut() {
         map.remove("$schema");
+        map.remove("former");
         if map.get("default").is_some_and(Value::is_null) {
             map.remove("default");
         }

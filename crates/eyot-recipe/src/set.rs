@@ -3,6 +3,8 @@
 use crate::diagnostic::{Diagnostic, Source, alternatives, nearest};
 use crate::node::{Key, Kind, Node, Span};
 use crate::registry::{DOCUMENT_KEYS, Registry};
+use eyot_core::remedy;
+use eyot_core::remedy::Setting;
 use serde_json::Value;
 
 /// Applies one `key=value` text to the document. The text becomes a source of its own, so that what is wrong with it is
@@ -16,7 +18,7 @@ pub(crate) fn apply(
 ) {
     let index = sources.len();
     let (text, parsed) = parse(flag, index);
-    sources.push(Source { name: "--set".to_owned(), text });
+    sources.push(Source { name: Source::SET.to_owned(), text });
     let assignment = match parsed {
         Ok(node) => node,
         Err(problems) => return out.extend(problems),
@@ -32,8 +34,14 @@ pub(crate) fn apply(
 pub(crate) fn parse(flag: &str, source: usize) -> (String, Result<Node, Vec<Diagnostic>>) {
     let whole = Span { source, start: 0, end: flag.len() };
     let Some((key, value)) = flag.split_once('=') else {
-        let problem = Diagnostic::at(whole, format!("`{flag}` sets nothing"), "no `=` here")
-            .help("write key=value, for example --set hydraulic.rain=0.004, --set grid.size=256 or --set step.2.enabled=false");
+        let problem = Diagnostic::at(whole, format!("`{flag}` sets nothing"), "no `=` here").help(remedy![
+            "write key=value, for example ",
+            Setting::Set.to("hydraulic.rain=0.004"),
+            ", ",
+            Setting::Set.to("grid.size=256"),
+            " or ",
+            Setting::Set.to("step.2.enabled=false"),
+        ]);
         return (flag.to_owned(), Err(vec![problem]));
     };
     match Node::parse(flag, source) {

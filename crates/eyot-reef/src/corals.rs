@@ -36,7 +36,7 @@ use crate::community::{
     CHUMBE, Census, CensusColumn, Community, Forcing, Ground, Plot, Site, Temperatures, Variability,
 };
 use crate::community::{MONTH_DAYS, YEAR_DAYS};
-use eyot_core::component::{Numbers, Table, Type};
+use eyot_core::component::{Numbers, Shape, Table, Type};
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
 use eyot_core::process::{
     Access, Action, ActionInstance, Entry, LayerUse, Moment, Process, check_ranges, defaults_of, parameters_from,
@@ -162,6 +162,10 @@ impl Process for Colonies {
     fn reads(&self) -> Vec<Cow<'static, str>> {
         let own = self.layers().into_iter().filter(|l| l.access != Access::Write).map(|l| l.spec.name);
         own.chain(self.needs().into_iter().chain([SUBSTRATE]).map(Cow::Borrowed)).collect()
+    }
+
+    fn views(&self) -> Vec<(&'static str, Shape)> {
+        vec![("corals.colonies", Shape::Points), ("corals.algae", Shape::Points), (CENSUS, Shape::Table)]
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {

@@ -1,5 +1,6 @@
 //! What is wrong with a text, and where.
 
+use eyot_core::Remedy;
 use std::ops::Range;
 
 /// A mistake in a text.
@@ -12,7 +13,7 @@ pub struct Mistake {
     /// Short text at the place itself.
     pub label: String,
     /// What would be right.
-    pub help: Option<String>,
+    pub help: Option<Remedy>,
     /// Where a name is unknown: the name, and those that there are.
     pub unknown: Option<Box<(String, Vec<String>)>>,
 }
@@ -23,7 +24,7 @@ impl Mistake {
     }
 
     #[must_use]
-    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
+    pub(crate) fn help(mut self, help: impl Into<Remedy>) -> Self {
         self.help = Some(help.into());
         self
     }

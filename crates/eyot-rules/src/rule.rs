@@ -223,7 +223,7 @@ fn ready(name: &str, writes: Vec<Write>, mask: Option<Formula>, uses: Uses, coun
             what: format!("rule `{name}`"),
             needed: format!("{} parameters", uses.params.len()),
             limit: MAX_PARAMS.to_string(),
-            remedy: "split it into several rules",
+            remedy: "split it into several rules".into(),
         });
     }
     let reads = uses.reads.iter().map(|r| intern(r)).collect::<Result<Vec<_>>>()?;

@@ -17,6 +17,7 @@ use crate::meaning::{Given, Scope, Uses, Wanted, check};
 use crate::mistake::Mistake;
 use crate::rule::{DeclaredLayer, complete, split, stream};
 use crate::unit::Measure;
+use eyot_core::component::Shape;
 use eyot_core::given::{Trace, Way};
 use eyot_core::graph::{Graph, Id, Op};
 use eyot_core::plan::{Pass, Plan, RuleKind};
@@ -558,6 +559,10 @@ impl Process for Replaced {
                 reason: format!("it cannot differ from cell to cell: {obstacle}"),
             })
         })
+    }
+
+    fn views(&self) -> Vec<(&'static str, Shape)> {
+        self.plain.views()
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {

@@ -1,6 +1,8 @@
 //! Words of an expression.
 
 use crate::mistake::Mistake;
+use eyot_core::remedy;
+use eyot_core::remedy::Action;
 use eyot_core::text::number_length;
 use std::ops::Range;
 
@@ -55,7 +57,10 @@ pub(crate) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, Mistake> 
             let problem = Mistake::at(&(at..at + n), format!("`{}` means nothing here", &rest[..n]), "not expected");
             return Err(match foreign {
                 Some((_, ours)) => problem.help(format!("write {ours}")),
-                None => problem.help("`eyot describe expressions` says what may stand there"),
+                None => {
+                    let expressions = Action::Describe("expressions".to_owned());
+                    problem.help(remedy![expressions, " says what may stand there"])
+                }
             });
         }
     }

@@ -6,6 +6,8 @@ use crate::error::RunError;
 use crate::keys::View;
 use crate::outputs::{run_error, stopped};
 use crate::store::Subject;
+use eyot_core::remedy;
+use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Limits, World};
 use eyot_export::estimate;
 use eyot_export::pictures::{check_picture_name, view_options};
@@ -29,7 +31,7 @@ pub struct ViewRequest {
 pub(crate) struct ViewRenderer {
     backend: Backend,
     /// Things to know about the choice.
-    pub(crate) notes: Vec<String>,
+    pub(crate) notes: Vec<Remedy>,
 }
 
 enum Backend {
@@ -57,7 +59,7 @@ impl ViewRenderer {
             match Backend::gpu(world, request, limits) {
                 Ok(backend) => return Ok(Self { backend, notes }),
                 Err(GpuError::Core(e)) => return Err(stopped(e)),
-                Err(e) if auto => notes.push(format!("{e}; the processor draws instead")),
+                Err(e) if auto => notes.push(remedy![e, "; the processor draws instead"]),
                 Err(e) => return Err(RunError::Gpu(e)),
             }
         }
@@ -131,7 +133,7 @@ impl Backend {
     fn cpu(world: &World, s: &ViewRequest, limits: &Limits, control: &Control<'_>) -> Result<Self, RunError> {
         let fail = |e: eyot_core::Error| stopped(e);
         let bytes = estimate::picture(&world.grid, &s.view, Subject::View);
-        estimate::check("this picture", world, bytes, limits, estimate::PICTURE_REMEDY).map_err(fail)?;
+        estimate::check("this picture", world, bytes, limits, estimate::picture_remedy()).map_err(fail)?;
         let options = view_options(&s.view);
         let worn = match &s.drape {
             Some(layer) => Some(LayerColours::new(world, layer, &MapOptions::default()).map_err(fail)?),
@@ -149,7 +151,7 @@ impl Backend {
         // Cells and nodes take less than for rays; a pixel has four samples of colour and depth, and is read back.
         let pixels = s.view.size.iter().map(|n| u128::from(*n)).product::<u128>();
         let bytes = estimate::picture(&world.grid, &s.view, Subject::View) + 47 * pixels;
-        estimate::check("this picture", world, bytes, limits, estimate::PICTURE_REMEDY)?;
+        estimate::check("this picture", world, bytes, limits, estimate::picture_remedy())?;
         let mut renderer = Renderer::new(&gpu)?;
         renderer.reserve(&gpu, s.view.size)?;
         let options = view_options(&s.view);
@@ -167,7 +169,7 @@ pub struct Drawn {
     /// The engine that drew it.
     pub engine: String,
     /// Things to know.
-    pub notes: Vec<String>,
+    pub notes: Vec<Remedy>,
 }
 
 /// Draws a view of a world into a PNG file.
@@ -181,7 +183,6 @@ pub fn draw_view(world: &World, request: &ViewRequest, path: &Path, limits: &Lim
     let mut renderer = ViewRenderer::new(world, request, limits, &control)?;
     let camera = renderer.stage().camera(&view_options(&request.view));
     let picture = renderer.draw(&camera, request.view.size, 0.0, &control)?;
-    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels)
-        .map_err(|e| RunError::File(e.to_string()))?;
+    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::file(e))?;
     Ok(Drawn { engine: renderer.name(), notes: renderer.notes })
 }

@@ -5,6 +5,8 @@ use crate::error::RunError;
 use eyot_core::engine::{CpuEngine, CpuRunner, Engine as _};
 use eyot_core::isa::Isa;
 use eyot_core::process::Span;
+use eyot_core::remedy;
+use eyot_core::remedy::Remedy;
 use eyot_core::stepper::Simulation;
 use eyot_core::{Control, Error, Grid, Limits, World};
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
@@ -79,7 +81,7 @@ impl Engine {
     }
 
     /// The engine that the options ask for, and what to say if it is not the one that was wanted first.
-    pub(crate) fn open(options: &EngineOptions, limits: Limits) -> Result<(Self, Option<String>), RunError> {
+    pub(crate) fn open(options: &EngineOptions, limits: Limits) -> Result<(Self, Option<Remedy>), RunError> {
         if options.choice == EngineChoice::Cpu {
             return Ok((Self::cpu(limits), None));
         }
@@ -87,7 +89,7 @@ impl Engine {
         match card(options, Options::default().limits(limits).timed(true)) {
             Ok(engine) => Ok((Self::Gpu(Box::new(engine)), None)),
             Err(e) if options.choice == EngineChoice::Auto => {
-                Ok((Self::cpu(limits), Some(format!("{e}; the processor works instead"))))
+                Ok((Self::cpu(limits), Some(remedy![e, "; the processor works instead"])))
             }
             Err(e) => Err(RunError::Gpu(e)),
         }

@@ -1,6 +1,8 @@
 //! What can go wrong with a run.
 
 use crate::diagnostic::Problems;
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy, Setting, Worded};
 use eyot_gpu::GpuError;
 use std::path::{Path, PathBuf};
 
@@ -23,19 +25,19 @@ pub enum RunError {
     #[error("{reason}")]
     Input {
         /// What is wrong, and where.
-        reason: String,
+        reason: Remedy,
         /// What would be right, if that does not say it.
-        help: Option<&'static str>,
+        help: Option<Remedy>,
     },
     /// The graphics card cannot be used.
     #[error(transparent)]
     Gpu(#[from] eyot_gpu::GpuError),
     /// A file could not be written.
     #[error("{0}")]
-    File(String),
+    File(Remedy),
     /// Values do not fit the file that they were to be exported to. Everything else is written.
     #[error("{0}")]
-    Export(String),
+    Export(Remedy),
     /// The output folder cannot be used.
     #[error("cannot use `{}`: {source}", path.display())]
     Folder {
@@ -72,7 +74,7 @@ pub enum RunError {
         /// The folder.
         folder: PathBuf,
         /// What is wrong with the file, by name.
-        reason: String,
+        reason: Remedy,
     },
     /// A command of an earlier run does not fit the recipe.
     #[error("`{set}` cannot be given again in step {step}: {reason}")]
@@ -119,8 +121,13 @@ pub fn shell_word(path: &Path) -> String {
 
 impl RunError {
     /// What was asked for is not there, and the message says all.
-    pub(crate) fn input(reason: impl std::fmt::Display) -> Self {
-        Self::Input { reason: reason.to_string(), help: None }
+    pub fn input(reason: impl Into<Remedy>) -> Self {
+        Self::Input { reason: reason.into(), help: None }
+    }
+
+    /// The same, with what would be right.
+    pub fn refused(reason: impl Into<Remedy>, help: impl Into<Remedy>) -> Self {
+        Self::Input { reason: reason.into(), help: Some(help.into()) }
     }
 
     /// True if nothing was begun, because what was asked for cannot be: the recipe, the input or the options are wrong. False
@@ -150,43 +157,85 @@ impl RunError {
     }
 
     /// Errors of files and pictures name the file and the remedy themselves.
-    pub(crate) fn file(e: impl std::fmt::Display) -> Self {
-        Self::File(e.to_string())
+    pub fn file(e: impl Into<Remedy>) -> Self {
+        Self::File(e.into())
     }
 
     /// What to do about it.
-    pub fn help(&self) -> Option<String> {
+    pub fn help(&self) -> Option<Remedy> {
         use eyot_core::Error as Core;
         Some(match self {
-            Self::Input { help, .. } => return help.map(str::to_owned),
+            Self::Input { help, .. } => return help.clone(),
             Self::Step { source: Core::NotFinite { .. }, .. } => {
                 "if a rule of the recipe makes that layer, guard its divisions, roots and logarithms; if not, the parameters of this step \
-                 are too strong for the grid: lower them, or report it if they are all within their ranges".to_owned()
+                 are too strong for the grid: lower them, or report it if they are all within their ranges".into()
             }
-            Self::Step { source: Core::Limit { remedy, .. }, .. } => (*remedy).to_owned(),
-            Self::Step { source: Core::BadParameter { owner, .. }, .. } => format!("`eyot describe {owner}` explains its parameters"),
-            Self::Gpu(_) => "`eyot doctor` says what can be used and why".to_owned(),
+            Self::Step { source: Core::Limit { remedy, .. }, .. } => remedy.clone(),
+            Self::Step { source: Core::BadParameter { owner, .. } | Core::BadFile { owner, .. }, .. } => {
+                remedy![Action::Describe(owner.clone()), " explains its parameters"]
+            },
+            Self::Gpu(_) => remedy![Action::Doctor, " says what can be used and why"],
             Self::Export(_) => {
-                "all other files are there; `eyot convert` makes this one from the folder of the run, or change the export".to_owned()
+                remedy![
+                    "all other files are there; ",
+                    Action::Convert,
+                    " makes this one from the folder of the run, or change the export",
+                ]
             }
-            Self::Folder { .. } => "choose another folder with --out, or check its permissions and the space on its disk".to_owned(),
-            Self::Busy { .. } => "wait for it, stop it, or choose another folder with --out".to_owned(),
+            Self::Folder { .. } => remedy![
+                "choose another folder with ",
+                Setting::Out,
+                ", or check its permissions and the space on its disk",
+            ],
+            Self::Busy { .. } => remedy!["wait for it, stop it, or choose another folder with ", Setting::Out],
             Self::Unfinished { folder } => {
-                format!("continue it with `eyot resume {}`, start over with --restart, or choose another folder with --out", shell_word(folder))
+                remedy![
+                    "continue it with ",
+                    Action::Resume(Some(folder.clone())),
+                    ", start over with ",
+                    Setting::Restart,
+                    ", or choose another folder with ",
+                    Setting::Out,
+                ]
             }
             Self::NothingToResume { finished: true, folder } => {
-                format!("the run there is finished; look at it with `eyot render {0}` or `eyot stats {0}`", shell_word(folder))
+                remedy![
+                    "the run there is finished; look at it with ",
+                    Action::Render(folder.clone()),
+                    " or ",
+                    Action::Stats(folder.clone()),
+                ]
             }
-            Self::NothingToResume { .. } => "give the folder that a stopped run was writing to".to_owned(),
+            Self::NothingToResume { .. } => "give the folder that a stopped run was writing to".into(),
             Self::Checkpoint { folder, .. } => {
-                format!("start over with `eyot run RECIPE --out {} --restart`", shell_word(folder))
+                remedy!["start over with ", Action::StartOver(folder.clone())]
             }
-            Self::Replay { .. } => "give the run.json of a run of the same recipe, with the same steps switched on".to_owned(),
-            Self::NotStreamed(_) => "leave out --stream always, or switch off what stands in the way".to_owned(),
-            Self::Threads { .. } => "choose fewer with --threads".to_owned(),
-            Self::Fault(_) => "this is a fault of Eyot: please report it with the recipe; the last checkpoint is sound".to_owned(),
+            Self::Replay { .. } => "give the run.json of a run of the same recipe, with the same steps switched on".into(),
+            Self::NotStreamed(_) => remedy!["leave out ", Setting::Stream.to("always"), ", or switch off what stands in the way"],
+            Self::Threads { .. } => remedy!["choose fewer with ", Setting::Threads],
+            Self::Fault(_) => "this is a fault of Eyot: please report it with the recipe; the last checkpoint is sound".into(),
             _ => return None,
         })
+    }
+}
+
+impl From<RunError> for Remedy {
+    fn from(e: RunError) -> Self {
+        e.sentence()
+    }
+}
+
+impl Worded for RunError {
+    fn sentence(&self) -> Remedy {
+        match self {
+            Self::Step { step, source } => remedy![format!("{step}: "), source.sentence()],
+            Self::Input { reason: sentence, .. }
+            | Self::Checkpoint { reason: sentence, .. }
+            | Self::File(sentence)
+            | Self::Export(sentence) => sentence.clone(),
+            Self::Gpu(e) => e.sentence(),
+            other => other.to_string().into(),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! What goes into a run and what comes out of it.
 
+use eyot_core::remedy::{Remedy, Wording};
 use eyot_core::{Ledger, World};
 use eyot_recipe::Change;
 use serde::{Deserialize, Serialize};
@@ -127,7 +128,7 @@ pub enum Event {
     /// Something that the client should know; the run goes on.
     Warning {
         /// One sentence.
-        message: String,
+        message: Remedy,
     },
     /// The state of the ledger.
     Ledger {
@@ -228,13 +229,26 @@ pub enum Event {
     /// The run failed.
     Failed {
         /// What happened.
-        message: String,
+        message: Remedy,
         /// What to do about it.
-        help: Option<String>,
+        help: Option<Remedy>,
     },
 }
 
 impl Event {
+    /// The same in the words of a front end.
+    #[must_use]
+    pub fn worded(&self, wording: &dyn Wording) -> Self {
+        match self {
+            Self::Warning { message } => Self::Warning { message: message.worded(wording).into() },
+            Self::Failed { message, help } => Self::Failed {
+                message: message.worded(wording).into(),
+                help: help.as_ref().map(|h| h.worded(wording).into()),
+            },
+            other => other.clone(),
+        }
+    }
+
     /// True for the last thing that a run tells.
     pub fn is_last(&self) -> bool {
         matches!(self, Self::Done { .. } | Self::Stopped { .. } | Self::Failed { .. })

@@ -68,8 +68,8 @@ pub use eyot_io::timeline::Record;
 pub use eyot_recipe::{
     Actor, BuiltIn, Bytes, Change, Choice, Citation, Citations, Description, Diagnostic, Export, ExportFormat,
     Expression, FirstRow, GenerateStep, Merge, Overrides, ParameterInfo, Preset, Problems, ProcessUse, RECIPES, Recipe,
-    RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, Work, all_citations, cite, describe,
-    keys, merge, nearest, recipe_schema,
+    RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, What, Work, all_citations, cite,
+    describe, keys, merge, nearest, recipe_schema,
 };
 pub use registry::{Registry, component_kinds};
 pub use run::{Handle, Remote, Run, RunOptions};

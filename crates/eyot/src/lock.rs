@@ -1,6 +1,8 @@
 //! One run per folder: a lock that the system releases when its owner dies, however it dies.
 
 use crate::error::RunError;
+use eyot_core::remedy;
+use eyot_core::remedy::Setting;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -66,10 +68,10 @@ impl FolderLock {
 }
 
 fn foreign(path: &Path) -> RunError {
-    RunError::Input {
-        reason: format!("`{}` is not the lock of a run", path.display()),
-        help: Some("move it away, or choose another folder with --out"),
-    }
+    RunError::refused(
+        format!("`{}` is not the lock of a run", path.display()),
+        remedy!["move it away, or choose another folder with ", Setting::Out],
+    )
 }
 
 impl Drop for FolderLock {

@@ -4,6 +4,7 @@ use crate::error::RunError;
 use crate::event::Event;
 use crate::state::State;
 use crate::store::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, WORLD_FILE};
+use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Error, Limits, World};
 use eyot_export::pictures::draw;
 use eyot_export::{ExportError, Job, Source, Subject, corals, estimate, write_text};
@@ -42,7 +43,7 @@ impl Outputs<'_> {
     /// written.
     pub(crate) fn write(&self, state: &State, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
         let mut written = Vec::new();
-        let mut unmade: Vec<String> = Vec::new();
+        let mut unmade: Vec<Remedy> = Vec::new();
         let former = former_outputs(self.out);
         self.replace_world(state, &mut written)?;
         for (i, export) in self.recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
@@ -81,7 +82,7 @@ impl Outputs<'_> {
             self.remove(CHECKPOINT_FILE)?;
         }
         self.warn_of(former, &written);
-        if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(unmade.join("; "))) }
+        if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(Remedy::joined(unmade, "; "))) }
     }
 
     /// Writes the world and ends what an older run left. Until the new world is whole on the disk, an older run's results
@@ -115,7 +116,7 @@ impl Outputs<'_> {
                 self.out.display(),
                 stale.join(", ")
             );
-            (self.tell)(Event::Warning { message });
+            (self.tell)(Event::Warning { message: message.into() });
         }
     }
 
@@ -139,11 +140,11 @@ impl Outputs<'_> {
         let known = |l: &str| world.get(l).is_some() || export.knows(l);
         for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
             let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
-            (self.tell)(Event::Warning { message });
+            (self.tell)(Event::Warning { message: message.into() });
         }
         let what = format!("`{}`", export.files()[0]);
         let bytes = estimate::export(&world.grid, export, self.limits);
-        estimate::check(&what, world, bytes, self.limits, estimate::EXPORT_REMEDY).map_err(RunError::file)?;
+        estimate::check(&what, world, bytes, self.limits, estimate::export_remedy()).map_err(RunError::file)?;
         let mut job = Job {
             world,
             source: self.source,
@@ -160,7 +161,7 @@ impl Outputs<'_> {
             limits: self.limits,
             control: self.control,
             begin: &mut |path| self.begin(path, written),
-            note: &|message| (self.tell)(Event::Warning { message }),
+            note: &|message| (self.tell)(Event::Warning { message: message.into() }),
         };
         eyot_export::write(&mut job, export).map_err(run_error)
     }

@@ -17,6 +17,8 @@ use crate::state::State;
 use crate::stream::{self, Stream};
 use crate::timeline;
 use crate::watch::Watcher;
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy};
 use eyot_core::{Cancel, Limits, World};
 use eyot_io::storage::{Folder, Storage};
 use std::path::{Path, PathBuf};
@@ -186,7 +188,7 @@ impl Run {
         }
         let mut warnings = Vec::new();
         if let Some(out) = &options.out {
-            warnings.extend(remove_recording(out, options.record.is_some())?);
+            warnings.extend(remove_recording(out, options.record.is_some())?.map(Remedy::from));
         }
         let mut world = World::new(recipe.grid, recipe.seed);
         world.sea_level_m = recipe.sea_level_m;
@@ -212,10 +214,10 @@ impl Run {
         let mut warnings = Vec::new();
         let (recipe, world, state) = stopped(&storage, name, &options.limits, registry, &mut warnings)?;
         if state.streamed && options.watch.is_some() {
-            return Err(RunError::Input {
-                reason: format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
-                help: Some("continue it with `eyot resume`"),
-            });
+            return Err(RunError::refused(
+                format!("the run in `{}` is streamed: there is no world to watch", folder.display()),
+                remedy!["continue it with ", Action::Resume(None)],
+            ));
         }
         let stream = if state.streamed { Stream::Always } else { options.stream };
         let options = RunOptions { out: Some(folder.to_owned()), stream, ..options };
@@ -251,7 +253,7 @@ fn launch(
     world: World,
     state: State,
     lock: Option<FolderLock>,
-    warnings: Vec<String>,
+    warnings: Vec<Remedy>,
 ) -> Result<Handle, RunError> {
     let threads = options.threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new()

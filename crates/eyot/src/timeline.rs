@@ -13,8 +13,10 @@ use crate::recipe::Recipe;
 use crate::registry::{Registry, component_kinds};
 use crate::session::files::{CHECKPOINT_FILE, TIMELINE_STORE, WORLD_FILE, unfinished};
 pub use crate::session::frames::{Damaged, Frame, Moment};
-use crate::session::frames::{Found, OTHER_FRAME, broken, find, fits, frame_of, of_json, position, state_of};
+use crate::session::frames::{Found, broken, find, fits, frame_of, of_json, other_frame, position, state_of};
 use crate::state::State;
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy, Worded};
 use eyot_core::{Limits, World};
 use eyot_io::storage::Folder;
 use serde::Serialize;
@@ -40,7 +42,7 @@ impl Timeline {
         let store = open(&path, lock.as_ref(), limits)?;
         let (mut frames, mut damaged) = (Vec::new(), Vec::new());
         for i in 0..store.frames().len() {
-            match store.look(i).map_err(|e| e.to_string()).and_then(|state| of_json(i, state)) {
+            match store.look(i).map_err(Remedy::from).and_then(|state| of_json(i, state)) {
                 Ok(state) => frames.push(frame_of(&store, i, &state)),
                 Err(reason) => damaged.push(broken(&store, i, reason)),
             }
@@ -72,8 +74,8 @@ impl Timeline {
         let found =
             self.frames.iter().rfind(|f| if let Moment::Frame(_) = moment { f.frame == i } else { f.frame <= i });
         found.copied().ok_or_else(|| {
-            let reasons: Vec<String> = self.damaged.iter().filter(|d| d.frame <= i).map(Damaged::to_string).collect();
-            RunError::Input { reason: reasons.join("; "), help: Some(OTHER_FRAME) }
+            let reasons = self.damaged.iter().filter(|d| d.frame <= i).map(Damaged::sentence);
+            RunError::refused(Remedy::joined(reasons, "; "), other_frame())
         })
     }
 
@@ -197,7 +199,7 @@ fn changed(
     let start = |r: &Recipe| (r.grid, r.seed, r.sea_level_m.to_bits(), r.steps.len());
     if start(before) != start(&after) {
         let reason = "grid, seed, sea level and number of steps are settled at this moment".to_owned();
-        return Err(RunError::Input { reason, help: Some("start a new run with these changes") });
+        return Err(RunError::refused(reason, "start a new run with these changes"));
     }
     let done = state.done_steps.min(after.steps.len());
     let differ = |from: usize, to: usize| {
@@ -205,7 +207,7 @@ fn changed(
     };
     if let Some(step) = differ(0, done).filter(|_| differ(done, after.steps.len()).is_none()) {
         let reason = format!("step {} ({}) is done at this moment: a change comes too late", step.number, step.name);
-        return Err(RunError::Input { reason, help: Some("branch at an earlier moment, or start a new run") });
+        return Err(RunError::refused(reason, "branch at an earlier moment, or start a new run"));
     }
     Ok(after)
 }
@@ -230,12 +232,12 @@ pub(crate) fn branch_off(
     };
     if let Some(what) = wrong {
         let reason = format!("`{}` {what} that it would branch off from", out.display());
-        return Err(RunError::Input { reason, help: Some("name a new folder beside that of the run") });
+        return Err(RunError::refused(reason, "name a new folder beside that of the run"));
     }
     std::fs::create_dir_all(out).map_err(fail)?;
     if std::fs::read_dir(out).map_err(fail)?.next().is_some() {
         let reason = format!("`{}` is not empty", out.display());
-        return Err(RunError::Input { reason, help: Some("name a new folder for the branch") });
+        return Err(RunError::refused(reason, "name a new folder for the branch"));
     }
     let _lock = FolderLock::take(out)?;
     store.copy(i + 1, &out.join(TIMELINE_STORE)).map_err(RunError::file)?;
@@ -260,7 +262,7 @@ fn real(path: &Path) -> std::io::Result<PathBuf> {
 
 fn of_no_run(frame: &Frame, reason: &str) -> RunError {
     let reason = format!("frame {} does not fit its recipe: {reason}", frame.frame);
-    RunError::Input { reason, help: Some(OTHER_FRAME) }
+    RunError::refused(reason, other_frame())
 }
 
 /// The latest state of the run in a folder, which knows all changes by hand.
@@ -298,7 +300,7 @@ fn recording(folder: &Path) -> Result<PathBuf, RunError> {
         return Ok(path);
     }
     let reason = format!("`{}` holds no recording of a run", folder.display());
-    Err(RunError::Input { reason, help: Some("record one with `eyot run RECIPE --record STEPS`") })
+    Err(RunError::refused(reason, remedy!["record one with ", Action::RecordForm]))
 }
 
 fn save(path: &Path, frame: &Checkpoint, state: &State) -> Result<(), RunError> {

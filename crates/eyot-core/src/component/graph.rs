@@ -45,7 +45,7 @@ impl Graph {
             what: "a graph".into(),
             needed: format!("{} nodes", self.nodes.len() + 1),
             limit: format!("{} nodes", u32::MAX),
-            remedy: "choose a smaller grid",
+            remedy: "choose a smaller grid".into(),
         })?;
         self.nodes.push(position, row)?;
         Ok(number)

@@ -1,5 +1,6 @@
 //! What generators and processes are to the rest of the program: parameters with a schema, and something to run.
 
+use crate::component::Shape;
 use crate::control::Control;
 use crate::error::Result;
 use crate::grid::Grid;
@@ -95,6 +96,11 @@ pub trait Process: Send + Sync {
     /// Names of all layers that its steps change.
     fn writes(&self) -> Vec<Cow<'static, str>> {
         self.layers().into_iter().filter(|l| l.access != Access::Read).map(|l| l.spec.name).collect()
+    }
+
+    /// What can be shown of the components that it keeps, by its full name in [`Components::views`](crate::Components::views).
+    fn views(&self) -> Vec<(&'static str, Shape)> {
+        Vec::new()
     }
 
     /// Finds parameters that cannot work together or on this grid, before anything runs.

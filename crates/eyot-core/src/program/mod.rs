@@ -49,7 +49,7 @@ impl Program {
                 what: format!("rule `{}`", graph.name),
                 needed: format!("{found} {what}"),
                 limit: most.to_string(),
-                remedy: "split it into several rules",
+                remedy: "split it into several rules".into(),
             })
         };
         limit("layers to read", graph.reads.len(), MAX_READS)?;

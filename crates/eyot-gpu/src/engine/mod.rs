@@ -176,8 +176,10 @@ impl GpuEngine {
     /// If the device was lost; `world` is then what it was when it was last downloaded. [`GpuError::CannotWait`] if the engine is
     /// [polled](Options::polled) and not all has arrived: then nothing has changed.
     pub fn download(&mut self, world: &mut World) -> Result<()> {
-        let Some(r) = &mut self.resident else { return Ok(()) };
-        match r.download_all(&self.gpu, world, self.options.polled) {
+        // What still waits in the batch has marked its layers as changed already.
+        let finished = self.finish();
+        let Some(r) = &mut self.resident else { return finished };
+        match finished.and_then(|()| r.download_all(&self.gpu, world, self.options.polled)) {
             Err(e @ GpuError::CannotWait) => return Err(e),
             Err(e) => {
                 self.fall_back(world);

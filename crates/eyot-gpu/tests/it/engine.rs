@@ -323,7 +323,7 @@ fn a_card_without_memory_left_says_so_and_the_world_stays_sound() {
     assert!(matches!(e, GpuError::OutOfMemory { .. }), "{e}");
     let says = e.to_string();
     assert!(says.contains("the layers (1 MiB)") && says.contains(engine.gpu().name()), "{says}");
-    assert!(says.contains("--engine cpu"), "{says}");
+    assert!(says.contains("the engine `cpu`"), "{says}");
     assert_eq!((world.step, &height(&world)), (0, &height(&start)), "nothing has begun");
 
     engine.gpu().run_short_of_memory(u64::MAX);

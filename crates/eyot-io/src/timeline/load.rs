@@ -10,6 +10,7 @@ use crate::sample::Sample;
 use crate::storage::{Blob, Folder, ReadSeek, Storage, within};
 use crate::zarr::metadata::{Axis, FACES, X, X_FACE, Y, Y_FACE};
 use crate::zarr::{Array, METADATA, SHARD, TIME, check_name, node_from};
+use eyot_core::remedy::Action;
 use eyot_core::{ComponentKinds, Layer, Limits, Stagger};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -98,7 +99,11 @@ impl Timeline {
         let root = root(&*storage, group)?;
         let path = &storage.place(group);
         let Some(record) = record(&root) else {
-            return Err(Error::format(path, "this is no recording of a run", "record one with `eyot run --record`"));
+            return Err(Error::format(
+                path,
+                "this is no recording of a run",
+                eyot_core::remedy!["record one with ", Action::Record],
+            ));
         };
         let arrays = root["consolidated_metadata"]["metadata"].as_object().cloned().unwrap_or_default();
         let attributes = root["attributes"].as_object().cloned().unwrap_or_default();

@@ -7,6 +7,8 @@ use crate::fill::Missing;
 use crate::georef::{cell_size_m, face_north, is_nowhere, is_sound};
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::sample::{ByteOrder, Narrowed, Sample};
+use eyot_core::remedy;
+use eyot_core::remedy::Setting;
 use eyot_core::{CoordinateSystem, Field, Georeference, Limits};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -33,7 +35,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         [.., h, w] if array.shape.iter().all(|&n| n > 0) => (*h as usize, *w as usize),
         other => {
             let problem = format!("an array of the shape {other:?}, heights need rows and columns");
-            return Err(Error::format(&folder, problem, "name another one (--layer NAME)"));
+            return Err(Error::format(&folder, problem, remedy!["name another one (", Setting::Layer.form(), ")"]));
         }
     };
     let held = check_size(&folder, width, height, limits)?;
@@ -84,7 +86,7 @@ fn choose(path: &Path, wanted: Option<&str>) -> Result<PathBuf> {
         (None, _) if names.iter().any(|n| n == "height") => Ok(path.join("height")),
         (None, _) => {
             let problem = format!("the store has the arrays {there}");
-            Err(Error::format(path, problem, "say which one holds the heights (--layer NAME)"))
+            Err(Error::format(path, problem, remedy!["say which one holds the heights (", Setting::Layer.form(), ")"]))
         }
     }
 }

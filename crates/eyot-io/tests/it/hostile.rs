@@ -39,7 +39,7 @@ fn what_is_no_raster_is_named() {
     // A square needs no description of its size, anything else does.
     assert_eq!(read(&f.file("square.r32", &[0; 16])).unwrap().field.width(), 2);
     let e = refused(&f.file("alone.r32", &[0; 20]));
-    assert!(e.contains("alone.r32.json") && e.contains("--from-size"), "{e}");
+    assert!(e.contains("alone.r32.json") && e.contains("input_size"), "{e}");
     assert!(refused(&f.0.path().join("none.tif")).contains("check the name"));
     assert!(refused(f.0.path()).contains("a folder"));
     #[cfg(target_os = "linux")]

@@ -30,10 +30,10 @@ fn raw_files_without_a_description_need_flags() {
     let path = f.file("a.r16", &[0; 2 * 12]);
     let open = |o: &ReadOptions| read_raster(&path, o, &Limits::default());
     let e = open(&ReadOptions::default()).unwrap_err().to_string();
-    assert!(e.contains("--from-size"), "{e}");
+    assert!(e.contains("input_size"), "{e}");
     let sized = ReadOptions { size: Some((4, 3)), ..ReadOptions::default() };
     let e = open(&sized).unwrap_err().to_string();
-    assert!(e.contains("--from-range"), "{e}");
+    assert!(e.contains("input_range"), "{e}");
     let whole = ReadOptions { low_m: Some(5.0), high_m: Some(6.0), ..sized.clone() };
     assert!(open(&whole).unwrap().field.iter().all(|v| v == 5.0));
     let e = open(&ReadOptions { size: Some((5, 3)), ..whole.clone() }).unwrap_err().to_string();

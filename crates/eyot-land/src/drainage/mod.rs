@@ -60,7 +60,7 @@ fn check_sizes(grid: &Grid, sizes: &[(&str, usize)]) -> Result<()> {
             what: format!("drainage of {} x {}", grid.width, grid.height),
             needed: format!("{} cells", grid.cells()),
             limit: format!("{} cells, which 32 bits can number", u32::MAX),
-            remedy: "choose fewer cells or larger ones",
+            remedy: "choose fewer cells or larger ones".into(),
         });
     }
     sizes.iter().try_for_each(|(what, found)| check_length(what, grid.cells(), *found))

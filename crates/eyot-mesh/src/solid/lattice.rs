@@ -48,7 +48,7 @@ impl Lattice {
                 what: "a lattice for meshing".into(),
                 needed: format!("{cells} cells"),
                 limit: format!("{} cells", limits.max_cells),
-                remedy: "choose a longer voxel or a smaller box",
+                remedy: "choose a longer voxel or a smaller box".into(),
             }));
         }
         Ok(Self { low, high, voxel, first, last })

@@ -346,7 +346,7 @@ fn check_size(vertices: u64, limits: &Limits) -> Result<()> {
             what: "the mesh of a field".into(),
             needed: format!("{vertices} vertices"),
             limit: format!("{most} vertices"),
-            remedy: "choose a longer voxel or a smaller box",
+            remedy: "choose a longer voxel or a smaller box".into(),
         }));
     }
     Ok(limits.check_bytes("the mesh of a field", u128::from(vertices) * BYTES_PER_VERTEX)?)

@@ -3,13 +3,15 @@
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, Problems, Source, alternatives, nearest};
 use crate::host::{RasterInfo, Refusal};
-use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View};
+use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View, What};
 use crate::memory::{self, Obstacle, Place};
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
 use crate::registry::Registry;
 use crate::set;
 use eyot_core::process::{Parameters, schema_of};
+use eyot_core::remedy;
+use eyot_core::remedy::{Setting, Worded};
 use eyot_core::{Error, Georeference, Grid, LayerSpec, Limits, Rim};
 use serde_json::Value;
 use std::collections::HashSet;
@@ -40,6 +42,7 @@ pub(crate) fn recipe(
         layers: Vec::new(),
         specs: Vec::new(),
         resting: Vec::new(),
+        views: Vec::new(),
         own: Vec::new(),
         sources: &sources,
         grid: None,
@@ -90,6 +93,8 @@ struct Validator<'a> {
     sources: &'a [Source],
     /// Layers that steps and processes would make that are switched off.
     resting: Vec<String>,
+    /// Tables, points and lines that processes keep, also those that are switched off.
+    views: Vec<String>,
     /// The grid, once it has been checked and is sound.
     grid: Option<Grid>,
     /// Text files that the recipe names.
@@ -186,9 +191,11 @@ impl Validator<'_> {
                 (Some(grid), georeference)
             }
             Err(e) => {
-                let help =
-                    "choose a size such as [512, 512] and a cell size in metres, or raise the limit with --max-memory";
-                self.out.push(Diagnostic::at(place("size"), e.to_string(), "this grid").help(help));
+                let help = remedy![
+                    "choose a size such as [512, 512] and a cell size in metres, or raise the limit with ",
+                    Setting::MaxMemory,
+                ];
+                self.out.push(Diagnostic::at(place("size"), e, "this grid").help(help));
                 (None, None)
             }
         }
@@ -242,7 +249,12 @@ impl Validator<'_> {
             if self.out.len() >= ENOUGH {
                 break;
             }
+            let before = self.out.len();
             let export: Export = self.keys_of(item, "export", &[]);
+            if self.out.len() > before {
+                // Nobody knows what it was meant to be.
+                continue;
+            }
             let place = |key: &str| item.get(key).map_or_else(|| item.span.clone(), |n| n.span.clone());
             if !export.prefix.chars().all(|c| c.is_alphanumeric() || "_-. ".contains(c))
                 || export.prefix.starts_with('.')
@@ -263,11 +275,18 @@ impl Validator<'_> {
                     self.out.push(problem);
                 }
             }
+            if let (What::View(name), true, None) = (export.shows(), sure && export.enabled, export.preset)
+                && !self.views.contains(&name)
+            {
+                let problem = self.no_view(&name, place("what"));
+                self.out.push(problem);
+            }
             let narrow = self.grid.is_some_and(|g| g.width < 2 || g.height < 2);
             if narrow && export.enabled && export.needs_two_cells() {
                 let (key, what) = match export.preset {
                     Some(preset) => ("preset", format!("the preset `{}`", preset.name())),
-                    None => ("format", "a mesh".to_owned()),
+                    None if export.what.is_none() => ("format", "a mesh".to_owned()),
+                    None => ("what", "a mesh".to_owned()),
                 };
                 let message = format!("{what} needs at least 2 x 2 cells");
                 self.out.push(
@@ -307,9 +326,16 @@ impl Validator<'_> {
     /// Keys that do not go together.
     fn export_keys(&mut self, item: &Node, export: &Export) {
         let span = |key: &str| item.get(key).map(|n| n.span.clone());
-        if let (Some(at), Some(_)) = (span("format"), export.preset) {
-            let help = "keep one of them: a preset chooses its formats itself";
-            self.out.push(Diagnostic::at(at, "both `format` and `preset` are given", "one too many").help(help));
+        for key in ["what", "format"].into_iter().filter(|_| export.preset.is_some()) {
+            if let Some(at) = span(key) {
+                let help = "keep one of them: a preset chooses its files and their formats itself";
+                let message = format!("both `{key}` and `preset` are given");
+                self.out.push(Diagnostic::at(at, message, "one too many").help(help));
+            }
+        }
+        if let (Some((message, help)), None) = (export.format_problem(), export.preset) {
+            let at = span("format").unwrap_or_else(|| item.span.clone());
+            self.out.push(Diagnostic::at(at, message, "this format").help(help));
         }
         if let Some(preset) = export.preset {
             let layers = if preset == Preset::Gis { None } else { Some("layers") };
@@ -343,6 +369,16 @@ impl Validator<'_> {
         }
     }
 
+    fn no_view(&self, name: &str, span: Span) -> Diagnostic {
+        let views = self.views.iter().map(String::as_str);
+        let known: Vec<&str> = What::ALL.iter().map(What::name).chain(views).collect();
+        let help = match nearest(name, known.iter().copied()) {
+            Some(n) => format!("did you mean \"{n}\"?"),
+            None => format!("`what` may be {}", alternatives(known)),
+        };
+        Diagnostic::at(span, format!("no step leaves something that is called `{name}`"), "unknown").help(help)
+    }
+
     fn no_layer(&self, name: &str, span: Span) -> Diagnostic {
         let help = match nearest(name, self.layers.iter().map(String::as_str)) {
             Some(n) => format!("did you mean `{n}`?"),
@@ -371,7 +407,7 @@ impl Validator<'_> {
             Some(obstacle) if self.out.is_empty() => {
                 let peak = match memory::working(steps, &grid) {
                     Ok(peak) => peak,
-                    Err(e) => return self.out.push(Diagnostic::at(size, e.to_string(), "this grid")),
+                    Err(e) => return self.out.push(Diagnostic::at(size, e, "this grid")),
                 };
                 let what =
                     peak.step.map_or_else(|| what.clone(), |s| format!("step {} ({}) of {what}", s.number, s.name));
@@ -384,7 +420,7 @@ impl Validator<'_> {
                 let whole = match memory::whole(steps, exports, view, &grid, outputs, self.limits) {
                     Ok(bytes) if bytes <= u128::from(self.limits.max_bytes) => return,
                     Ok(bytes) => bytes,
-                    Err(e) => return self.out.push(Diagnostic::at(size, e.to_string(), "this grid")),
+                    Err(e) => return self.out.push(Diagnostic::at(size, e, "this grid")),
                 };
                 // A program that cannot stream needs all of it.
                 let needed = outputs.streamed(steps, &grid).and_then(|streamed| match streamed {
@@ -397,8 +433,8 @@ impl Validator<'_> {
                 match needed {
                     Ok((coarse, held)) => self.output_memory(doc, &coarse, held, exports, view),
                     Err(e) => {
-                        let help = "choose fewer cells, or raise the limit with --max-memory";
-                        self.out.push(Diagnostic::at(size, e.to_string(), "this grid").help(help));
+                        let help = remedy!["choose fewer cells, or raise the limit with ", Setting::MaxMemory];
+                        self.out.push(Diagnostic::at(size, e, "this grid").help(help));
                     }
                 }
             }
@@ -412,9 +448,13 @@ impl Validator<'_> {
             Place::Export(i) => doc.get("export").and_then(|n| n.elements().get(i)),
         };
         let span = item.map_or(size, |n| n.span.clone());
-        let message = format!("{}, and there is not enough: {e}", obstacle.reason);
-        let help = "choose fewer cells, raise the limit with --max-memory, or switch this off: \
-                    a world that is only generated and written as rasters, masks, splat maps or maps is streamed";
+        let message = remedy![format!("{}, and there is not enough: ", obstacle.reason), e.sentence()];
+        let help = remedy![
+            "choose fewer cells, raise the limit with ",
+            Setting::MaxMemory,
+            ", or switch this off: a world that is only generated and written as rasters, masks, splat maps or maps is \
+             streamed",
+        ];
         self.out.push(Diagnostic::at(span, message, "this does not fit").help(help));
     }
 
@@ -430,17 +470,17 @@ impl Validator<'_> {
                 "drawing the pictures of this world",
                 held + outputs.pictures(grid, view),
                 self.limits,
-                memory::PICTURE_REMEDY,
+                memory::picture_remedy(),
             )
         {
-            self.out.push(Diagnostic::at(place(doc.get("view")), e.to_string(), "these pictures"));
+            self.out.push(Diagnostic::at(place(doc.get("view")), e, "these pictures"));
         }
         for (i, export) in exports.iter().enumerate().filter(|(_, e)| e.enabled) {
             let what = format!("making `{}`", export.files()[0]);
             let bytes = held + outputs.export(grid, export, self.limits);
-            if let Err(e) = memory::check_bytes(&what, bytes, self.limits, memory::EXPORT_REMEDY) {
+            if let Err(e) = memory::check_bytes(&what, bytes, self.limits, memory::export_remedy()) {
                 let item = doc.get("export").and_then(|x| x.elements().get(i));
-                self.out.push(Diagnostic::at(place(item), e.to_string(), "this export"));
+                self.out.push(Diagnostic::at(place(item), e, "this export"));
             }
         }
     }

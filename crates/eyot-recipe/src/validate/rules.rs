@@ -9,6 +9,8 @@ use crate::node::{Kind, Node, Span};
 use crate::registry::{DOCUMENT_KEYS, Registry, SCHEDULE_KEYS, SIMULATE_KEYS};
 use eyot_core::LayerSpec;
 use eyot_core::process::{Parameters, schema_of};
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy};
 use eyot_rules::{
     DeclaredLayer, Known, LayerDefinition, Mistake, Part, Problem, RuleDefinition, Scope, TextRule, functions,
 };
@@ -141,16 +143,16 @@ impl Validator<'_> {
 
     fn own_name(&mut self, kind: &str, name: &str, item: &Node) -> Option<String> {
         let span = item.get("name").map_or_else(|| item.span.clone(), |n| n.span.clone());
-        let mut fail = |message: String, help: String| {
+        let mut fail = |message: String, help: Remedy| {
             self.out.push(Diagnostic::at(span.clone(), message, "this name").help(help));
             None
         };
         if !LayerSpec::is_name(name) {
-            let help = "use lower-case letters, digits and underscores, a letter first".to_owned();
+            let help = "use lower-case letters, digits and underscores, a letter first".into();
             return fail(format!("a {kind} cannot be named \"{name}\""), help);
         }
         let key = [&DOCUMENT_KEYS[..], &SIMULATE_KEYS, &SCHEDULE_KEYS].concat().contains(&name);
-        let other = || format!("choose another name, for example `own_{name}`");
+        let other = || Remedy::from(format!("choose another name, for example `own_{name}`"));
         if let Some(meaning) = functions::taken(name) {
             return fail(format!("`{name}` {meaning}"), other());
         }
@@ -158,16 +160,17 @@ impl Validator<'_> {
             return fail(format!("`{name}` means something else in recipes"), other());
         }
         if self.registry.process(name).is_some() || self.registry.generator(name).is_some() {
-            let help = "choose another name; `eyot list` shows those that are taken".to_owned();
+            let help = remedy!["choose another name; ", Action::List, " shows those that are taken"];
             return fail(format!("there is a process or generator `{name}` already"), help);
         }
         let usual = self.registry.processes().iter().filter_map(|e| (e.make)(json!({})).ok());
         if layers::known(name).is_some() || usual.flat_map(|p| p.layers()).any(|l| l.spec.name == name) {
-            let help = format!("choose another name, or change it with a [[rule]] that has set.{name} = \"...\"");
+            let help =
+                format!("choose another name, or change it with a [[rule]] that has set.{name} = \"...\"").into();
             return fail(format!("`{name}` is a layer that comes with Eyot"), help);
         }
         if self.own.iter().any(|o| o.name == name) {
-            return fail(format!("two layers or rules are named `{name}`"), "give each a name of its own".to_owned());
+            return fail(format!("two layers or rules are named `{name}`"), "give each a name of its own".into());
         }
         Some(name.to_owned())
     }
@@ -321,18 +324,18 @@ pub(crate) fn mistaken(registry: &Registry, span: Span, mistake: &Mistake) -> Di
 }
 
 /// What was meant by an unknown name.
-fn instead(registry: &Registry, name: &str, known: &[String]) -> String {
+fn instead(registry: &Registry, name: &str, known: &[String]) -> Remedy {
     let names = || known.iter().map(String::as_str);
     if let Some(near) = nearest(name, names()) {
-        return format!("did you mean `{near}`?");
+        return format!("did you mean `{near}`?").into();
     }
     let usual = |e: &&&'static eyot_core::process::Entry<dyn eyot_core::process::Process>| {
         (e.make)(json!({})).is_ok_and(|p| p.layers().iter().any(|l| l.spec.name == name))
     };
     match registry.processes().iter().find(usual) {
-        Some(e) => format!("`{}` makes such a layer: name it in `simulate` before this rule", e.name),
-        None if known.len() > 24 => "`eyot describe expressions` lists names and functions".to_owned(),
-        None => format!("there is {}", alternatives(names())),
+        Some(e) => format!("`{}` makes such a layer: name it in `simulate` before this rule", e.name).into(),
+        None if known.len() > 24 => remedy![Action::Describe("expressions".to_owned()), " lists names and functions"],
+        None => format!("there is {}", alternatives(names())).into(),
     }
 }
 

@@ -11,6 +11,8 @@ use crate::registry::{DOCUMENT_KEYS, GENERATE_KEYS, SCHEDULE_KEYS, SIMULATE_KEYS
 use crate::texts;
 use eyot_core::LayerSpec;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Setting};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -79,8 +81,11 @@ impl Validator<'_> {
         let span = node.span.clone();
         if name.is_empty() || name.bytes().all(|b| b.is_ascii_digit()) || taken {
             let message = format!("a step cannot be named \"{name}\"");
-            let help =
-                "`--set NAME.parameter=value` must be able to tell it from numbers, processes and keys of the recipe";
+            let help = remedy![
+                "`",
+                Setting::Set.to("NAME.parameter=value"),
+                "` must be able to tell it from numbers, processes and keys of the recipe",
+            ];
             self.out.push(Diagnostic::at(span, message, "choose another name").help(help));
         } else if !names.insert(name.to_owned()) {
             let message = format!("two steps are named \"{name}\"");
@@ -158,7 +163,7 @@ impl Validator<'_> {
         }
         for read in generator.reads().into_iter().filter(|l| keys.enabled && !self.layers.iter().any(|k| k == l)) {
             let mut problem = self.no_layer(read, node.span.clone());
-            problem.message = format!("`{}` looks at another layer: {}", entry.name, problem.message);
+            problem.message = remedy![format!("`{}` looks at another layer: ", entry.name), problem.message];
             self.out.push(problem);
         }
         if keys.enabled && generator.is_filter() && !self.layers.contains(&keys.layer) {
@@ -278,7 +283,9 @@ impl Validator<'_> {
             self.shared(node, &processes);
         }
         if matches!(&keys.simulate, Names::Many(names) if names.is_empty()) && self.out.len() == before {
-            self.out.push(Diagnostic::at(list.span.clone(), "no process is listed", "empty").help("see `eyot list`"));
+            self.out.push(
+                Diagnostic::at(list.span.clone(), "no process is listed", "empty").help(remedy!["see ", Action::List]),
+            );
         }
         if keys.steps > self.limits.max_steps {
             let span = node.get("steps").map_or_else(|| node.span.clone(), |n| n.span.clone());
@@ -372,10 +379,11 @@ impl Validator<'_> {
                 for layer in needs.filter(|name| !self.layers.iter().any(|l| l == name)).collect::<Vec<_>>() {
                     let span = node.get(layer).map_or_else(|| node.span.clone(), |n| n.span.clone());
                     let mut problem = self.no_layer(layer, span);
-                    problem.message = format!("`{name}` needs another layer: {}", problem.message);
+                    problem.message = remedy![format!("`{name}` needs another layer: "), problem.message];
                     let help = format!("make it before with a generate step that has layer = \"{layer}\"");
                     self.out.push(problem.help(help));
                 }
+                self.views.extend(process.views().into_iter().map(|(name, _)| name.to_owned()));
                 for spec in process.layers().into_iter().map(|l| l.spec) {
                     if !self.specs.iter().any(|s| s.name == spec.name) {
                         self.specs.push(spec.clone());
@@ -423,7 +431,7 @@ fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
         _ => None,
     };
     let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
-    let help = format!("`eyot describe {owner}` says what its parameters mean");
+    let help = remedy![Action::Describe(owner.to_owned()), " says what its parameters mean"];
     Diagnostic::at(span, e.to_string(), "this does not work").help(help)
 }
 

@@ -40,7 +40,7 @@ impl Budget {
             what: "the word of a grammar".into(),
             needed: format!("more than {} MiB", self.limit >> 20),
             limit: format!("{} MiB", self.limit >> 20),
-            remedy: "derive fewer steps, or raise the limit",
+            remedy: "derive fewer steps, or raise the limit".into(),
         })
     }
 }

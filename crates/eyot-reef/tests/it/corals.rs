@@ -269,3 +269,14 @@ fn a_measured_sea_is_what_the_table_says() {
     let want: Vec<f64> = (0..14).map(|m| 21.0 + f64::from(m % 12)).collect();
     assert!(means.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-4), "{means:?}");
 }
+
+#[test]
+fn what_the_process_says_can_be_shown_is_what_the_world_shows() {
+    let mut world = slope();
+    months(&mut world, json!({}), 2);
+    let mut said = (CORALS.make)(json!({})).unwrap().views();
+    said.sort_by_key(|(name, _)| *name);
+    let mut shown: Vec<_> = world.components.views().collect();
+    shown.sort_by(|a, b| a.0.cmp(&b.0));
+    assert!(said.iter().map(|(name, shape)| (*name, *shape)).eq(shown.iter().map(|(name, s)| (name.as_str(), *s))));
+}

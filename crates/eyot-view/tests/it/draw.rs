@@ -293,7 +293,7 @@ fn pictures_beyond_the_limits_are_refused() {
     let camera = scene.stage().camera(&o);
     for size in [[1_000_000, 64], [64, 1_000_000], [0, 5]] {
         let Err(e) = r.draw(&gpu, &scene, &camera, size, 0.0) else { panic!("drawn") };
-        assert!(matches!(e, GpuError::Picture { .. }) && e.to_string().contains("--size"), "{e}");
+        assert!(matches!(e, GpuError::Picture { .. }) && e.to_string().contains("`size`"), "{e}");
     }
     // Eight samples of four bytes a pixel, far more than a software renderer lends; a large card may have as much.
     let most = gpu.report.max_picture;

@@ -6,6 +6,8 @@ use crate::engines::EngineChoice;
 use crate::error::RunError;
 use crate::outputs::stopped;
 use crate::store::Subject;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Control, Grid, Limits, World};
 use eyot_export::estimate;
 use eyot_export::pictures::relief_options;
@@ -16,7 +18,7 @@ pub(super) struct Map {
     /// What was drawn last.
     drawn: Option<Picture>,
     /// Things to know.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Remedy>,
 }
 
 impl Map {
@@ -29,19 +31,23 @@ impl Map {
         let size = best_fit(&world.grid, view.size);
         let longer = size[0].max(size[1]);
         let bytes = estimate::picture(&world.grid, view, Subject::ReliefAt(longer));
-        estimate::check("this picture", world, bytes, limits, estimate::PICTURE_REMEDY).map_err(stopped)?;
+        estimate::check("this picture", world, bytes, limits, estimate::picture_remedy()).map_err(stopped)?;
         let options = ReliefOptions { even: true, ..relief_options(view, Some(longer)) };
         let mut notes = Vec::new();
         if size != view.size {
-            notes.push(format!("the pictures have the shape of the map: {} x {} pixels", size[0], size[1]));
+            notes.push(format!("the pictures have the shape of the map: {} x {} pixels", size[0], size[1]).into());
         }
         if request.engine.choice == EngineChoice::Gpu {
-            notes.push("reliefs from above are drawn by the processor".to_owned());
+            notes.push("reliefs from above are drawn by the processor".into());
         }
         if !moves {
-            notes.push(
-                "a map of the finished world stands still; --run and --recording show how it came to be".to_owned(),
-            );
+            notes.push(remedy![
+                "a map of the finished world stands still; ",
+                Setting::Run,
+                " and ",
+                Setting::Recording,
+                " show how it came to be",
+            ]);
         }
         Ok(Self { options: options.scaled_to(world).map_err(stopped)?, drawn: None, notes })
     }

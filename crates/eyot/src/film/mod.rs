@@ -14,6 +14,8 @@ use crate::backend::{io, render};
 use crate::error::{RunError, shell_word};
 use crate::keys::View;
 use eyot_core::layer::known::ARIDITY;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Control, Limits, World};
 use eyot_export::pictures::view_options;
 use map::Map;
@@ -96,7 +98,7 @@ pub struct Filmed {
     /// The video, if one was made.
     pub video: Option<PathBuf>,
     /// Things to know.
-    pub notes: Vec<String>,
+    pub notes: Vec<Remedy>,
 }
 
 /// What a film shows.
@@ -188,7 +190,7 @@ impl<'a> States<'a> {
         }
     }
 
-    fn notes(self) -> Vec<String> {
+    fn notes(self) -> Vec<Remedy> {
         match self {
             Self::Run(_, mut rerun) => std::mem::take(&mut rerun.notes),
             Self::Recording(playing) => playing.notes(),
@@ -261,8 +263,7 @@ fn shoot(
             eye.follow(land.whole(world, options.request.drape.as_deref()), control)?;
         }
         let picture = eye.picture(i, frames, options, land.world, control)?;
-        io::write_rgb_png(&name(i), picture.width, picture.height, &picture.pixels)
-            .map_err(|e| RunError::File(e.to_string()))?;
+        io::write_rgb_png(&name(i), picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
     }
     tell(&FilmProgress { done: frames, frames, seconds_left: Some(0.0), engine: eye.name() });
     let mut notes = eye.notes();
@@ -334,7 +335,7 @@ impl Eye {
         }
     }
 
-    fn notes(self) -> Vec<String> {
+    fn notes(self) -> Vec<Remedy> {
         match self {
             Self::Camera { renderer, .. } => renderer.notes,
             Self::Above(map) => map.notes,
@@ -343,17 +344,17 @@ impl Eye {
 }
 
 fn check(o: &FilmOptions) -> Result<(), RunError> {
-    let refuse = |reason: String, help| Err(RunError::Input { reason, help: Some(help) });
+    let refuse = |reason: String, help: Remedy| Err(RunError::refused(reason, help));
     if let Some(n) = o.frames.filter(|n| !(1..=MOST_FRAMES).contains(n)) {
-        return refuse(format!("a film of {n} pictures"), "choose --frames from 1 to 100000");
+        return refuse(format!("a film of {n} pictures"), remedy!["choose ", Setting::Frames, " from 1 to 100000"]);
     }
     if !(o.fps.is_finite() && (1.0..=240.0).contains(&o.fps)) {
-        return refuse(format!("{} pictures a second", o.fps), "choose --fps from 1 to 240");
+        return refuse(format!("{} pictures a second", o.fps), remedy!["choose ", Setting::Fps, " from 1 to 240"]);
     }
     if o.path == FilmPath::Above && o.request.drape.is_some() {
         return refuse(
             "a film from above shows the land in its own colours".to_owned(),
-            "choose another --path, or leave out --drape",
+            remedy!["choose another ", Setting::Path, ", or leave out ", Setting::Drape],
         );
     }
     Ok(())
@@ -405,19 +406,17 @@ fn prepare(out: &Path, manifest: &Value, restart: bool) -> Result<(), RunError> 
         }
     }
     if !restart && (there.is_some() || !former.is_empty()) {
-        return Err(RunError::Input {
-            reason: format!(
-                "`{0}` holds pictures of another film; remove them with --restart, or choose another folder than {1}",
-                out.display(),
-                shell_word(out)
-            ),
-            help: Some("the same world, path, size and engine go on where they stopped"),
-        });
+        let reason = remedy![
+            format!("`{}` holds pictures of another film; remove them with ", out.display()),
+            Setting::Restart,
+            format!(", or choose another folder than {}", shell_word(out)),
+        ];
+        return Err(RunError::refused(reason, "the same world, path, size and engine go on where they stopped"));
     }
     for path in former {
         std::fs::remove_file(&path).map_err(|source| RunError::Folder { path, source })?;
     }
-    eyot_export::write_text(&file, &text).map_err(|e| RunError::File(e.to_string()))
+    eyot_export::write_text(&file, &text).map_err(RunError::file)
 }
 
 /// True for a PNG with its beginning and its end: pictures appear whole, but others may have written over them.

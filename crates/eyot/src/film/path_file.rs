@@ -49,11 +49,11 @@ struct KeyFrame {
 
 /// Reads and checks a file.
 pub(super) fn read(file: &Path) -> Result<Keys, RunError> {
-    let refuse = |reason: String| RunError::Input {
-        reason: format!("the camera's path `{}`: {reason}", file.display()),
-        help: Some(
+    let refuse = |reason: String| {
+        RunError::refused(
+            format!("the camera's path `{}`: {reason}", file.display()),
             "write [[key]] tables with time, azimuth, elevation, distance, target, target_height, field_of_view",
-        ),
+        )
     };
     let meta = std::fs::metadata(file).map_err(|e| refuse(e.to_string()))?;
     if !meta.is_file() || meta.len() > MOST_BYTES {

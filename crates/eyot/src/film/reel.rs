@@ -3,6 +3,8 @@
 use super::MOST_FRAMES;
 use crate::error::RunError;
 use crate::timeline::{Damaged, Timeline};
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::{Limits, World};
 use std::path::Path;
 use std::sync::Arc;
@@ -32,16 +34,17 @@ impl Reel {
                     let span = (timeline.frames()[0].steps_done, frame.steps_done);
                     return Ok(Self { last, span, damaged, timeline });
                 }
-                Err(e) => {
-                    damaged.push(Damaged { frame: frame.frame, steps_done: frame.steps_done, reason: e.to_string() })
-                }
+                Err(e) => damaged.push(Damaged { frame: frame.frame, steps_done: frame.steps_done, reason: e.into() }),
             }
         }
         let reason = match damaged.first() {
-            Some(d) => format!("the recording in `{}` holds no frame that can be read: {d}", folder.display()),
-            None => format!("the recording in `{}` holds no frame", folder.display()),
+            Some(d) => remedy![
+                format!("the recording in `{}` holds no frame that can be read: ", folder.display()),
+                d.sentence(),
+            ],
+            None => format!("the recording in `{}` holds no frame", folder.display()).into(),
         };
-        Err(RunError::Input { reason, help: Some("resume its run, or film another one") })
+        Err(RunError::refused(reason, "resume its run, or film another one"))
     }
 
     /// Pictures: one for each frame that there would be if none had been dropped.
@@ -89,18 +92,16 @@ impl Playing<'_> {
                     self.shown = Some(frame.frame);
                     return Ok(Some(Arc::new(world)));
                 }
-                Err(e) => self.damaged.push(Damaged {
-                    frame: frame.frame,
-                    steps_done: frame.steps_done,
-                    reason: e.to_string(),
-                }),
+                Err(e) => {
+                    self.damaged.push(Damaged { frame: frame.frame, steps_done: frame.steps_done, reason: e.into() })
+                }
             }
         }
-        Err(RunError::File("no frame of the recording can be read any more".to_owned()))
+        Err(RunError::file("no frame of the recording can be read any more"))
     }
 
-    pub(super) fn notes(mut self) -> Vec<String> {
+    pub(super) fn notes(mut self) -> Vec<Remedy> {
         self.damaged.sort_by_key(|d| d.frame);
-        self.damaged.iter().map(|d| format!("{d}; another frame is shown in its place")).collect()
+        self.damaged.iter().map(|d| remedy![d.sentence(), "; another frame is shown in its place"]).collect()
     }
 }

@@ -9,6 +9,8 @@ use crate::run::{Handle, Run, RunOptions};
 use crate::state::State;
 use crate::store::WORLD_FILE;
 use crate::stream::Stream;
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy, Setting};
 use eyot_core::{Control, Limits, World};
 use eyot_export::estimate;
 use eyot_recipe::memory;
@@ -34,27 +36,27 @@ impl Made {
     /// # Errors
     /// If it holds none, or one that simulates nothing, or the run does not fit into memory beside its film.
     pub(super) fn open(folder: &Path, limits: &Limits) -> Result<Self, RunError> {
-        let refuse = |reason: String| RunError::Input {
-            reason,
-            help: Some("--run films runs that simulate something and that `eyot run` finished in one piece"),
+        let refuse = |reason: Remedy| {
+            let simulate = " films runs that simulate something and that ";
+            RunError::refused(reason, remedy![Setting::Run, simulate, Action::Run, " finished in one piece"])
         };
         let file = folder.join(WORLD_FILE);
-        let saved = checkpoint::load(&file, limits, &component_kinds()).map_err(|e| refuse(e.to_string()))?;
+        let saved = checkpoint::load(&file, limits, &component_kinds()).map_err(|e| refuse(e.into()))?;
         let state: State = serde_json::from_value(saved.state)
-            .map_err(|e| refuse(format!("`{}` holds no state of a run: {e}", file.display())))?;
+            .map_err(|e| refuse(format!("`{}` holds no state of a run: {e}", file.display()).into()))?;
         if !state.finished {
-            return Err(refuse(format!("the run in `{}` is not finished", folder.display())));
+            return Err(refuse(format!("the run in `{}` is not finished", folder.display()).into()));
         }
         let overrides = state.overrides.clone();
         let recipe = state.recipe(saved.recipe_toml, overrides, &Registry::standard(), limits)?;
         let made = Self { world: saved.world, recipe, state };
         let (first, last) = made.span();
         if first == last {
-            return Err(refuse(format!("the run in `{}` simulates nothing", folder.display())));
+            return Err(refuse(format!("the run in `{}` simulates nothing", folder.display()).into()));
         }
         let peak = memory::working(&made.recipe.steps, &made.recipe.grid).map_err(RunError::file)?;
         // The run, a copy of its world, and the world that it ended with.
-        estimate::check("this film of a run", &made.world, peak.bytes + peak.world_bytes, limits, REMEDY)
+        estimate::check("this film of a run", &made.world, peak.bytes + peak.world_bytes, limits, remedy())
             .map_err(RunError::file)?;
         Ok(made)
     }
@@ -96,7 +98,9 @@ impl Made {
     }
 }
 
-const REMEDY: &str = "film the finished world without --run, or choose a smaller grid";
+fn remedy() -> Remedy {
+    remedy!["film the finished world without ", Setting::Run, ", or choose a smaller grid"]
+}
 
 /// A run at work, waiting at a moment.
 pub(super) struct Rerun {
@@ -105,7 +109,7 @@ pub(super) struct Rerun {
     last: u64,
     end: Option<Arc<World>>,
     /// What the run had to say.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Remedy>,
 }
 
 impl Rerun {

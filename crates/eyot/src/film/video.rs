@@ -2,6 +2,7 @@
 
 use crate::error::RunError;
 use eyot_core::Control;
+use eyot_core::remedy::Remedy;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -44,7 +45,7 @@ pub(super) fn make(
     video: Video,
     fps: f32,
     frames: u32,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Remedy>,
     control: &Control<'_>,
 ) -> Result<Option<PathBuf>, RunError> {
     if video == Video::None {
@@ -78,7 +79,7 @@ pub(super) fn make(
     };
     // What is left of a video that failed is of no use; that it cannot be removed matters less than the reason.
     let _ = std::fs::remove_file(&half);
-    notes.push(reason);
+    notes.push(reason.into());
     Ok(None)
 }
 

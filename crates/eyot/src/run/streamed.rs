@@ -9,6 +9,8 @@ use crate::session::{Asked, Host, Outcome, PROGRESS_TIME, Requests};
 use crate::state::State;
 use crate::store::CHECKPOINT_FILE;
 use crate::stream::{StreamedWorld, Survey};
+use eyot_core::remedy;
+use eyot_core::remedy::Worded;
 use eyot_core::{Cancel, Control, Limits, World};
 use eyot_io::checkpoint;
 use std::path::PathBuf;
@@ -65,7 +67,7 @@ pub(super) fn run(
             seconds: run.seconds(),
         },
         Ok(o) => Event::Stopped { checkpoint: o.outputs.first().cloned() },
-        Err(e) => Event::Failed { message: e.to_string(), help: e.help() },
+        Err(e) => Event::Failed { message: e.sentence(), help: e.help() },
     });
     done
 }
@@ -135,7 +137,7 @@ impl Streamed {
                 self.state.done_exports = done_exports;
                 // Without it, going on would make this export again.
                 if let Err(e) = self.checkpoint() {
-                    tell(Event::Warning { message: format!("no checkpoint: {e}; the run goes on") });
+                    tell(Event::Warning { message: remedy!["no checkpoint: ", e, "; the run goes on"] });
                 }
             })?;
         }
@@ -214,7 +216,7 @@ impl Watch {
                 }
                 Asked::Snapshot => "a streamed run has no world to show before its end".to_owned(),
             };
-            self.tell(Event::Warning { message: refused });
+            self.tell(Event::Warning { message: refused.into() });
         }
     }
 

@@ -14,6 +14,8 @@ use crate::session::Outcome;
 use crate::stream::Stream;
 use crate::watch::Watcher;
 use eyot_core::Limits;
+use eyot_core::remedy;
+use eyot_core::remedy::Setting;
 use eyot_stream::{Ending, Notice, Order, Server, Status};
 use std::net::SocketAddr;
 use std::path::Path;
@@ -120,12 +122,14 @@ impl Serving {
         let theirs = desk.clone();
         let server = Server::bind(options.server.clone(), move |notice| theirs.hear(notice)).map_err(|e| {
             let help = match e {
-                eyot_stream::Error::Public(_) => "to let other machines connect, add --public",
-                eyot_stream::Error::Listen { .. } => {
-                    "choose another port with --listen 127.0.0.1:PORT; 0 is any that is free"
-                }
+                eyot_stream::Error::Public(_) => remedy!["to let other machines connect, add ", Setting::Public],
+                eyot_stream::Error::Listen { .. } => remedy![
+                    "choose another port with ",
+                    Setting::Listen.to("127.0.0.1:PORT"),
+                    "; 0 is any that is free",
+                ],
             };
-            RunError::Input { reason: e.to_string(), help: Some(help) }
+            RunError::refused(e.to_string(), help)
         })?;
         let server = Arc::new(server);
         let waits = options.wait > 0;
@@ -203,7 +207,7 @@ fn pass_on(handle: Handle, desk: &Desk, server: &Server) -> Result<Outcome, RunE
     if !ended {
         server.end(Ending::Failed, "the run failed");
         let message = outcome.as_ref().err().map_or_else(String::new, ToString::to_string);
-        desk.tell(Event::Failed { message, help: None });
+        desk.tell(Event::Failed { message: message.into(), help: None });
     }
     outcome
 }

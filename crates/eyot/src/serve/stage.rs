@@ -6,6 +6,8 @@ use crate::layers;
 use crate::recipe::{Recipe, Work};
 use crate::watch::{Look, Watch};
 use eyot_core::component::Table;
+use eyot_core::remedy;
+use eyot_core::remedy::Setting;
 use eyot_core::{Cancel, Limits, Stagger, World};
 use eyot_export::corals;
 use eyot_reef::bodies::Shape;
@@ -128,10 +130,9 @@ pub(super) fn hello(recipe: &Recipe, options: &ServeOptions, limits: &Limits) ->
         });
     }
     let bytes = 4 * grid.cells() as u128 * COPIES * infos.len() as u128;
-    limits.check_bytes("copies of these layers for clients", bytes).map_err(|e| RunError::Input {
-        reason: e.to_string(),
-        help: Some("send fewer layers, or raise --max-memory"),
-    })?;
+    limits
+        .check_bytes("copies of these layers for clients", bytes)
+        .map_err(|e| RunError::refused(e, remedy!["send fewer layers, or raise ", Setting::MaxMemory]))?;
     let species = corals.iter().flat_map(|c| &c.community.species).map(|s| SpeciesInfo {
         name: s.name.clone(),
         form: match s.form {

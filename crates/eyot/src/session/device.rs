@@ -4,6 +4,7 @@ use super::Session;
 use crate::engines::{Engine, EngineChoice, EngineOptions, Failure};
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry};
+use eyot_core::remedy;
 use eyot_gpu::GpuError;
 use eyot_recipe::Step;
 
@@ -22,9 +23,8 @@ impl Session {
     /// what it was before, and so is the count of its steps.
     pub(super) fn settle(&mut self) {
         if let Err(Failure::Device(e)) = self.download() {
-            let message =
-                format!("{e}; {} steps since the world was last saved are lost", self.state.done - self.settled);
-            self.tell(Event::Warning { message });
+            let lost = format!("; {} steps since the world was last saved are lost", self.state.done - self.settled);
+            self.tell(Event::Warning { message: remedy![e, lost] });
             self.unwind();
         }
     }
@@ -58,13 +58,9 @@ impl Session {
             return Err(RunError::Gpu(error));
         };
         self.engine = engine;
-        let message = format!(
-            "{error}; step {} goes on after {} steps with {}",
-            step.number,
-            self.state.done,
-            self.engine.name()
-        );
-        self.tell(Event::Warning { message });
+        let (number, done) = (step.number, self.state.done);
+        let on = format!("; step {number} goes on after {done} steps with {}", self.engine.name());
+        self.tell(Event::Warning { message: remedy![error, on] });
         Ok(())
     }
 }

@@ -4,8 +4,9 @@ use super::SessionOptions;
 use super::files::{CHECKPOINT_FILE, TIMELINE_STORE};
 use crate::error::RunError;
 use crate::state::State;
-use eyot_core::Limits;
-use eyot_core::{ComponentKinds, World};
+use eyot_core::remedy;
+use eyot_core::remedy::{Action, Remedy, Setting, Worded};
+use eyot_core::{ComponentKinds, Limits, World};
 use eyot_io::checkpoint::{self, Checkpoint};
 use eyot_io::storage::Storage;
 use eyot_io::timeline;
@@ -36,12 +37,18 @@ pub struct Damaged {
     /// Steps of simulation done.
     pub steps_done: u64,
     /// What is missing or wrong, with its file.
-    pub reason: String,
+    pub reason: Remedy,
+}
+
+impl Worded for Damaged {
+    fn sentence(&self) -> Remedy {
+        remedy![format!("frame {} of step {} cannot be read: ", self.frame, self.steps_done), self.reason.clone()]
+    }
 }
 
 impl std::fmt::Display for Damaged {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "frame {} of step {} cannot be read: {}", self.frame, self.steps_done, self.reason)
+        self.sentence().fmt(f)
     }
 }
 
@@ -60,14 +67,14 @@ fn latest(
     name: &str,
     limits: &Limits,
     kinds: &ComponentKinds,
-    warnings: &mut Vec<String>,
-) -> Result<(Checkpoint, State), String> {
-    let of_checkpoint =
-        checkpoint::load_in(&**storage, name, limits, kinds).map_err(|e| e.to_string()).and_then(|saved| {
-            let state: State = serde_json::from_value(saved.state.clone())
-                .map_err(|e| format!("`{}` holds no state of a run: {e}", storage.place(name).display()))?;
-            Ok((saved, state))
-        });
+    warnings: &mut Vec<Remedy>,
+) -> Result<(Checkpoint, State), Remedy> {
+    let of_checkpoint = checkpoint::load_in(&**storage, name, limits, kinds).map_err(Remedy::from).and_then(|saved| {
+        let state: State = serde_json::from_value(saved.state.clone())
+            .map_err(|e| format!("`{}` holds no state of a run: {e}", storage.place(name).display()))
+            .map_err(Remedy::from)?;
+        Ok((saved, state))
+    });
     // Where a run was set back, later frames are of another future.
     if name != CHECKPOINT_FILE || of_checkpoint.as_ref().is_ok_and(|(_, s)| s.rewound) {
         return of_checkpoint;
@@ -75,14 +82,14 @@ fn latest(
     match last_frame(storage, of_checkpoint.as_ref().ok().map(|(_, s)| s.place()), limits, kinds, warnings) {
         Ok(Some((saved, state))) => {
             if let Err(e) = of_checkpoint {
-                warnings.push(format!("{e}; the run goes on from its recording"));
+                warnings.push(remedy![e, "; the run goes on from its recording"]);
             }
             Ok((saved, state))
         }
         Ok(None) => of_checkpoint,
         Err(e) => {
             if of_checkpoint.is_ok() {
-                warnings.push(format!("{e}; the run goes on from its checkpoint"));
+                warnings.push(remedy![e, "; the run goes on from its checkpoint"]);
             }
             of_checkpoint
         }
@@ -95,22 +102,23 @@ pub(crate) fn stopped(
     name: &str,
     limits: &Limits,
     registry: &Registry,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Remedy>,
 ) -> Result<(Recipe, World, State), RunError> {
-    let damaged = |reason: String| RunError::Checkpoint { folder: storage.place(""), reason };
+    let damaged = |reason: Remedy| RunError::Checkpoint { folder: storage.place(""), reason };
     let (saved, state) = latest(storage, name, limits, registry.components(), warnings).map_err(damaged)?;
     let recipe = state.recipe(saved.recipe_toml, state.overrides.clone(), registry, limits)?;
     fits(&recipe, &saved.world, &state)
-        .map_err(|e| damaged(format!("`{}` does not fit its recipe: {e}", storage.place(name).display())))?;
+        .map_err(|e| damaged(format!("`{}` does not fit its recipe: {e}", storage.place(name).display()).into()))?;
     if state.place() == (0, 0) && !state.rewound {
-        warnings.push("the run was stopped before its first step was done; it begins anew".to_owned());
+        warnings.push("the run was stopped before its first step was done; it begins anew".into());
     }
     if saved.engine_version != crate::VERSION {
-        warnings.push(format!(
+        let message = format!(
             "the checkpoint was written by version {}, this is {}; the result may differ from a run in one piece",
             saved.engine_version,
             crate::VERSION
-        ));
+        );
+        warnings.push(message.into());
     }
     Ok((recipe, saved.world, state))
 }
@@ -121,7 +129,7 @@ fn last_frame(
     than: Option<(usize, u64)>,
     limits: &Limits,
     kinds: &ComponentKinds,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Remedy>,
 ) -> Result<Option<(Checkpoint, State)>, RunError> {
     if !timeline::is_recording_in(&**storage, TIMELINE_STORE) {
         return Ok(None);
@@ -133,9 +141,9 @@ fn last_frame(
         if than.is_some_and(|place| state.as_ref().is_ok_and(|s| s.place() <= place)) {
             break;
         }
-        match state.and_then(|state| Ok((store.load(i, kinds).map_err(|e| e.to_string())?, state))) {
+        match state.and_then(|state| Ok((store.load(i, kinds).map_err(Remedy::from)?, state))) {
             Ok(found) => return Ok(Some(found)),
-            Err(reason) => warnings.push(broken(&store, i, reason).to_string()),
+            Err(reason) => warnings.push(broken(&store, i, reason).sentence()),
         }
     }
     Ok(None)
@@ -144,12 +152,15 @@ fn last_frame(
 /// Refuses recordings that cannot be: nowhere, of nothing, or within a bound that is too small.
 pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool) -> Result<(), RunError> {
     let Some(record) = options.record else { return Ok(()) };
-    let refuse = |reason: &str, help| Err(RunError::Input { reason: reason.to_owned(), help: Some(help) });
+    let refuse = |reason: &'static str, help: Remedy| Err(RunError::refused(reason, help));
     if !has_folder {
-        return refuse("a run without a folder cannot be recorded", "give it a folder for its results");
+        return refuse("a run without a folder cannot be recorded", "give it a folder for its results".into());
     }
     if !recipe.enabled_steps().any(|s| matches!(s.work, Work::Simulate(_))) {
-        return refuse("the recipe simulates nothing, so there is nothing to record", "leave out --record");
+        return refuse(
+            "the recipe simulates nothing, so there is nothing to record",
+            remedy!["leave out ", Setting::Record],
+        );
     }
     let peak = memory::working(&recipe.steps, &recipe.grid).map_err(RunError::input)?;
     let least = timeline::Record::least_bytes(peak.world_bytes, peak.layers, recipe.source.text.len());
@@ -159,13 +170,15 @@ pub(crate) fn check(recipe: &Recipe, options: &SessionOptions, has_folder: bool)
             record.max_bytes >> 10,
             least.div_ceil(1 << 10)
         );
-        return Err(RunError::Input { reason, help: Some("raise --record-limit, or choose a smaller grid") });
+        return Err(RunError::refused(reason, remedy!["raise ", Setting::RecordLimit, ", or choose a smaller grid"]));
     }
     Ok(())
 }
 
 /// What to do about a frame that cannot be read.
-pub(crate) const OTHER_FRAME: &str = "choose another frame: `eyot timeline` lists them, and those whose head is lost";
+pub(crate) fn other_frame() -> Remedy {
+    remedy!["choose another frame: ", Action::Timeline, " lists them, and those whose head is lost"]
+}
 
 /// A frame that could be read.
 pub(crate) struct Found {
@@ -182,7 +195,7 @@ pub(crate) fn find(store: &timeline::Timeline, moment: Moment, kinds: &Component
     let first = if let Moment::Frame(i) = moment { i } else { 0 };
     let mut damaged = Vec::new();
     for i in (first..=last).rev() {
-        let read = state_of(store, i).and_then(|s| Ok((store.load(i, kinds).map_err(|e| e.to_string())?, s)));
+        let read = state_of(store, i).and_then(|s| Ok((store.load(i, kinds).map_err(Remedy::from)?, s)));
         match read {
             Ok((saved, state)) => {
                 damaged.reverse();
@@ -191,13 +204,12 @@ pub(crate) fn find(store: &timeline::Timeline, moment: Moment, kinds: &Component
             Err(reason) => damaged.push(broken(store, i, reason)),
         }
     }
-    let reasons: Vec<String> = damaged.iter().rev().map(Damaged::to_string).collect();
-    Err(RunError::Input { reason: reasons.join("; "), help: Some(OTHER_FRAME) })
+    Err(RunError::refused(Remedy::joined(damaged.iter().rev().map(Damaged::sentence), "; "), other_frame()))
 }
 
 /// The number of the frame that is meant, whether it can be read or not.
 pub(crate) fn position(frames: &[timeline::Frame], moment: Moment) -> Result<usize, RunError> {
-    let refuse = |reason, help| Err(RunError::Input { reason, help: Some(help) });
+    let refuse = |reason: String, help: Remedy| Err(RunError::refused(reason, help));
     match moment {
         Moment::Step(step) => match frames.partition_point(|f| f.step <= step).checked_sub(1) {
             Some(i) => Ok(i),
@@ -206,24 +218,24 @@ pub(crate) fn position(frames: &[timeline::Frame], moment: Moment) -> Result<usi
                     Some(first) => format!("the recording begins at step {}, {step} is before that", first.step),
                     None => "the recording has no frames yet".to_owned(),
                 };
-                refuse(reason, "`eyot timeline` lists what there is")
+                refuse(reason, remedy![Action::Timeline, " lists what there is"])
             }
         },
         Moment::Frame(i) if i < frames.len() => Ok(i),
         Moment::Frame(i) => {
             let reason = format!("there is no frame {i}, the recording has {}", frames.len());
-            refuse(reason, "`eyot timeline` lists what there is; the first is 0")
+            refuse(reason, remedy![Action::Timeline, " lists what there is; the first is 0"])
         }
     }
 }
 
 /// What the run remembers in a frame, whose values may be damaged.
-pub(crate) fn state_of(store: &timeline::Timeline, i: usize) -> Result<State, String> {
-    of_json(i, store.state(i).map_err(|e| e.to_string())?)
+pub(crate) fn state_of(store: &timeline::Timeline, i: usize) -> Result<State, Remedy> {
+    of_json(i, store.state(i).map_err(Remedy::from)?)
 }
 
-pub(crate) fn of_json(i: usize, state: serde_json::Value) -> Result<State, String> {
-    serde_json::from_value(state).map_err(|e| format!("frame {i} holds no state of a run: {e}"))
+pub(crate) fn of_json(i: usize, state: serde_json::Value) -> Result<State, Remedy> {
+    serde_json::from_value(state).map_err(|e| format!("frame {i} holds no state of a run: {e}").into())
 }
 
 pub(crate) fn frame_of(store: &timeline::Timeline, i: usize, state: &State) -> Frame {
@@ -231,7 +243,7 @@ pub(crate) fn frame_of(store: &timeline::Timeline, i: usize, state: &State) -> F
     Frame { frame: i, steps_done: frame.step, recipe_step: state.done_steps + 1, step: state.done, bytes: frame.bytes }
 }
 
-pub(crate) fn broken(store: &timeline::Timeline, i: usize, reason: String) -> Damaged {
+pub(crate) fn broken(store: &timeline::Timeline, i: usize, reason: Remedy) -> Damaged {
     Damaged { frame: i, steps_done: store.frames()[i].step, reason }
 }
 

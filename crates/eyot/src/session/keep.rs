@@ -4,6 +4,7 @@ use super::Session;
 use super::files::CHECKPOINT_FILE;
 use crate::error::RunError;
 use crate::event::Event;
+use eyot_core::remedy;
 use eyot_io::checkpoint;
 use std::path::PathBuf;
 
@@ -44,7 +45,7 @@ impl Session {
         let silent = std::mem::replace(&mut self.warned_of_checkpoint, failed.is_some());
         // Once is enough until one succeeds again.
         if let Some(e) = failed.filter(|_| !silent) {
-            let message = format!("no checkpoint: {e}; the run goes on and tries again");
+            let message = remedy!["no checkpoint: ", e, "; the run goes on and tries again"];
             self.tell(Event::Warning { message });
         }
     }
@@ -73,6 +74,6 @@ impl Session {
         self.state.seconds = self.seconds();
         let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;
         checkpoint::save_in(&*storage, CHECKPOINT_FILE, &self.world, &self.recipe.source.text, &state)
-            .map_err(|e| RunError::File(e.to_string()))
+            .map_err(RunError::file)
     }
 }

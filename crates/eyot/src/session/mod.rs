@@ -40,6 +40,8 @@ use crate::error::RunError;
 use crate::event::{Command, Event, JournalEntry};
 use crate::state::State;
 use crate::watch::{Watcher, Watching};
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::{Cancel, Limits, World};
 use eyot_io::timeline::Record;
 use eyot_recipe::{ProcessUse, Recipe, Registry, Step, Work, process_set};
@@ -315,7 +317,7 @@ impl Session {
                 Err(e) => {
                     self.phase = Phase::Over(Status::Failed);
                     self.forget_beginning();
-                    self.tell(Event::Failed { message: e.to_string(), help: e.help() });
+                    self.tell(Event::Failed { message: e.sentence(), help: e.help() });
                     return Err(e);
                 }
             }
@@ -368,7 +370,7 @@ impl Session {
             let now = self.engine.kind();
             format!("{last} has simulated so far and {now} goes on: not to the bytes of a run in one piece")
         });
-        for message in warning.into_iter().chain(other) {
+        for message in warning.into_iter().chain(other.map(Remedy::from)) {
             self.tell(Event::Warning { message });
         }
         self.begin_recording();
@@ -443,11 +445,13 @@ impl Session {
                 }
                 Asked::Rewind(to, forget) => match self.rewind_to(to, forget) {
                     Ok(()) => return Ok(Heard::Back),
-                    Err(e) => self.tell(Event::Warning { message: format!("the run was not set back: {e}") }),
+                    Err(e) => self.tell(Event::Warning { message: remedy!["the run was not set back: ", e] }),
                 },
                 Asked::Branch(from, out) => {
                     if let Err(e) = self.branch(from, &out) {
-                        self.tell(Event::Warning { message: format!("`{}` was not made: {e}", out.display()) });
+                        self.tell(Event::Warning {
+                            message: remedy![format!("`{}` was not made: ", out.display()), e],
+                        });
                     }
                 }
             }

@@ -8,6 +8,8 @@ use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
 use crate::state::State;
+use eyot_core::remedy;
+use eyot_core::remedy::{Remedy, Worded};
 use eyot_io::Origin;
 use eyot_io::timeline::{self, Timeline};
 use eyot_recipe::ProcessUse;
@@ -30,7 +32,7 @@ impl Session {
     pub(super) fn begin_recording(&mut self) {
         match self.open_recording() {
             Ok(recorder) => self.recorder = recorder,
-            Err(e) => self.tell(Event::Warning { message: format!("nothing is recorded: {e}") }),
+            Err(e) => self.tell(Event::Warning { message: remedy!["nothing is recorded: ", e] }),
         }
     }
 
@@ -100,9 +102,9 @@ impl Session {
         let state = serde_json::to_value(State { rewound: false, ..self.state.clone() });
         let Some(recorder) = &mut self.recorder else { return };
         let (timeline, world) = (&mut recorder.timeline, &self.world);
-        let written = state.map_err(|e| e.to_string()).and_then(|state| {
-            timeline.truncate(world.step).map_err(|e| e.to_string())?;
-            timeline.append(world, &self.recipe.source.text, &state).map_err(|e| e.to_string())
+        let written = state.map_err(|e| Remedy::from(e.to_string())).and_then(|state| {
+            timeline.truncate(world.step).map_err(Remedy::from)?;
+            timeline.append(world, &self.recipe.source.text, &state).map_err(Remedy::from)
         });
         recorder.is_current = written.is_ok();
         let silent = std::mem::replace(&mut recorder.warned, written.is_err());
@@ -113,7 +115,7 @@ impl Session {
                 self.tell(Event::Recorded { frame: number, steps_done: frame.step, bytes: frame.bytes });
             }
             (Err(e), _) if !silent => {
-                self.tell(Event::Warning { message: format!("no frame: {e}; the run goes on and tries again") });
+                self.tell(Event::Warning { message: remedy!["no frame: ", e, "; the run goes on and tries again"] });
             }
             _ => {}
         }
@@ -126,7 +128,7 @@ impl Session {
         let Some(recorder) = &mut self.recorder else { return };
         recorder.is_current = false;
         if was_set_back && let Err(e) = recorder.timeline.truncate(self.world.step + 1) {
-            self.tell(Event::Warning { message: format!("frames of another future are still there: {e}") });
+            self.tell(Event::Warning { message: remedy!["frames of another future are still there: ", e] });
         }
     }
 
@@ -136,7 +138,7 @@ impl Session {
         let Some(recorder) = &mut self.recorder else { return };
         let lost = if recorder.clock == clock { Ok(()) } else { recorder.timeline.lose_clock() };
         if let Err(e) = lost {
-            self.tell(Event::Warning { message: format!("the recording's times are wrong from here on: {e}") });
+            self.tell(Event::Warning { message: remedy!["the recording's times are wrong from here on: ", e] });
         }
     }
 
@@ -176,7 +178,7 @@ impl Session {
 
     fn tell_damaged(&self, damaged: &[Damaged]) {
         for d in damaged {
-            self.tell(Event::Warning { message: format!("{d}; an earlier frame took its place") });
+            self.tell(Event::Warning { message: remedy![d.sentence(), "; an earlier frame took its place"] });
         }
     }
 }

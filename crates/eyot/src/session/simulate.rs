@@ -223,6 +223,6 @@ impl Session {
                 Err(problems) => problems.to_string(),
             },
         };
-        self.tell(Event::Warning { message: format!("`{set}` was not set: {refused}") });
+        self.tell(Event::Warning { message: format!("`{set}` was not set: {refused}").into() });
     }
 }

@@ -40,7 +40,7 @@ impl Session {
         let total = watching.totals().get(recipe_step.wrapping_sub(1)).copied().unwrap_or_default();
         let look = Look { world: &self.world, recipe_step, step, total, cancel: &self.cancel };
         if let Some(message) = watching.look(&look) {
-            self.tell(Event::Warning { message });
+            self.tell(Event::Warning { message: message.into() });
         }
     }
 }

@@ -13,12 +13,13 @@ const LAND: &str = "name = \"Hill\"\nseed = 7\n[grid]\nsize = [40, 30]\ncell = 2
     [[step]]\ngenerate = \"ramp\"\nlayer = \"share\"\n[view]\nenabled = false\n";
 
 fn go(from: &Path, to: &Path, options: &ConvertOptions) -> Vec<String> {
-    convert(from, to, options, &Limits::default()).unwrap_or_else(|e| panic!("{from:?} -> {to:?}: {e}")).notes
+    let done = convert(from, to, options, &Limits::default()).unwrap_or_else(|e| panic!("{from:?} -> {to:?}: {e}"));
+    done.notes.iter().map(ToString::to_string).collect()
 }
 
 fn refused(from: &Path, to: &Path, options: &ConvertOptions) -> String {
     match convert(from, to, options, &Limits::default()) {
-        Err(RunError::File(message) | RunError::Input { reason: message, .. }) => message,
+        Err(RunError::File(message) | RunError::Input { reason: message, .. }) => message.to_string(),
         other => panic!("{from:?} -> {to:?}: {other:?}"),
     }
 }
@@ -249,7 +250,7 @@ fn all_layers_go_along_where_there_is_room() {
     assert_eq!(raster(&at("height.tif")).name, "height");
     go(&source, &at("gis"), &ConvertOptions { preset: Some(Preset::Gis), ..plain() });
     assert_eq!(raster(&at("gis/water.tif")).field, read(&source, "water").field);
-    assert!(refused(&source, &at("a.tif"), &layers(&["height", "water"])).contains("name one with --layer"));
+    assert!(refused(&source, &at("a.tif"), &layers(&["height", "water"])).contains("name one with `layer`"));
     assert!(refused(&source, &at("a.tif"), &layers(&["snow"])).contains("there is height, water"));
 }
 
@@ -271,10 +272,10 @@ fn runs_give_all_layers_or_those_that_are_named() {
     for (name, options) in
         [("m.glb", layers(&["share"])), ("unity", ConvertOptions { preset: Some(Preset::Unity), ..layers(&["share"]) })]
     {
-        assert!(refused(&at("run"), &at(name), &options).contains("the height of a run; leave out --layer"));
+        assert!(refused(&at("run"), &at(name), &options).contains("the height of a run; leave out `layer`"));
     }
     let read = ReadOptions { nodata: Some(0.0), ..ReadOptions::default() };
-    assert!(refused(&at("run"), &at("x.tif"), &ConvertOptions { read, ..plain() }).contains("leave out --from-range"));
+    assert!(refused(&at("run"), &at("x.tif"), &ConvertOptions { read, ..plain() }).contains("leave out `input_range`"));
 }
 
 #[test]
@@ -294,26 +295,32 @@ fn options_that_cannot_apply_are_refused_with_a_remedy() {
     let preset = |p| with(&move |o: &mut ConvertOptions| o.preset = Some(p));
     let range = Some((0.0, 9.0));
     let cases = [
-        ("h.tif", "o.npy", layers(&["height"]), "`", "single layer; leave out --layer"),
-        ("h.r16", "o.npy", layers(&["height"]), "`", "single layer; leave out --layer"),
-        ("h.tif", "o.tif", with(&|o| o.byte_order = Some(ByteOrder::Little)), "order of bytes", "leave out --bytes"),
-        ("h.tif", "o.png", with(&|o| o.row_order = Some(RowOrder::SouthFirst)), "north on top", "leave out --rows"),
-        ("h.tif", "o.tif", with(&|o| o.range = range), "without a scale", "leave out --range"),
-        ("h.tif", "o.r32", with(&|o| o.range = range), "without a scale", "--from-range"),
-        ("h.tif", "o", ConvertOptions { range, ..preset(Preset::Unreal) }, "a preset chooses", "leave out --range"),
+        ("h.tif", "o.npy", layers(&["height"]), "`", "single layer; leave out `layer`"),
+        ("h.r16", "o.npy", layers(&["height"]), "`", "single layer; leave out `layer`"),
+        (
+            "h.tif",
+            "o.tif",
+            with(&|o| o.byte_order = Some(ByteOrder::Little)),
+            "order of bytes",
+            "leave out `byte_order`",
+        ),
+        ("h.tif", "o.png", with(&|o| o.row_order = Some(RowOrder::SouthFirst)), "north on top", "leave out `rows`"),
+        ("h.tif", "o.tif", with(&|o| o.range = range), "without a scale", "leave out `range`"),
+        ("h.tif", "o.r32", with(&|o| o.range = range), "without a scale", "input_range"),
+        ("h.tif", "o", ConvertOptions { range, ..preset(Preset::Unreal) }, "a preset chooses", "leave out `range`"),
         (
             "h.tif",
             "o",
             ConvertOptions { row_order: Some(RowOrder::SouthFirst), ..preset(Preset::Unreal) },
             "this preset chooses",
-            "leave out --rows",
+            "leave out `rows`",
         ),
         (
             "h.tif",
             "o",
             ConvertOptions { byte_order: Some(ByteOrder::Big), ..preset(Preset::Unity) },
             "a preset chooses",
-            "leave out --bytes",
+            "leave out `byte_order`",
         ),
         ("h.tif", "o", ConvertOptions { size: Some(512), ..preset(Preset::Unity) }, "no size for", "513"),
         (
@@ -321,20 +328,20 @@ fn options_that_cannot_apply_are_refused_with_a_remedy() {
             "o",
             ConvertOptions { size: Some(513), ..preset(Preset::Godot) },
             "keeps the size",
-            "leave --size out",
+            "leave `size` out",
         ),
-        ("h.tif", "o.png", with(&|o| o.size = Some(513)), "keeps the size", "--preset unreal or unity"),
-        ("h.tif", "o.npy", with(&|o| o.read.size = Some((3, 3))), "says its size", "leave out --from-size"),
-        ("h.exr", "o.npy", with(&|o| o.read.sample = Some(Sample::Float(4))), "its numbers", "--from-type"),
-        ("h.zarr", "o.npy", with(&|o| o.read.row_order = Some(RowOrder::SouthFirst)), "itself", "--from-rows"),
+        ("h.tif", "o.png", with(&|o| o.size = Some(513)), "keeps the size", "the preset `unreal` or unity"),
+        ("h.tif", "o.npy", with(&|o| o.read.size = Some((3, 3))), "says its size", "leave out `input_size`"),
+        ("h.exr", "o.npy", with(&|o| o.read.sample = Some(Sample::Float(4))), "its numbers", "input_type"),
+        ("h.zarr", "o.npy", with(&|o| o.read.row_order = Some(RowOrder::SouthFirst)), "itself", "input_rows"),
         (
             "h.tif",
             "o.npy",
             with(&|o| (o.read.low_m, o.read.high_m) = (Some(0.0), Some(1.0))),
             "as they are",
-            "--from-range",
+            "input_range",
         ),
-        ("h.tif", "o.npy", with(&|o| o.cell_m = Some((5.0, 5.0))), "says where it lies", "leave out --cell"),
+        ("h.tif", "o.npy", with(&|o| o.cell_m = Some((5.0, 5.0))), "says where it lies", "leave out `cell`"),
     ];
     for (from, to, options, problem, remedy) in cases {
         let e = refused(&at(from), &at(to), &options);
@@ -385,7 +392,7 @@ fn what_is_lost_is_said() {
     npy64(&at("fine.npy"), (3, 5), |i| 1000.0 + i as f64 * 1e-9);
     let said = notes("fine.npy", &plain());
     assert!(
-        said.contains("more than 32 bits; they were rounded, by 1.4e-8 at most") && said.contains("--cell"),
+        said.contains("more than 32 bits; they were rounded, by 1.4e-8 at most") && said.contains("`cell`"),
         "{said}"
     );
     let wide = std::fs::read(at("fine.npy")).unwrap()[128..].to_vec();
@@ -395,7 +402,7 @@ fn what_is_lost_is_said() {
     // Missing cells.
     npy64(&at("holes.npy"), (4, 4), |i| if i % 5 == 0 { f64::NAN } else { -3.0 });
     let e = refused(&at("holes.npy"), &at("o.tif"), &plain());
-    assert!(e.contains("column 0, row 0 is NaN") && e.contains("--nodata"), "{e}");
+    assert!(e.contains("column 0, row 0 is NaN") && e.contains("`nodata`"), "{e}");
     let nan = ReadOptions { nodata: Some(f64::NAN), ..ReadOptions::default() };
     let said = notes("holes.npy", &ConvertOptions { read: nan, ..plain() });
     assert!(said.contains("4 cells without a value stay without one"), "{said}");
@@ -547,7 +554,7 @@ fn feet_are_no_metres() {
         let opened = eyot::store::open(&at("a.exr"), &Limits::default()).unwrap();
         let metres = Field::from_fn(8, 8, |x, y| (f64::from(feet.get(x, y)) * factor) as f32);
         assert_eq!(opened.world.get("height").unwrap(), &metres, "{unit}");
-        assert_eq!(opened.notes.iter().any(|n| n.contains("feet")), factor != 1.0);
+        assert_eq!(opened.notes.iter().any(|n| n.to_string().contains("feet")), factor != 1.0);
         let text = format!(
             "[grid]\nsize = 8\n[[step]]\ngenerate = \"import\"\nfile = '{}'\n[view]\nenabled = false\n",
             at("a.tif").display()

@@ -15,7 +15,8 @@ fn reef(months: u64, with_pictures: bool) -> Recipe {
     let overrides = Overrides { set: set.to_vec(), ..Overrides::default() };
     let text = source.text.replace("size = [80, 80]", "size = [32, 32]");
     let text =
-        if with_pictures { text } else { text.replace("format = \"dive\"", "format = \"dive\"\nenabled = false") };
+        text + "[[export]]\nwhat = \"corals.colonies\"\n[[export]]\nwhat = \"corals.algae\"\nformat = \"parquet\"\n";
+    let text = if with_pictures { text } else { text.replace("what = \"dive\"", "what = \"dive\"\nenabled = false") };
     Recipe::parse(RecipeSource { text, ..source }, overrides, &Registry::standard(), &Limits::default()).unwrap()
 }
 
@@ -50,6 +51,12 @@ fn a_reef_leaves_its_census_its_pictures_and_a_mesh_for_each_colony() {
     assert!(
         corals.iter().all(|n| n["extras"]["age_months"].as_u64().is_some() && n["extras"]["bleaching"].is_number())
     );
+    let points = text(&folder.path().join("corals.colonies.csv"));
+    let points: Vec<Vec<&str>> = points.lines().map(|l| l.split(',').collect()).collect();
+    assert_eq!(points[0], ["x", "y", "z", "id", "species", "age", "radius", "bleaching", "calcified"]);
+    let ids: HashSet<u64> = points[1..].iter().map(|row| row[3].parse().unwrap()).collect();
+    assert_eq!(ids, corals.iter().map(|n| n["extras"]["id"].as_u64().unwrap()).collect());
+    assert!(std::fs::read(folder.path().join("corals.algae.parquet")).unwrap().starts_with(b"PAR1"));
     for picture in ["dive.png", "side.png", "above.png", "cover.png", "plot.png", "coral_cover_map.png"] {
         assert!(std::fs::metadata(folder.path().join(picture)).unwrap().len() > 2000, "{picture}");
     }
@@ -82,12 +89,12 @@ fn a_stopped_reef_goes_on_to_the_same_bytes() {
 fn exports_of_corals_without_corals_are_told_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
     let text = "name = \"bare\"\n[grid]\nsize = [16, 16]\n[[step]]\ngenerate = \"fbm\"\n[view]\nenabled = false\n";
-    let recipe = common::recipe(text, &["format = \"census\"", "format = \"corals\""]);
+    let recipe = common::recipe(text, &["what = \"census\"", "what = \"corals\""]);
     let handle = Run::start(recipe, RunOptions { out: Some(folder.path().into()), ..RunOptions::default() }).unwrap();
     let warnings: Vec<String> = handle
         .events()
         .iter()
-        .filter_map(|e| if let Event::Warning { message } = e { Some(message) } else { None })
+        .filter_map(|e| if let Event::Warning { message } = e { Some(message.to_string()) } else { None })
         .collect();
     handle.join().unwrap();
     assert!(warnings.iter().any(|w| w.contains("census.csv")), "{warnings:?}");
@@ -99,7 +106,7 @@ fn measured(folder: &Path, months: u64) -> Result<Recipe, String> {
     let text = format!(
         "name = \"m\"\n[grid]\nsize = [24, 24]\ncell = 0.25\n[[step]]\ngenerate = \"constant\"\nvalue = -5.0\n\
          [[step]]\nsimulate = [\"corals\"]\nsteps = {months}\ncorals.sea = \"measured\"\ncorals.temperatures = \"sea.csv\"\n\
-         [[export]]\nformat = \"census\"\n[view]\nenabled = false\n"
+         [[export]]\nwhat = \"census\"\n[view]\nenabled = false\n"
     );
     let source = RecipeSource { name: "m.toml".into(), text, folder: folder.into() };
     Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default()).map_err(|p| p.to_string())
@@ -141,7 +148,7 @@ fn a_slope_of_the_island_has_its_colonies_where_rock_and_light_are() {
     let folder = tempfile::tempdir().unwrap();
     let text = RECIPES.iter().find(|r| r.name == "reef-slope").unwrap().text;
     // Pictures of thousands of bodies take their time; `.ci/run` makes them.
-    let text = text.replace("format = \"dive\"", "format = \"plots\"\nprefix = \"again_\"");
+    let text = text.replace("what = \"dive\"", "what = \"plots\"\nprefix = \"again_\"");
     let source = RecipeSource { name: "slope.toml".into(), text, folder: ".".into() };
     let set = ["colonies.steps=14".to_owned()];
     let overrides = Overrides { set: set.to_vec(), size: Some((200, None)), ..Overrides::default() };

@@ -45,8 +45,11 @@ fn run(lose_device_after: Option<u64>, out: Option<&Path>) -> Option<(Outcome, V
     }
 }
 
-fn warnings(events: &[Event]) -> Vec<&str> {
-    events.iter().filter_map(|e| if let Event::Warning { message } = e { Some(&**message) } else { None }).collect()
+fn warnings(events: &[Event]) -> Vec<String> {
+    events
+        .iter()
+        .filter_map(|e| if let Event::Warning { message } = e { Some(message.to_string()) } else { None })
+        .collect()
 }
 
 /// Largest difference of the heights, as a share of the relief.

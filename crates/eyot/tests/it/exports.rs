@@ -36,9 +36,10 @@ fn made(out: &Path, exports: &[&str], presets: &[Preset]) -> World {
 fn every_format_of_a_recipe_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let formats = ["png16", "geotiff", "r32", "r16", "exr", "npy", "zarr", "glb", "obj", "splat", "map"];
+    let formats = ["png16", "geotiff", "r32", "r16", "exr", "npy", "zarr", "glb", "obj"];
     let mut exports: Vec<String> = formats.iter().map(|f| format!("format = \"{f}\"")).collect();
-    exports.push("format = \"mask\"\nlayers = [\"grass\", \"rock\"]".to_owned());
+    exports.extend(["splat", "map"].map(|what| format!("what = \"{what}\"")));
+    exports.push("what = \"mask\"\nlayers = [\"grass\", \"rock\"]".to_owned());
     // The shares of the ground as floats, for research.
     exports.push("format = \"npy\"\nlayers = [\"grass\", \"rock\", \"sand\", \"snow\"]".to_owned());
     let exports: Vec<&str> = exports.iter().map(String::as_str).collect();
@@ -185,10 +186,17 @@ fn wrong_exports_are_named_with_their_place() {
         ("preset = \"unreal\"\nformat = \"r16\"\n", "one too many"),
         ("preset = \"unity\"\nbytes = \"big\"\n", "no effect with the preset `unity`"),
         ("preset = \"unreal\"\nfirst_row = \"south\"\n", "no effect with the preset `unreal`"),
-        ("format = \"map\"\nlayers = [\"rock\"]\n", "no step makes a layer `rock`"),
+        ("what = \"map\"\nlayers = [\"rock\"]\n", "no step makes a layer `rock`"),
         ("format = \"r16\"\nrange = [3.0, 1.0]\n", "lower number first"),
-        ("format = \"mask\"\nlayers = [\"gras\"]\n", "no step makes a layer `gras`"),
+        ("what = \"mask\"\nlayers = [\"gras\"]\n", "no step makes a layer `gras`"),
+        ("preset = \"unreal\"\nwhat = \"terrain\"\n", "both `what` and `preset` are given"),
         ("format = \"exe\"\n", "did you mean \"exr\""),
+        ("format = \"coralsobj\"\n", "help: write\n        what = \"corals\"\n        format = \"obj\""),
+        ("format = \"parquet\"\n", "help: write\n        what = \"census\"\n        format = \"parquet\""),
+        ("format = \"png\"\n", "add `what`: it may be `splat`, `mask`, `map`, `plots` or `dive`"),
+        ("what = \"terrain\"\nformat = \"geotiff\"\n", "it is written as `glb` or `obj`"),
+        ("what = \"terain\"\n", "did you mean \"terrain\""),
+        ("what = \"corals.colonies\"\n", "no step leaves something that is called `corals.colonies`"),
         ("preset = \"unrael\"\n", "did you mean \"unreal\""),
     ] {
         let e = complaints(more);

@@ -117,7 +117,10 @@ fn a_stopped_and_changed_run_goes_on_and_replays() {
     handle.send(Command::Change(eyot::Change::parse("seep.share=0.5").unwrap()));
     wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     handle.send(Command::Change(eyot::Change::parse("seep.shar=0.5").unwrap()));
-    wait_for(&handle, |e| matches!(e, Event::Warning { message } if message.contains("did you mean `share`?")));
+    wait_for(
+        &handle,
+        |e| matches!(e, Event::Warning { message } if message.to_string().contains("did you mean `share`?")),
+    );
     handle.send(Command::Stop);
     handle.join().unwrap();
     let touched = Run::resume(folder.path(), &Registry::standard(), options(1, None)).unwrap().join().unwrap();
@@ -318,7 +321,7 @@ fn plants_spread_where_nitrogen_is() {
 fn own_layers_are_exported() {
     let folder = tempfile::tempdir().unwrap();
     let export = "format = \"npy\"\nlayers = [\"soil\", \"damp\"]";
-    let maps = "format = \"map\"\nlayers = [\"soil\"]";
+    let maps = "what = \"map\"\nlayers = [\"soil\"]";
     let world = common::run(recipe(OWN, &[export, maps]), folder.path());
     let (low, high) = common::raster(&folder.path().join("soil.npy")).field.min_max();
     assert_eq!((low, high), world.layer("soil").unwrap().field.min_max());

@@ -44,7 +44,7 @@ fn what_is_wrong_points_into_the_rendered_text() {
     let doc = RecipeDoc::new("Hill")
         .square(24, 20.0)
         .step(StepDoc::generate("cone").set("heigth", 300.0))
-        .export(Export { format: ExportFormat::Png16, range: Some([5.0, 1.0]), ..Export::default() });
+        .export(Export { format: Some(ExportFormat::Png16), range: Some([5.0, 1.0]), ..Export::default() });
     let problems = Recipe::check(&doc, Overrides::default(), &Registry::standard(), &Limits::default()).err().unwrap();
     let places: Vec<&str> = problems
         .diagnostics

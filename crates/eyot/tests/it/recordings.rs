@@ -394,7 +394,10 @@ fn a_folder_at_work_is_not_set_back_and_a_new_run_has_no_old_frames() {
     run(&out, Some(RECORD));
     let handle = Run::start(recipe(&[]), RunOptions { paused: true, ..options(Some(&out), Some(RECORD)) }).unwrap();
     let removed = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
-    assert!(matches!(&removed, Event::Warning { message } if message.contains("was removed")), "{removed:?}");
+    assert!(
+        matches!(&removed, Event::Warning { message } if message.to_string().contains("was removed")),
+        "{removed:?}"
+    );
     wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     assert!(matches!(rewind(&out, Moment::Step(0), false, &Limits::default()), Err(RunError::Busy { .. })));
     // Looking is always possible.
@@ -468,7 +471,7 @@ fn lost_frames_are_told_and_the_others_lead_back() {
     assert_eq!((done.frame.frame, done.damaged.len(), done.damaged[0].frame), (3, 1, 4));
     let done = rewind(&out, Moment::Step(55), false, &limits).unwrap();
     assert_eq!((done.frame.steps_done, done.damaged.len()), (47, 1));
-    assert!(done.damaged[0].reason.contains("water"), "{:?}", done.damaged);
+    assert!(done.damaged[0].reason.to_string().contains("water"), "{:?}", done.damaged);
     // Both go on to the same bytes.
     resume(&out);
     resume(&other);

@@ -123,7 +123,10 @@ fn changes_by_hand_are_kept_in_the_journal_and_replay() {
     let changed = wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     handle.send(Command::Change(eyot::Change::parse("hydraulic.rian=0.5").unwrap()));
     let warning = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
-    assert!(matches!(&warning, Event::Warning { message } if message.contains("did you mean `rain`?")), "{warning:?}");
+    assert!(
+        matches!(&warning, Event::Warning { message } if message.to_string().contains("did you mean `rain`?")),
+        "{warning:?}"
+    );
     handle.send(Command::Snapshot);
     wait_for(&handle, |e| matches!(e, Event::Snapshot { step: 10, .. }));
     // Stop and resume in between: the change must survive.
@@ -252,7 +255,7 @@ fn a_change_that_would_end_the_run_is_not_made() {
     handle.send(Command::Change(eyot::Change::parse("hydraulic.springs=0.5").unwrap()));
     let warning = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
     assert!(
-        matches!(&warning, Event::Warning { message } if message.contains("needs the layer `springs`")),
+        matches!(&warning, Event::Warning { message } if message.to_string().contains("needs the layer `springs`")),
         "{warning:?}"
     );
     handle.send(Command::Resume);

@@ -77,7 +77,7 @@ fn a_paused_session_returns_at_once_and_takes_typed_commands() {
     let entry = JournalEntry { recipe_step: 2, step: 10, set: "hydraulic.rain = 0.5".into() };
     match &s.events()[..] {
         [Event::Changed(e), Event::Warning { message }] => {
-            assert!(*e == entry && message.contains("did you mean `rain`?"), "{message}");
+            assert!(*e == entry && message.to_string().contains("did you mean `rain`?"), "{message}");
         }
         other => panic!("{other:?}"),
     }
@@ -156,7 +156,7 @@ fn a_session_that_was_dropped_at_its_start_begins_anew() {
     s.advance(Budget::Steps(1)).unwrap();
     drop(s);
     let mut s = Session::resume(SessionOptions::default(), host()).unwrap();
-    assert!(matches!(&s.events()[..], [Event::Warning { message }] if message.contains("begins anew")));
+    assert!(matches!(&s.events()[..], [Event::Warning { message }] if message.to_string().contains("begins anew")));
     let whole = Run::start(recipe(60), RunOptions::default()).unwrap().join().unwrap();
     assert_eq!(go(s, u64::MAX).fingerprint, whole.fingerprint);
 }

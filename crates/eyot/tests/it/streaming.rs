@@ -39,8 +39,8 @@ const EXPORTS: [&str; 11] = [
     "format = \"png16\"",
     "format = \"npy\"",
     "preset = \"gis\"\nprefix = \"gis_\"",
-    "format = \"mask\"\nlayers = [\"share\", \"rock\"]",
-    "format = \"splat\"\nrock_slope = 10.0",
+    "what = \"mask\"\nlayers = [\"share\", \"rock\"]",
+    "what = \"splat\"\nrock_slope = 10.0",
     "format = \"npy\"\nlayers = [\"sand\"]",
 ];
 
@@ -96,7 +96,7 @@ fn pictures_of_small_worlds_are_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let [a, b] = ["streamed", "whole"].map(|n| folder.path().join(n));
     let text = WIDE.replace("[20000, 430]", "[300, 200]");
-    let exports = ["format = \"map\"\nlayers = [\"height\", \"share\"]"];
+    let exports = ["what = \"map\"\nlayers = [\"height\", \"share\"]"];
     Run::start(recipe(&text, &exports), options(&a, Stream::Always)).unwrap().join().unwrap();
     Run::start(recipe(&text, &exports), options(&b, Stream::Never)).unwrap().join().unwrap();
     assert_same(files(&a), files(&b), &[]);
@@ -173,13 +173,13 @@ fn what_does_not_fit_is_streamed_or_refused_with_its_place() {
     for (text, export, message) in &refused {
         let exports = if export.is_empty() { &[][..] } else { &[*export][..] };
         let problem = parse(text, exports, &tight).map(|_| ()).unwrap_err();
-        assert!(problem.contains(message) && problem.contains("--max-memory"), "{problem}");
+        assert!(problem.contains(message) && problem.contains("`max_memory`"), "{problem}");
         // With more memory all of them are sound.
         parse(text, exports, &Limits::default()).unwrap();
     }
     let less = Limits { max_bytes: 100 << 20, ..Limits::default() };
     let problem = parse(large, &[], &less).map(|_| ()).unwrap_err();
-    assert!(problem.contains("even streamed") && problem.contains("--max-memory"), "{problem}");
+    assert!(problem.contains("even streamed") && problem.contains("`max_memory`"), "{problem}");
 }
 
 #[test]

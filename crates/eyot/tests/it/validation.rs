@@ -114,7 +114,7 @@ fn every_kind_of_slip_has_its_answer() {
         ("cell = 5.0", "from = \"nothere.tif\"", "there is no such file"),
         ("size = [16, 12]", "", "the grid has no size"),
         ("size = [16, 12]", "size = 4000000", "a grid of 4000000 x 4000000"),
-        ("size = [16, 12]", "size = 32000", "--max-memory"),
+        ("size = [16, 12]", "size = 32000", "`max_memory`"),
         ("cell = 5.0", "cell = 5.0\ncell = 6.0", "not valid TOML: duplicate key"),
         ("cell = 5.0", "cell = ", "not valid TOML"),
         ("cell = 5.0", "rim = \"opne\"", "did you mean \"open\"?"),
@@ -192,7 +192,7 @@ fn flags_change_the_document_before_it_is_checked() {
 fn wrong_flags_are_named_with_what_was_meant() {
     assert_eq!(
         flag("hydraulic.rian=0.1"),
-        "--set:1:11: `hydraulic` has no key `rian` (unknown key)\n  help: did you mean `rain`? It takes a number from 0 to 1 \
+        "set:1:11: `hydraulic` has no key `rian` (unknown key)\n  help: did you mean `rain`? It takes a number from 0 to 1 \
          (unit m/s, default 0.002): Water that falls in a second."
     );
     for (set, answer) in [
