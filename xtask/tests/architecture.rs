@@ -115,6 +115,16 @@ fn recipes_stand_on_core_and_rules_and_open_files_in_one_place() {
 }
 
 #[test]
+fn sessions_know_no_card_exporter_or_process() {
+    let manifest = fs::read_to_string(root().join("crates/eyot-session/Cargo.toml")).unwrap();
+    let needed = manifest.split("[dev-dependencies]").next().unwrap();
+    for line in needed.lines().filter(|l| l.starts_with("eyot")) {
+        let below = ["eyot-core.", "eyot-io.", "eyot-recipe."];
+        assert!(below.iter().any(|b| line.starts_with(b)), "eyot-session depends on {line}");
+    }
+}
+
+#[test]
 fn only_io_opens_files() {
     for folder in ["crates/eyot-mesh/src", "crates/eyot-render/src"] {
         assert_absent(folder, &["std::fs", "File::"], &[]);
@@ -160,6 +170,7 @@ fn front_ends_use_the_facade() {
         "eyot-reef",
         "eyot-render",
         "eyot-rules",
+        "eyot-session",
         "eyot-stream",
         "eyot-view",
     ] {

@@ -6,7 +6,7 @@ use crate::wording::CommandLine;
 use crate::{Failure, look, print, report};
 use clap::Args;
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Subject, Video};
-use eyot::{Cancel, Control, Limits, RunError, Timeline, View, ViewRequest};
+use eyot::{Cancel, Control, Limits, Registry, RunError, Timeline, View, ViewRequest, host};
 use indicatif::ProgressBar;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -141,7 +141,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
         None if args.run => Subject::Run(&args.from),
         None => Subject::Recording(&args.from),
     };
-    let filmed = eyot::film::film(subject, &options, &out, &limits, &control, tell);
+    let filmed = eyot::film::film(subject, &options, &out, &host(&Registry::standard()), &limits, &control, tell);
     shown.end();
     let filmed = match filmed {
         Err(RunError::Stopped) => {

@@ -110,16 +110,16 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
     };
     let run = RunOptions { limits: made::limits(args.change.max_memory), ..options(&args.work)? };
     let interrupts = Interrupts::install();
+    let host = eyot::host(&Registry::standard());
     let (serving, out) = match (&args.recipe, &args.out) {
         (_, Some(out)) if args.resume => {
-            let registry = Registry::standard();
-            (Serving::resume(out, &registry, run, serve).map_err(|e| report::run(&e))?, out.clone())
+            (Serving::resume(out, run, serve, &host).map_err(|e| report::run(&e))?, out.clone())
         }
         (Some(name), out) => {
             let recipe = made::read(name, &args.change, &[])?;
             let out = out.clone().unwrap_or_else(|| folder_name(name));
             let run = RunOptions { out: Some(out.clone()), restart: args.restart, ..run };
-            (Serving::start(recipe, run, serve).map_err(|e| report::run(&e))?, out)
+            (Serving::start(recipe, run, serve, &host).map_err(|e| report::run(&e))?, out)
         }
         // The command line asks for one of both.
         (None, _) => return Err(report::usage("nothing to serve", "give a recipe")),

@@ -43,7 +43,8 @@ pub(crate) fn list(args: &Timeline) -> Result<(), Failure> {
 
 /// Sets a run back.
 pub(crate) fn rewind(args: &Rewind) -> Result<(), Failure> {
-    let done = eyot::timeline::rewind(&args.folder, args.moment.get(), args.forget, &Limits::default());
+    let done =
+        eyot::timeline::rewind(&args.folder, args.moment.get(), args.forget, &Registry::standard(), &Limits::default());
     let mut done = done.map_err(|e| report::run(&e))?;
     if args.json {
         done.damaged = in_words(done.damaged);

@@ -1,6 +1,6 @@
 //! What this machine can simulate on, and whether it does so rightly: `eyot doctor`.
 
-use eyot::engines::isa;
+use eyot::engines::{self, isa};
 use eyot::{EngineChoice, EngineOptions};
 use eyot_core::engine::CpuEngine;
 use eyot_core::isa::Isa;
@@ -141,7 +141,7 @@ fn test(adapter: Option<&str>, no_adapters: bool) -> Result<Test, Error> {
     } else {
         let options =
             EngineOptions { choice: EngineChoice::Gpu, adapter: adapter.map(str::to_owned), ..Default::default() };
-        match blocking::open(&options.adapter()) {
+        match blocking::open(&engines::adapter(&options)) {
             Ok(gpu) => (format!("gpu ({})", gpu.name()), on_card(gpu, &mut world, &processes, span)),
             Err(e) => (format!("gpu ({})", adapter.unwrap_or("the best one")), Err(e)),
         }

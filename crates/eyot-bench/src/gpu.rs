@@ -108,12 +108,12 @@ pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
     }
     let (world, phases) = case(options)?;
     let how = Options::default().timed(true).most_passes(options.most_passes);
-    let mut engine = card(&options.engine, how)?;
-    let copy_bandwidth = copy_bandwidth(engine.gpu())?;
+    let mut engine = card(&options.engine, how).map_err(device)?;
+    let copy_bandwidth = copy_bandwidth(engine.gpu()).map_err(device)?;
     let cells = world.grid.cells() as f64;
     let start = phases.iter().any(|p| p.steps.is_some()).then(|| world.clone());
     let mut bench = Bench { engine: &mut engine, phases: &phases, start, world, done: 0 };
-    let outcome = bench.measure(options.seconds).map_err(refused);
+    let outcome = bench.measure(options.seconds);
     keep_pipelines(&engine);
     let Timed { seconds, steps, work, repeats } = outcome?;
     let n: u64 = steps.iter().sum();
@@ -141,10 +141,10 @@ pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
 }
 
 /// What does not fit is refused before anything is measured.
-fn refused(e: RunError) -> RunError {
+fn device(e: GpuError) -> RunError {
     match e {
-        RunError::Gpu(GpuError::Core(e)) => input(e),
-        e => e,
+        GpuError::Core(e) => input(e),
+        e => RunError::Device(e.into()),
     }
 }
 
@@ -279,7 +279,7 @@ impl Bench<'_> {
                     self.begin_anew();
                 } else {
                     // As runs do between two steps of a recipe.
-                    self.engine.download(&mut self.world)?;
+                    self.engine.download(&mut self.world).map_err(device)?;
                     self.engine.release();
                     self.done = 0;
                 }
@@ -293,9 +293,9 @@ impl Bench<'_> {
     fn stretch(&mut self, phase: &Phase, steps: u64) -> Result<f64, RunError> {
         let begun = Instant::now();
         let span = Span { from: self.done, steps };
-        self.engine.simulate(&mut self.world, &phase.processes, span, &Control::none())?;
-        if let Some(pending) = self.engine.request("height")? {
-            std::hint::black_box(pending.take(self.engine.gpu())?.get(0, 0));
+        self.engine.simulate(&mut self.world, &phase.processes, span, &Control::none()).map_err(device)?;
+        if let Some(pending) = self.engine.request("height").map_err(device)? {
+            std::hint::black_box(pending.take(self.engine.gpu()).map_err(device)?.get(0, 0));
         }
         self.done += steps;
         Ok(begun.elapsed().as_secs_f64())
@@ -320,7 +320,7 @@ mod tests {
     /// `None` where there is no adapter and none is required.
     fn measured(options: &GpuBenchOptions) -> Option<GpuBenchReport> {
         match run(options) {
-            Err(RunError::Gpu(GpuError::NoAdapter { .. })) if std::env::var_os("EYOT_REQUIRE_GPU").is_none() => None,
+            Err(RunError::Device(e)) if e.refused && std::env::var_os("EYOT_REQUIRE_GPU").is_none() => None,
             outcome => Some(outcome.unwrap()),
         }
     }

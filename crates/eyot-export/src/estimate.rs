@@ -4,10 +4,28 @@ use crate::pictures::{self, Subject};
 use eyot_core::remedy::Remedy;
 use eyot_core::{Grid, Limits, Result, World};
 use eyot_recipe::memory::check_bytes;
-use eyot_recipe::{Export, Preset, View, What};
+use eyot_recipe::{Estimator, Export, Preset, Step, Streamed, View, What};
 use {eyot_mesh as mesh, eyot_render as render};
 
 pub use eyot_recipe::memory::{export_remedy, picture_remedy};
+
+/// What the outputs of a recipe cost that this crate makes, for registries.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Costs;
+
+impl Estimator for Costs {
+    fn pictures(&self, grid: &Grid, view: &View) -> u128 {
+        pictures(grid, view)
+    }
+
+    fn export(&self, grid: &Grid, what: &Export, limits: &Limits) -> u128 {
+        export(grid, what, limits)
+    }
+
+    fn streamed(&self, steps: &[Step], grid: &Grid) -> Result<Option<Streamed>> {
+        eyot_session::streamed_memory(steps, grid).map(Some)
+    }
+}
 
 /// Bytes that the pictures of a run take while they are drawn, beside the world.
 pub fn pictures(grid: &Grid, view: &View) -> u128 {

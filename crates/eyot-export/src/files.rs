@@ -7,8 +7,8 @@ use eyot_core::{Control, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 
 use crate::materials::{self, Materials};
-use crate::source::Source;
 use crate::{corals, preset, views};
+use eyot_io::Source;
 use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, Preset, What};
 use eyot_reef::corals::Corals;
 use serde_json::{Map, Value};

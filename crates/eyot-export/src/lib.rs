@@ -3,7 +3,8 @@
 //!
 //! [`write`] makes the files of an export, [`convert`](convert::convert) turns height maps and runs into other formats, [`open`](open::open)
 //! finds the world in a file or a run's folder, [`draw`](pictures::draw) makes pictures of it. [`IMPORT`] is the generator that
-//! takes height maps into recipes, [`Files`] resolves the files that recipes name.
+//! takes height maps into recipes, [`Files`] resolves the files that recipes name, [`Costs`] says what outputs cost, and [`RunFiles`] writes
+//! what a run has come to.
 
 pub mod convert;
 pub mod corals;
@@ -15,14 +16,16 @@ mod fit;
 mod import;
 mod materials;
 pub mod open;
+mod outputs;
 pub mod pictures;
 mod plots;
 mod preset;
-mod source;
 mod views;
 
 pub use error::ExportError;
+pub use estimate::Costs;
+pub use eyot_io::Source;
 pub use files::{Job, write, write_text};
 pub use import::{Files, IMPORT, Import, read_raster};
+pub use outputs::RunFiles;
 pub use pictures::Subject;
-pub use source::Source;

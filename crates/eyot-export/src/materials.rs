@@ -9,8 +9,8 @@
 //!
 //! A cell's shares need its neighbours' heights and nothing else, so they are made while they are written.
 
-use crate::source::Source;
 use eyot_core::Result;
+use eyot_io::Source;
 use eyot_io::{self as io, About, Rows};
 use eyot_recipe::Export;
 use eyot_recipe::MATERIALS;

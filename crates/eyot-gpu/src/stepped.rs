@@ -8,6 +8,7 @@ use crate::error::{GpuError, Result as GpuResult};
 use eyot_core::engine::{Ahead, Borrowed, CpuEngine, DeviceError, Engine, EngineError, Saved};
 use eyot_core::plan::Plan;
 use eyot_core::process::acts;
+use eyot_core::remedy::Worded;
 use eyot_core::{Grid, Limits, World};
 use std::borrow::Cow;
 
@@ -16,8 +17,16 @@ impl From<GpuError> for EngineError {
         match e {
             GpuError::Core(e) => Self::Core(e),
             GpuError::CannotWait => Self::NotReady,
-            e => Self::Device(DeviceError { lost: e.is_lost(), source: Box::new(e) }),
+            e => Self::Device(e.into()),
         }
+    }
+}
+
+impl From<GpuError> for DeviceError {
+    fn from(e: GpuError) -> Self {
+        use GpuError::{Limits, NoAdapter, OutOfMemory, Picture};
+        let refused = matches!(e, NoAdapter { .. } | Picture { .. } | OutOfMemory { .. } | Limits { .. });
+        Self { lost: e.is_lost(), refused, sentence: e.sentence(), source: Box::new(e) }
     }
 }
 

@@ -70,6 +70,7 @@ mod sample;
 mod scale;
 mod scene;
 mod sidecar;
+mod source;
 pub mod storage;
 mod table;
 pub mod timeline;
@@ -100,5 +101,6 @@ pub use raster::{Numbers, Raster, ReadOptions, is_zarr, layer_names, read_raster
 pub use rows::Rows;
 pub use sample::{ByteOrder, RowOrder, Sample};
 pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};
+pub use source::Source;
 pub use table::{Column, Table};
 pub use zarr::{SECONDS, store_attributes, write_store};

@@ -1,18 +1,15 @@
 //! Who draws views of a world: the processor's rays, or a graphics card.
 
-use crate::backend::{io, render};
-use crate::engines::{EngineChoice, EngineOptions};
-use crate::error::RunError;
-use crate::keys::View;
-use crate::outputs::{run_error, stopped};
-use crate::store::Subject;
+use crate::engines::adapter;
 use eyot_core::remedy;
 use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Limits, World};
-use eyot_export::estimate;
 use eyot_export::pictures::{check_picture_name, view_options};
+use eyot_export::{ExportError, Subject, estimate};
 use eyot_gpu::{Gpu, GpuError, blocking};
-use eyot_render::{Camera, LayerColours, MapOptions, Picture, Stage};
+use eyot_recipe::View;
+use eyot_render::{self as render, Camera, LayerColours, MapOptions, Picture, Stage};
+use eyot_session::{EngineChoice, EngineOptions, RunError};
 use eyot_view::{Renderer, Scene};
 use std::path::Path;
 
@@ -60,7 +57,7 @@ impl ViewRenderer {
                 Ok(backend) => return Ok(Self { backend, notes }),
                 Err(GpuError::Core(e)) => return Err(stopped(e)),
                 Err(e) if auto => notes.push(remedy![e, "; the processor draws instead"]),
-                Err(e) => return Err(RunError::Gpu(e)),
+                Err(e) => return Err(device(e)),
             }
         }
         Ok(Self { backend: Backend::cpu(world, request, limits, control)?, notes })
@@ -96,7 +93,7 @@ impl ViewRenderer {
             }
             Backend::Gpu { gpu, renderer, scene } => {
                 let layers: Vec<&str> = world.layers().iter().map(|l| &*l.spec.name).collect();
-                scene.update(gpu, renderer, world, &layers).map_err(RunError::Gpu)
+                scene.update(gpu, renderer, world, &layers).map_err(device)
             }
         }
     }
@@ -119,10 +116,8 @@ impl ViewRenderer {
             }
             Backend::Gpu { gpu, renderer, scene } => {
                 control.check().map_err(stopped)?;
-                let picture = renderer
-                    .draw(gpu, scene, camera, size, time_s)
-                    .and_then(|shot| shot.take(gpu))
-                    .map_err(RunError::Gpu)?;
+                let picture =
+                    renderer.draw(gpu, scene, camera, size, time_s).and_then(|shot| shot.take(gpu)).map_err(device)?;
                 Ok(scene.with_legend(picture))
             }
         }
@@ -147,7 +142,7 @@ impl Backend {
     }
 
     fn gpu(world: &World, s: &ViewRequest, limits: &Limits) -> Result<Self, GpuError> {
-        let gpu = blocking::open(&s.engine.adapter())?;
+        let gpu = blocking::open(&adapter(&s.engine))?;
         // Cells and nodes take less than for rays; a pixel has four samples of colour and depth, and is read back.
         let pixels = s.view.size.iter().map(|n| u128::from(*n)).product::<u128>();
         let bytes = estimate::picture(&world.grid, &s.view, Subject::View) + 47 * pixels;
@@ -161,6 +156,14 @@ impl Backend {
         };
         Ok(Self::Gpu { gpu: Box::new(gpu), renderer: Box::new(renderer), scene: Box::new(scene) })
     }
+}
+
+fn device(e: GpuError) -> RunError {
+    RunError::Device(e.into())
+}
+
+pub(crate) fn stopped(e: eyot_core::Error) -> RunError {
+    ExportError::stopped(e).into()
 }
 
 /// A picture that was drawn.
@@ -178,11 +181,11 @@ pub struct Drawn {
 /// If `path` has another extension than `.png` or cannot be written, which is found out first, there is no such layer or
 /// adapter, or the picture exceeds the limits.
 pub fn draw_view(world: &World, request: &ViewRequest, path: &Path, limits: &Limits) -> Result<Drawn, RunError> {
-    check_picture_name(path).map_err(run_error)?;
+    check_picture_name(path).map_err(RunError::from)?;
     let control = Control::none();
     let mut renderer = ViewRenderer::new(world, request, limits, &control)?;
     let camera = renderer.stage().camera(&view_options(&request.view));
     let picture = renderer.draw(&camera, request.view.size, 0.0, &control)?;
-    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(|e| RunError::file(e))?;
+    eyot_io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
     Ok(Drawn { engine: renderer.name(), notes: renderer.notes })
 }

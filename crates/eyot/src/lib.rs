@@ -39,47 +39,30 @@ pub use eyot_stream as network;
 pub use eyot_view as view;
 
 mod artist;
-mod backend;
-mod clock;
 pub mod convert;
 pub mod engines;
-mod error;
-mod event;
 pub mod film;
-mod lock;
-mod outputs;
 mod registry;
 mod run;
 pub mod serve;
-pub mod session;
-mod state;
 pub mod store;
-mod stream;
-pub mod timeline;
-mod watch;
 
 pub use artist::{Drawn, ViewRequest, draw_view};
-pub use engines::{EngineChoice, EngineOptions};
-pub use error::{RunError, shell_word};
-pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_core::{Cancel, Control, Edge, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits, Rim, World};
 pub use eyot_export::Import;
-pub use eyot_io::timeline::Record;
 pub use eyot_recipe::{
     Actor, BuiltIn, Bytes, Change, Choice, Citation, Citations, Description, Diagnostic, Export, ExportFormat,
     Expression, FirstRow, GenerateStep, Merge, Overrides, ParameterInfo, Preset, Problems, ProcessUse, RECIPES, Recipe,
     RecipeDoc, RecipeSource, SimulateStep, Source, Span, Step, StepDoc, View, What, Work, all_citations, cite,
     describe, keys, merge, nearest, recipe_schema,
 };
+pub use eyot_session as session;
+pub use eyot_session::{
+    Command, EngineChoice, EngineOptions, Event, Handle, JournalEntry, Look, OVERVIEW, Outcome, Progress, Record,
+    Remote, RunError, RunOptions, Stream, Timeline, Watch, Watcher, shell_word, timeline,
+};
 pub use registry::{Registry, component_kinds};
-pub use run::{Handle, Remote, Run, RunOptions};
-pub use session::Outcome;
-pub use stream::{OVERVIEW, Stream};
-pub use timeline::Timeline;
-pub use watch::{Look, Watch, Watcher};
-
-// Where the modules of a run look for what recipes are.
-pub(crate) use eyot_recipe::{self as diagnostic, self as recipe, layers, process_set};
+pub use run::{Run, host};
 
 /// Version of the engine.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

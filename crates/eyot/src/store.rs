@@ -1,12 +1,11 @@
 //! Worlds that lie in files: finished and stopped runs, and height maps.
 
-use crate::backend::analyse;
-use crate::error::RunError;
-use crate::outputs::run_error;
 use crate::registry::component_kinds;
 use eyot_core::{Limits, World};
 use eyot_io::ReadOptions;
+use eyot_land::analyse;
 use eyot_recipe::View;
+use eyot_session::RunError;
 use serde_json::Value;
 use std::path::Path;
 
@@ -19,7 +18,7 @@ pub use eyot_io::run_folder::*;
 /// # Errors
 /// If there is nothing that can be opened; the text says what would be right.
 pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
-    eyot_export::open::open(path, limits, &component_kinds()).map_err(run_error)
+    eyot_export::open::open(path, limits, &component_kinds()).map_err(RunError::from)
 }
 
 /// As [`open`], with what a height map itself leaves open.
@@ -27,7 +26,7 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Opened, RunError> {
 /// # Errors
 /// As [`open`].
 pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Opened, RunError> {
-    eyot_export::open::open_with(path, options, limits, &component_kinds()).map_err(run_error)
+    eyot_export::open::open_with(path, options, limits, &component_kinds()).map_err(RunError::from)
 }
 
 /// Draws a world into a PNG file.
@@ -36,7 +35,7 @@ pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<
 /// If `path` has another extension than `.png`, the layer is not there, the picture exceeds the limits, or the file cannot be
 /// written, which is found out first.
 pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, limits: &Limits) -> Result<(), RunError> {
-    eyot_export::pictures::draw_file(world, options, subject, path, limits).map_err(run_error)
+    eyot_export::pictures::draw_file(world, options, subject, path, limits).map_err(RunError::from)
 }
 
 /// Statistics of a world's terrain, and of its climate if it has one.

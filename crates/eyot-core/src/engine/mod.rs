@@ -8,6 +8,7 @@ use crate::grid::Grid;
 use crate::limits::Limits;
 use crate::plan::Plan;
 use crate::process::{Process, Scheduled, Span};
+use crate::remedy::Remedy;
 use crate::world::World;
 use std::borrow::Cow;
 
@@ -46,12 +47,22 @@ impl EngineError {
 
 /// What a device says that cannot go on.
 #[derive(Debug, thiserror::Error)]
-#[error("{source}")]
+#[error("{sentence}")]
 pub struct DeviceError {
     /// The device is gone, though the world may be continued on another.
     pub lost: bool,
+    /// What was asked for cannot be: there is no such device, or not enough of its memory.
+    pub refused: bool,
+    /// What happened, and what to do.
+    pub sentence: Remedy,
     /// The engine's own error.
     pub source: Box<dyn std::error::Error + Send + Sync>,
+}
+
+impl From<DeviceError> for Remedy {
+    fn from(e: DeviceError) -> Self {
+        e.sentence
+    }
 }
 
 /// What the stepper knows about a plan and what lies behind it.

@@ -1,16 +1,13 @@
 //! Pictures of a film from above: reliefs, for worlds that no camera on the ground sees.
 
-use crate::artist::ViewRequest;
-use crate::backend::render::{Picture, ReliefOptions, relief_controlled};
-use crate::engines::EngineChoice;
-use crate::error::RunError;
-use crate::outputs::stopped;
-use crate::store::Subject;
+use crate::artist::{ViewRequest, stopped};
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Control, Grid, Limits, World};
-use eyot_export::estimate;
 use eyot_export::pictures::relief_options;
+use eyot_export::{Subject, estimate};
+use eyot_render::{Picture, ReliefOptions, relief_controlled};
+use eyot_session::{EngineChoice, RunError};
 
 /// A world from above, whose last state scales all pictures.
 pub(super) struct Map {

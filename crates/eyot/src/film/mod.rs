@@ -10,17 +10,17 @@ mod rerun;
 mod video;
 
 use crate::artist::{ViewRenderer, ViewRequest};
-use crate::backend::{io, render};
-use crate::error::{RunError, shell_word};
-use crate::keys::View;
 use eyot_core::layer::known::ARIDITY;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Control, Limits, World};
 use eyot_export::pictures::view_options;
+use eyot_io as io;
+use eyot_recipe::View;
+use eyot_render::{CameraPath, Picture};
+use eyot_session::{Host, RunError, shell_word};
 use map::Map;
 use reel::{Playing, Reel};
-use render::{CameraPath, Picture};
 use rerun::{Made, Rerun};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -114,7 +114,7 @@ pub enum Subject<'a> {
     Recording(&'a Path),
 }
 
-/// Films a world, a run or a recording into the folder `out`.
+/// Films a world, a run or a recording into the folder `out`. Runs are carried out again with registry and engines of the `host`.
 ///
 /// # Errors
 /// [`RunError::Input`] if the options or the path's file are wrong, the folder holds another film, or there is no such run or
@@ -123,6 +123,7 @@ pub fn film(
     subject: Subject<'_>,
     options: &FilmOptions,
     out: &Path,
+    host: &Host,
     limits: &Limits,
     control: &Control<'_>,
     tell: &mut dyn FnMut(&FilmProgress),
@@ -131,11 +132,11 @@ pub fn film(
     let land = match subject {
         Subject::World(world) => Land { world, moves: None },
         Subject::Run(folder) => {
-            made = Made::open(folder, limits)?;
+            made = Made::open(folder, host, limits)?;
             Land { world: &made.world, moves: Some(Moves::Run(&made)) }
         }
         Subject::Recording(folder) => {
-            reel = Reel::open(folder, limits)?;
+            reel = Reel::open(folder, host.registry.components(), limits)?;
             Land { world: &reel.last, moves: Some(Moves::Recording(&reel)) }
         }
     };
@@ -375,7 +376,7 @@ fn manifest(land: &Land<'_>, o: &FilmOptions, eye: &Eye, frames: u32) -> Value {
         })
         .collect();
     json!({
-        "engine_version": crate::VERSION,
+        "engine_version": eyot_session::VERSION,
         "world": format!("{:016x}", land.world.fingerprint()),
         "shows": land.moves.map_or("the world", Moves::name),
         "engine": eye.name(),

@@ -17,8 +17,8 @@
 //! distance = 0.5          # what a key leaves out is as in the key before
 //! ```
 
-use crate::backend::render::{CameraPath, Key, Pose};
-use crate::error::RunError;
+use eyot_render::{CameraPath, Key, Pose};
+use eyot_session::RunError;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -1,17 +1,18 @@
 //! A recording that is played for a film.
 
 use super::MOST_FRAMES;
-use crate::error::RunError;
-use crate::timeline::{Damaged, Timeline};
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Worded};
-use eyot_core::{Limits, World};
+use eyot_core::{ComponentKinds, Limits, World};
+use eyot_session::RunError;
+use eyot_session::timeline::{Damaged, Timeline};
 use std::path::Path;
 use std::sync::Arc;
 
 /// A recording with its last state.
 pub(super) struct Reel {
     timeline: Timeline,
+    kinds: ComponentKinds,
     /// The world of its last frame that can be read.
     pub(super) last: World,
     /// The moments of its first and last frame that can be read, in steps.
@@ -25,14 +26,14 @@ impl Reel {
     ///
     /// # Errors
     /// If there is none, or none of its frames can be read.
-    pub(super) fn open(folder: &Path, limits: &Limits) -> Result<Self, RunError> {
+    pub(super) fn open(folder: &Path, kinds: &ComponentKinds, limits: &Limits) -> Result<Self, RunError> {
         let timeline = Timeline::open(folder, limits)?;
         let mut damaged = timeline.damaged().to_vec();
         for frame in timeline.frames().iter().rev() {
-            match timeline.load(frame.frame) {
+            match timeline.load(frame.frame, kinds) {
                 Ok(last) => {
                     let span = (timeline.frames()[0].steps_done, frame.steps_done);
-                    return Ok(Self { last, span, damaged, timeline });
+                    return Ok(Self { last, span, damaged, kinds: kinds.clone(), timeline });
                 }
                 Err(e) => damaged.push(Damaged { frame: frame.frame, steps_done: frame.steps_done, reason: e.into() }),
             }
@@ -87,7 +88,7 @@ impl Playing<'_> {
             if self.shown == Some(frame.frame) {
                 return Ok(None);
             }
-            match self.reel.timeline.load(frame.frame) {
+            match self.reel.timeline.load(frame.frame, &self.reel.kinds) {
                 Ok(world) => {
                     self.shown = Some(frame.frame);
                     return Ok(Some(Arc::new(world)));

@@ -1,19 +1,13 @@
 //! A run that is done again for a film: the recipe of a finished run, held at each moment that is to be seen.
 
-use crate::backend::io::checkpoint;
-use crate::error::RunError;
-use crate::event::{Command, Event};
-use crate::recipe::{Recipe, Work};
-use crate::registry::{Registry, component_kinds};
-use crate::run::{Handle, Run, RunOptions};
-use crate::state::State;
-use crate::store::WORLD_FILE;
-use crate::stream::Stream;
 use eyot_core::remedy;
 use eyot_core::remedy::{Action, Remedy, Setting};
 use eyot_core::{Control, Limits, World};
 use eyot_export::estimate;
-use eyot_recipe::memory;
+use eyot_io::checkpoint;
+use eyot_io::run_folder::WORLD_FILE;
+use eyot_recipe::{Recipe, Work, memory};
+use eyot_session::{Command, Event, Handle, Host, Run, RunError, RunOptions, State, Stream};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
@@ -28,6 +22,7 @@ pub(super) struct Made {
     pub(super) world: World,
     recipe: Recipe,
     state: State,
+    host: Host,
 }
 
 impl Made {
@@ -35,21 +30,21 @@ impl Made {
     ///
     /// # Errors
     /// If it holds none, or one that simulates nothing, or the run does not fit into memory beside its film.
-    pub(super) fn open(folder: &Path, limits: &Limits) -> Result<Self, RunError> {
+    pub(super) fn open(folder: &Path, host: &Host, limits: &Limits) -> Result<Self, RunError> {
         let refuse = |reason: Remedy| {
             let simulate = " films runs that simulate something and that ";
             RunError::refused(reason, remedy![Setting::Run, simulate, Action::Run, " finished in one piece"])
         };
         let file = folder.join(WORLD_FILE);
-        let saved = checkpoint::load(&file, limits, &component_kinds()).map_err(|e| refuse(e.into()))?;
+        let saved = checkpoint::load(&file, limits, host.registry.components()).map_err(|e| refuse(e.into()))?;
         let state: State = serde_json::from_value(saved.state)
             .map_err(|e| refuse(format!("`{}` holds no state of a run: {e}", file.display()).into()))?;
         if !state.finished {
             return Err(refuse(format!("the run in `{}` is not finished", folder.display()).into()));
         }
         let overrides = state.overrides.clone();
-        let recipe = state.recipe(saved.recipe_toml, overrides, &Registry::standard(), limits)?;
-        let made = Self { world: saved.world, recipe, state };
+        let recipe = state.recipe(saved.recipe_toml, overrides, &host.registry, limits)?;
+        let made = Self { world: saved.world, recipe, state, host: host.clone() };
         let (first, last) = made.span();
         if first == last {
             return Err(refuse(format!("the run in `{}` simulates nothing", folder.display()).into()));
@@ -91,7 +86,7 @@ impl Made {
             replay: self.state.journal.clone(),
             ..RunOptions::default()
         };
-        let handle = Run::start(self.recipe.clone(), options)?;
+        let handle = Run::start(self.recipe.clone(), options, &self.host)?;
         let mut rerun = Rerun { handle: Some(handle), done: 0, last: self.span().1, end: None, notes: Vec::new() };
         rerun.wait(control, |e| matches!(e, Event::Paused { .. }))?;
         Ok(rerun)

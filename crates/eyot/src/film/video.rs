@@ -1,8 +1,8 @@
 //! A video of a film's pictures, made by ffmpeg where it is installed.
 
-use crate::error::RunError;
 use eyot_core::Control;
 use eyot_core::remedy::Remedy;
+use eyot_session::RunError;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

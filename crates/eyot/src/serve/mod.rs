@@ -1,21 +1,15 @@
 //! Runs that others watch over the network: a run whose every step goes to the clients of a [`Server`].
 //!
-//! The run's own thread looks at the world ([`Watch`](crate::Watch)) and publishes it; the server sends what has changed. Clients may
+//! The run's own thread looks at the world ([`Watch`](eyot_session::Watch)) and publishes it; the server sends what has changed. Clients may
 //! pause, resume and step the run. They reach nothing else of it.
 
 mod stage;
 
-use crate::error::RunError;
-use crate::event::{Command, Event};
-use crate::recipe::Recipe;
-use crate::registry::Registry;
-use crate::run::{Handle, Remote, Run, RunOptions};
-use crate::session::Outcome;
-use crate::stream::Stream;
-use crate::watch::Watcher;
 use eyot_core::Limits;
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
+use eyot_recipe::Recipe;
+use eyot_session::{Command, Event, Handle, Host, Outcome, Remote, Run, RunError, RunOptions, Stream, Watcher};
 use eyot_stream::{Ending, Notice, Order, Server, Status};
 use std::net::SocketAddr;
 use std::path::Path;
@@ -87,22 +81,17 @@ impl Serving {
     ///
     /// # Errors
     /// As [`Run::start`], and if the server cannot listen or there is nothing such as `options` want to send.
-    pub fn start(recipe: Recipe, run: RunOptions, options: ServeOptions) -> Result<Self, RunError> {
+    pub fn start(recipe: Recipe, run: RunOptions, options: ServeOptions, host: &Host) -> Result<Self, RunError> {
         options.check(&recipe, &run.limits)?;
-        Self::launch(run, options, |run| Run::start(recipe, run))
+        Self::launch(run, options, |run| Run::start(recipe, run, host))
     }
 
     /// Continues a stopped run and serves it from there.
     ///
     /// # Errors
     /// As [`Run::resume`] and [`Serving::start`].
-    pub fn resume(
-        folder: &Path,
-        registry: &Registry,
-        run: RunOptions,
-        options: ServeOptions,
-    ) -> Result<Self, RunError> {
-        Self::launch(run, options, |run| Run::resume(folder, registry, run))
+    pub fn resume(folder: &Path, run: RunOptions, options: ServeOptions, host: &Host) -> Result<Self, RunError> {
+        Self::launch(run, options, |run| Run::resume(folder, run, host))
     }
 
     fn launch(

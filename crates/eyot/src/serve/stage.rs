@@ -1,18 +1,16 @@
 //! What clients of a run see: its world as the scene of a stream.
 
 use super::ServeOptions;
-use crate::error::RunError;
-use crate::layers;
-use crate::recipe::{Recipe, Work};
-use crate::watch::{Look, Watch};
 use eyot_core::component::Table;
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
 use eyot_core::{Cancel, Limits, Stagger, World};
 use eyot_export::corals;
+use eyot_recipe::{Recipe, Work, layers};
 use eyot_reef::bodies::Shape;
 use eyot_reef::community::{Form, Population, RAYS};
 use eyot_reef::corals::{Corals, POPULATION};
+use eyot_session::{Look, RunError, Watch};
 use eyot_stream::{Alga, Colony, Hello, LayerInfo, Moment, Raster, Scene, Server, SpeciesInfo};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -159,7 +157,7 @@ pub(super) fn hello(recipe: &Recipe, options: &ServeOptions, limits: &Limits) ->
         every: options.every.max(1),
         rays: options.rays && corals.is_some(),
         orders: options.server.orders,
-        engine: crate::VERSION.to_owned(),
+        engine: eyot_session::VERSION.to_owned(),
         recipe: recipe.name.clone(),
         species: species.collect(),
         layers: infos,

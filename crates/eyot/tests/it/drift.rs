@@ -78,11 +78,11 @@ fn drifting_worlds_are_the_same_however_they_are_run() {
     assert_eq!(again.world.ledger, first.world.ledger);
     // Back to frames before, between and after the changes, and to one at which plates take their turn.
     for step in [55, 35, 30, 20, 10] {
-        rewind(&out, Moment::Step(step), false, &Limits::default()).unwrap();
+        rewind(&out, Moment::Step(step), false, &Registry::standard(), &Limits::default()).unwrap();
         let again = Run::resume(&out, &Registry::standard(), options(None, 2)).unwrap().join().unwrap();
         assert_eq!(again.fingerprint, first.fingerprint, "from {step}");
     }
-    rewind(&out, Moment::Step(10), true, &Limits::default()).unwrap();
+    rewind(&out, Moment::Step(10), true, &Registry::standard(), &Limits::default()).unwrap();
     let forgotten = Run::resume(&out, &Registry::standard(), options(None, 2)).unwrap().join().unwrap();
     assert_eq!(forgotten.fingerprint, plain.fingerprint);
 }

@@ -35,7 +35,7 @@ fn run(lose_device_after: Option<u64>, out: Option<&Path>) -> Option<(Outcome, V
     let events: Vec<Event> = handle.events().iter().collect();
     match handle.join() {
         Ok(outcome) => Some((outcome, events)),
-        Err(RunError::Gpu(e))
+        Err(RunError::Device(e))
             if std::env::var_os("EYOT_REQUIRE_GPU").is_none() && e.to_string().contains("no graphics") =>
         {
             eprintln!("skipped: {e}");
@@ -143,7 +143,7 @@ fn two_runs_on_a_card_have_the_same_ledger() {
         };
         match Run::start(common::recipe(HILLS, &[]), options).unwrap().join() {
             Ok(outcome) => Some(outcome.world),
-            Err(RunError::Gpu(_)) if std::env::var_os("EYOT_REQUIRE_GPU").is_none() => None,
+            Err(RunError::Device(_)) if std::env::var_os("EYOT_REQUIRE_GPU").is_none() => None,
             Err(e) => panic!("{e}"),
         }
     };

@@ -30,7 +30,15 @@ fn options(path: FilmPath) -> FilmOptions {
 }
 
 fn make(o: &FilmOptions, out: &Path, told: &mut dyn FnMut(&FilmProgress)) -> Result<Filmed, RunError> {
-    film(Subject::World(&world()), o, out, &Limits::default(), &Control::none(), told)
+    film(
+        Subject::World(&world()),
+        o,
+        out,
+        &eyot::host(&eyot::Registry::standard()),
+        &Limits::default(),
+        &Control::none(),
+        told,
+    )
 }
 
 /// The pictures in a folder.
@@ -74,7 +82,15 @@ fn a_film_that_was_stopped_goes_on_to_the_same_pictures() {
             cancel.raise();
         }
     };
-    let stopped = film(Subject::World(&world()), &o, &parts, &Limits::default(), &control, stop_after_two);
+    let stopped = film(
+        Subject::World(&world()),
+        &o,
+        &parts,
+        &eyot::host(&eyot::Registry::standard()),
+        &Limits::default(),
+        &control,
+        stop_after_two,
+    );
     assert!(matches!(stopped, Err(RunError::Stopped)));
     assert_eq!(frames(&parts).len(), 2);
     let filmed = make(&o, &parts, &mut |_| {}).unwrap();
@@ -188,7 +204,7 @@ fn the_film_of_a_run_ends_with_its_world_and_goes_on_after_a_stop() {
     o.request.drape = Some("water".to_owned());
     let (whole, parts) = (dir.path().join("whole"), dir.path().join("parts"));
     let make = |out: &Path, control: &Control<'_>, told: &mut dyn FnMut(&FilmProgress)| {
-        film(Subject::Run(&run), &o, out, &Limits::default(), control, told)
+        film(Subject::Run(&run), &o, out, &eyot::host(&eyot::Registry::standard()), &Limits::default(), control, told)
     };
     assert_eq!(make(&whole, &Control::none(), &mut |_| {}).unwrap().drawn, 5);
     let pictures = frames(&whole);
@@ -222,8 +238,16 @@ fn the_film_of_a_recording_shows_its_frames() {
     assert_eq!(steps, [0, 8, 16, 24, 30, 32, 40]);
     let play = |o: &FilmOptions, out: &str| {
         let out = dir.path().join(out);
-        let filmed =
-            film(Subject::Recording(&run), o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        let filmed = film(
+            Subject::Recording(&run),
+            o,
+            &out,
+            &eyot::host(&eyot::Registry::standard()),
+            &Limits::default(),
+            &Control::none(),
+            &mut |_| {},
+        )
+        .unwrap();
         (filmed.frames, frames(&out))
     };
     let o = FilmOptions { frames: None, ..options(FilmPath::Still) };
@@ -233,7 +257,8 @@ fn the_film_of_a_recording_shows_its_frames() {
     let distinct: std::collections::BTreeSet<_> = pictures.values().collect();
     assert_eq!(distinct.len(), 6, "the land changes");
     let last = dir.path().join("last.png");
-    eyot::draw_view(&timeline.load(6).unwrap(), &o.request, &last, &Limits::default()).unwrap();
+    eyot::draw_view(&timeline.load(6, &eyot::component_kinds()).unwrap(), &o.request, &last, &Limits::default())
+        .unwrap();
     assert_eq!(std::fs::read(&last).unwrap(), pictures["frame_00005.png"]);
     let (count, slow) = play(&FilmOptions { frames: Some(11), ..o.clone() }, "slow");
     assert_eq!(count, 11);
@@ -247,7 +272,16 @@ fn the_film_of_a_recording_shows_its_frames() {
     std::fs::write(run.join("timeline.zarr/height/c/6/0/0"), "damaged").unwrap();
     let out = dir.path().join("gaps");
     let none = (&Limits::default(), Control::none());
-    let filmed = film(Subject::Recording(&run), &o, &out, none.0, &none.1, &mut |_| {}).unwrap();
+    let filmed = film(
+        Subject::Recording(&run),
+        &o,
+        &out,
+        &eyot::host(&eyot::Registry::standard()),
+        none.0,
+        &none.1,
+        &mut |_| {},
+    )
+    .unwrap();
     assert_eq!(filmed.notes.len(), 3, "{:?}", filmed.notes);
     for (note, frame) in filmed.notes.iter().zip(["frame 1 of step 8", "frame 3 of step 24", "frame 6 of step 40"]) {
         assert!(note.to_string().contains(frame) && note.to_string().contains("timeline.zarr"), "{note}");
@@ -255,7 +289,8 @@ fn the_film_of_a_recording_shows_its_frames() {
     let gaps = frames(&out);
     assert_eq!(gaps.len(), 5, "the last frame that can be read is of step 32");
     let last = dir.path().join("last-whole.png");
-    eyot::draw_view(&timeline.load(5).unwrap(), &o.request, &last, &Limits::default()).unwrap();
+    eyot::draw_view(&timeline.load(5, &eyot::component_kinds()).unwrap(), &o.request, &last, &Limits::default())
+        .unwrap();
     assert_eq!(std::fs::read(&last).unwrap(), gaps["frame_00004.png"]);
     assert_eq!(gaps["frame_00001.png"], gaps["frame_00000.png"]);
     assert_eq!(gaps["frame_00003.png"], gaps["frame_00002.png"]);
@@ -264,6 +299,7 @@ fn the_film_of_a_recording_shows_its_frames() {
         Subject::Recording(dir.path()),
         &o,
         &dir.path().join("none"),
+        &eyot::host(&eyot::Registry::standard()),
         &Limits::default(),
         &Control::none(),
         &mut |_| {},
@@ -276,7 +312,16 @@ fn a_film_of_what_is_no_run_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let (o, out) = (options(FilmPath::Still), dir.path().join("film"));
     let refused = |run: &Path| {
-        let e = film(Subject::Run(run), &o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap_err();
+        let e = film(
+            Subject::Run(run),
+            &o,
+            &out,
+            &eyot::host(&eyot::Registry::standard()),
+            &Limits::default(),
+            &Control::none(),
+            &mut |_| {},
+        )
+        .unwrap_err();
         assert!(e.is_refusal() && !out.exists(), "{e}");
         e.to_string()
     };
@@ -296,7 +341,16 @@ fn dry_land_is_dry_from_the_first_picture_on() {
     common::run(common::recipe(&format!("{SLIDES}{dry}"), &[]), &desert);
     let o = FilmOptions { frames: Some(2), ..options(FilmPath::Still) };
     let first = |run: &Path| {
-        film(Subject::Run(run), &o, &run.join("film"), &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        film(
+            Subject::Run(run),
+            &o,
+            &run.join("film"),
+            &eyot::host(&eyot::Registry::standard()),
+            &Limits::default(),
+            &Control::none(),
+            &mut |_| {},
+        )
+        .unwrap();
         frames(&run.join("film"))["frame_00000.png"].clone()
     };
     assert!(first(&wet) != first(&desert));
@@ -345,7 +399,16 @@ fn a_film_from_above_is_of_reliefs() {
         [("still", Subject::World(&world)), ("run", Subject::Run(&run)), ("recording", Subject::Recording(&run))]
     {
         let out = dir.path().join(name);
-        let filmed = film(subject, &o, &out, &Limits::default(), &Control::none(), &mut |_| {}).unwrap();
+        let filmed = film(
+            subject,
+            &o,
+            &out,
+            &eyot::host(&eyot::Registry::standard()),
+            &Limits::default(),
+            &Control::none(),
+            &mut |_| {},
+        )
+        .unwrap();
         assert!(filmed.notes.iter().any(|n| n.to_string().contains("96 x 48 pixels")), "{:?}", filmed.notes);
         assert!(filmed.notes.iter().any(|n| n.to_string().contains("by the processor")), "{:?}", filmed.notes);
         let pictures = frames(&out);

@@ -65,7 +65,7 @@ fn a_recording_of_the_version_before_is_read() {
     let head = folder.path().join("timeline.zarr/.frames/3.eyot");
     assert_ne!(std::fs::read(&head).unwrap(), std::fs::read(golden("version-2-frame.eyot")).unwrap());
     std::fs::copy(golden("version-2-frame.eyot"), &head).unwrap();
-    let frame = Timeline::open(folder.path(), &Limits::default()).unwrap().load(3).unwrap();
+    let frame = Timeline::open(folder.path(), &Limits::default()).unwrap().load(3, &component_kinds()).unwrap();
     assert_eq!(format!("{:016x}", frame.fingerprint()), "65e67c28e70124a0");
     // The census of that time has no columns; its rows are the same.
     let census = world.components.get::<Table>("corals.census").unwrap().unwrap().clone();

@@ -153,12 +153,19 @@ fn frames_are_the_worlds_of_their_steps_and_the_results_those_of_an_unrecorded_r
     ];
     assert_eq!(places(&t), expected);
     for frame in &t.frames()[..9] {
-        assert_eq!(t.load(frame.frame).unwrap(), world_at(frame.recipe_step, frame.step), "{frame:?}");
+        assert_eq!(
+            t.load(frame.frame, &eyot::component_kinds()).unwrap(),
+            world_at(frame.recipe_step, frame.step),
+            "{frame:?}"
+        );
     }
-    assert_eq!(t.load(9).unwrap(), outcome.world);
+    assert_eq!(t.load(9, &eyot::component_kinds()).unwrap(), outcome.world);
     assert_eq!(t.find(Moment::Step(69)).unwrap().steps_done, 60);
     assert!(t.find(Moment::Frame(10)).is_err());
-    assert!(t.load(0).unwrap().get("water").is_none() && t.load(1).unwrap().get("water").is_some());
+    assert!(
+        t.load(0, &eyot::component_kinds()).unwrap().get("water").is_none()
+            && t.load(1, &eyot::component_kinds()).unwrap().get("water").is_some()
+    );
 }
 
 #[test]
@@ -168,7 +175,7 @@ fn a_run_set_back_goes_on_to_the_same_bytes() {
     run(&out, Some(RECORD));
     let (whole, recorded) = (results(&out), places(&timeline(&out)));
     for moment in [Moment::Step(0), Moment::Step(39), Moment::Frame(5), Moment::Step(60), Moment::Frame(9)] {
-        let done = rewind(&out, moment, false, &Limits::default()).unwrap();
+        let done = rewind(&out, moment, false, &Registry::standard(), &Limits::default()).unwrap();
         assert_eq!(done.dropped, 9 - done.frame.frame);
         assert!(done.has_results);
         assert_eq!(timeline(&out).frames().last(), Some(&done.frame));
@@ -208,16 +215,16 @@ fn changes_by_hand_are_made_again_or_forgotten() {
     assert_ne!(first.fingerprint, untouched.fingerprint);
     let whole = results(&out);
     for step in [60, 20, 10, 0] {
-        rewind(&out, Moment::Step(step), false, &Limits::default()).unwrap();
+        rewind(&out, Moment::Step(step), false, &Registry::standard(), &Limits::default()).unwrap();
         let again = resume(&out);
         assert_eq!(again.journal, first.journal, "from {step}");
         assert_same(&results(&out), &whole, &format!("from {step}"));
     }
     // Twice before it goes on: nothing is lost on the way.
-    rewind(&out, Moment::Step(60), false, &Limits::default()).unwrap();
-    rewind(&out, Moment::Step(10), false, &Limits::default()).unwrap();
+    rewind(&out, Moment::Step(60), false, &Registry::standard(), &Limits::default()).unwrap();
+    rewind(&out, Moment::Step(10), false, &Registry::standard(), &Limits::default()).unwrap();
     assert_eq!(resume(&out).fingerprint, first.fingerprint);
-    rewind(&out, Moment::Step(10), true, &Limits::default()).unwrap();
+    rewind(&out, Moment::Step(10), true, &Registry::standard(), &Limits::default()).unwrap();
     let forgotten = resume(&out);
     assert!(forgotten.journal.is_empty());
     assert_eq!(forgotten.fingerprint, untouched.fingerprint);
@@ -279,7 +286,7 @@ fn a_paused_run_goes_back_and_forth() {
             panic!()
         };
         let t = timeline(&whole);
-        assert_eq!(*world, t.load(t.find(Moment::Step(at)).unwrap().frame).unwrap());
+        assert_eq!(*world, t.load(t.find(Moment::Step(at)).unwrap().frame, &eyot::component_kinds()).unwrap());
     }
     handle.send(Command::Branch { step: 12, out: other.clone() });
     wait_for(&handle, |e| matches!(e, Event::Branched { steps_done: 10, .. }));
@@ -320,7 +327,7 @@ fn a_run_resumes_from_its_last_frame_if_that_is_later_than_its_checkpoint() {
     let early = folder.path().join("early");
     branch(&out, Moment::Step(0), &early, &Branching::default(), &Registry::standard(), &Limits::default()).unwrap();
     // As a kill leaves it: an early checkpoint that says nothing of going back, and frames.
-    rewind(&out, Moment::Step(60), false, &Limits::default()).unwrap();
+    rewind(&out, Moment::Step(60), false, &Registry::standard(), &Limits::default()).unwrap();
     let checkpoint = out.join(store::CHECKPOINT_FILE);
     let saved =
         eyot::io::checkpoint::load(&early.join(store::CHECKPOINT_FILE), &Limits::default(), &eyot::component_kinds())
@@ -366,7 +373,7 @@ fn a_recording_that_cannot_be_is_refused_and_one_that_fails_is_a_warning() {
     );
     assert!(!out.exists());
     for moment in [Moment::Step(0), Moment::Frame(0)] {
-        let e = rewind(folder.path(), moment, false, &Limits::default()).unwrap_err();
+        let e = rewind(folder.path(), moment, false, &Registry::standard(), &Limits::default()).unwrap_err();
         assert!(e.to_string().contains("holds no recording") && e.is_refusal(), "{e}");
     }
     // Something that is no recording has its name.
@@ -399,12 +406,15 @@ fn a_folder_at_work_is_not_set_back_and_a_new_run_has_no_old_frames() {
         "{removed:?}"
     );
     wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
-    assert!(matches!(rewind(&out, Moment::Step(0), false, &Limits::default()), Err(RunError::Busy { .. })));
+    assert!(matches!(
+        rewind(&out, Moment::Step(0), false, &Registry::standard(), &Limits::default()),
+        Err(RunError::Busy { .. })
+    ));
     // Looking is always possible.
     assert!(timeline(&out).frames().is_empty());
     handle.send(Command::Stop);
     handle.join().unwrap();
-    let e = rewind(&out, Moment::Step(0), false, &Limits::default()).unwrap_err();
+    let e = rewind(&out, Moment::Step(0), false, &Registry::standard(), &Limits::default()).unwrap_err();
     assert!(e.to_string().contains("no frames yet"), "{e}");
     let o = RunOptions { restart: true, ..options(Some(&out), None) };
     Run::start(recipe(&[]), o).unwrap().join().unwrap();
@@ -462,14 +472,14 @@ fn lost_frames_are_told_and_the_others_lead_back() {
     // By number it is an error; by step the next one before it.
     let limits = Limits::default();
     for (moment, part) in [(Moment::Frame(4), "frame 4 is missing"), (Moment::Frame(6), "water")] {
-        let e = rewind(&out, moment, false, &limits).unwrap_err();
+        let e = rewind(&out, moment, false, &Registry::standard(), &limits).unwrap_err();
         assert!(e.is_refusal() && e.to_string().contains(part), "{e}");
     }
     let other = folder.path().join("other");
     let to = Moment::Step(42);
     let done = branch(&out, to, &other, &Branching::default(), &Registry::standard(), &limits).unwrap();
     assert_eq!((done.frame.frame, done.damaged.len(), done.damaged[0].frame), (3, 1, 4));
-    let done = rewind(&out, Moment::Step(55), false, &limits).unwrap();
+    let done = rewind(&out, Moment::Step(55), false, &Registry::standard(), &limits).unwrap();
     assert_eq!((done.frame.steps_done, done.damaged.len()), (47, 1));
     assert!(done.damaged[0].reason.to_string().contains("water"), "{:?}", done.damaged);
     // Both go on to the same bytes.
@@ -514,7 +524,7 @@ fn frames_beyond_their_run_are_refused() {
     put(&|world, _| world.grid.cell_x_m = 20.0, "40 x 30 cells of 20 x 10 m");
     let before = all_files(&out);
     for (i, part) in (10..).zip(wrong) {
-        let e = rewind(&out, Moment::Frame(i), false, &Limits::default()).unwrap_err();
+        let e = rewind(&out, Moment::Frame(i), false, &Registry::standard(), &Limits::default()).unwrap_err();
         assert!(e.to_string().contains(part) && e.to_string().contains(&format!("frame {i}")), "{part}: {e}");
         let to = folder.path().join(i.to_string());
         let e = branch(&out, Moment::Frame(i), &to, &Branching::default(), &Registry::standard(), &Limits::default());

@@ -2,7 +2,7 @@
 
 use eyot::network::{Client, Ending, Gone, Options, Order, Scene, Status};
 use eyot::serve::{ServeOptions, Serving};
-use eyot::{Command, Event, Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot::{Command, Event, Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World, host};
 use eyot_reef::corals::Corals;
 use std::time::Duration;
 
@@ -84,7 +84,7 @@ fn assert_shows_reef(scene: &Scene, world: &World) {
 fn clients_end_with_the_world_of_the_run() {
     let names = ["height", "coral_cover"];
     let options = ServeOptions { layers: layers(&names), wait: 1, ..ServeOptions::default() };
-    let serving = Serving::start(reef(36), RunOptions::default(), options).unwrap();
+    let serving = Serving::start(reef(36), RunOptions::default(), options, &host(&Registry::standard())).unwrap();
     let mut first = client(&serving);
     while first.mirror().moment().is_none_or(|m| m.step[0] < 12) {
         first.follow().unwrap();
@@ -123,7 +123,7 @@ fn clients_end_with_the_world_of_the_run() {
 fn layers_of_any_world_are_sent_every_so_many_steps() {
     let names = ["height", "water"];
     let options = ServeOptions { layers: layers(&names), every: 20, wait: 1, ..ServeOptions::default() };
-    let serving = Serving::start(island(), RunOptions::default(), options).unwrap();
+    let serving = Serving::start(island(), RunOptions::default(), options, &host(&Registry::standard())).unwrap();
     let mut c = client(&serving);
     let mut steps = Vec::new();
     let closing = std::thread::spawn(move || {
@@ -144,7 +144,8 @@ fn layers_of_any_world_are_sent_every_so_many_steps() {
 #[test]
 fn clients_pause_and_step_and_resume() {
     let options = ServeOptions { wait: 2, ..ServeOptions::default() };
-    let serving = Serving::start(reef(1_000_000), RunOptions::default(), options).unwrap();
+    let serving =
+        Serving::start(reef(1_000_000), RunOptions::default(), options, &host(&Registry::standard())).unwrap();
     let deaf = client(&serving);
     let mut c = client(&serving);
     c.order(Order::Pause).unwrap();
@@ -181,7 +182,7 @@ fn a_stopped_run_goes_on_with_its_clients() {
     let run = || RunOptions { out: Some(folder.path().into()), ..RunOptions::default() };
     let options = || ServeOptions { layers: layers(&["height"]), wait: 1, ..ServeOptions::default() };
     let slow = ServeOptions { rate: Some(3.0), ..options() };
-    let serving = Serving::start(reef(30), run(), slow).unwrap();
+    let serving = Serving::start(reef(30), run(), slow, &host(&Registry::standard())).unwrap();
     let mut c = client(&serving);
     while c.mirror().moment().is_none_or(|m| m.step[0] < 5) {
         c.follow().unwrap();
@@ -195,7 +196,7 @@ fn a_stopped_run_goes_on_with_its_clients() {
     assert_shows(&c.mirror().scene().unwrap(), &stopped.world, &["height"]);
     assert_shows_reef(&c.mirror().scene().unwrap(), &stopped.world);
 
-    let serving = Serving::resume(folder.path(), &Registry::standard(), run(), options()).unwrap();
+    let serving = Serving::resume(folder.path(), run(), options(), &host(&Registry::standard())).unwrap();
     let mut c = client(&serving);
     while c.mirror().moment().is_none() {
         c.follow().unwrap();
@@ -211,7 +212,9 @@ fn a_stopped_run_goes_on_with_its_clients() {
 
 #[test]
 fn what_cannot_be_served_is_refused_before_anything_begins() {
-    let start = |options| Serving::start(island(), RunOptions::default(), options).map(drop).unwrap_err();
+    let start = |options| {
+        Serving::start(island(), RunOptions::default(), options, &host(&Registry::standard())).map(drop).unwrap_err()
+    };
     let e = start(ServeOptions { layers: layers(&["height", "snow"]), ..ServeOptions::default() });
     assert!(e.is_refusal() && e.to_string().contains("`snow`; there is: height, water"), "{e}");
     let e = start(ServeOptions { layers: layers(&["height", "height"]), ..ServeOptions::default() });
@@ -221,10 +224,11 @@ fn what_cannot_be_served_is_refused_before_anything_begins() {
     assert!(e.is_refusal() && e.help().unwrap().to_string().contains("`public`"), "{e}");
     let small = RunOptions { limits: Limits { max_bytes: 1000, ..Limits::default() }, ..RunOptions::default() };
     let options = ServeOptions { layers: layers(&["height"]), ..ServeOptions::default() };
-    let e = Serving::start(island(), small, options).map(drop).unwrap_err();
+    let e = Serving::start(island(), small, options, &host(&Registry::standard())).map(drop).unwrap_err();
     assert!(e.help().unwrap().to_string().contains("`max_memory`"), "{e}");
     // The port is free again.
-    let serving = Serving::start(island(), RunOptions::default(), ServeOptions::default()).unwrap();
+    let serving =
+        Serving::start(island(), RunOptions::default(), ServeOptions::default(), &host(&Registry::standard())).unwrap();
     let taken = Options { listen: serving.address(), ..Options::default() };
     let e = start(ServeOptions { server: taken, ..ServeOptions::default() });
     assert!(e.help().unwrap().to_string().contains("the address"), "{e}");

@@ -350,7 +350,7 @@ fn graphics_cards_give_the_same_within_rounding() {
         let o_gpu = || RunOptions { engine: Some(engine.clone()), ..options(2, None) };
         let gpu = match Run::start(parse(text, set).unwrap(), o_gpu()).unwrap().join() {
             Ok(outcome) => outcome.world,
-            Err(RunError::Gpu(e))
+            Err(RunError::Device(e))
                 if std::env::var_os("EYOT_REQUIRE_GPU").is_none() && e.to_string().contains("no graphics") =>
             {
                 eprintln!("skipped: {e}");

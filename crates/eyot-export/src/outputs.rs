@@ -1,0 +1,225 @@
+//! The files of a finished run.
+
+use crate::error::ExportError;
+use crate::files::{Job, write, write_text};
+use crate::pictures::{Subject, draw};
+use crate::{corals, estimate};
+use eyot_core::Error;
+use eyot_core::remedy::Remedy;
+use eyot_io::run_folder::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, WORLD_FILE};
+use eyot_io::{self as io, Origin, checkpoint};
+use eyot_recipe::Export;
+use eyot_session::{Event, Results, RunError};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Writes the files of a run into its folder: the world unless it is streamed, the exports, the pictures and the report. Each file
+/// appears whole or not at all, the report last. A session without a folder has none.
+///
+/// [`RunError::Export`] means that values do not fit the file that they were to be exported to; everything else is written then.
+/// After [`RunError::Stopped`] the files so far are whole, the world among them unless nothing was written.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunFiles;
+
+impl eyot_session::Outputs for RunFiles {
+    fn write(&self, results: &Results<'_>, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
+        match &results.folder {
+            Some(out) => Outputs { results, out }.write(exported),
+            None => Ok(Vec::new()),
+        }
+    }
+}
+
+/// What a finished run leaves, and where.
+struct Outputs<'a> {
+    results: &'a Results<'a>,
+    out: &'a Path,
+}
+
+impl Outputs<'_> {
+    fn write(&self, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
+        let Results { recipe, state, world, limits, control, .. } = *self.results;
+        let mut written = Vec::new();
+        let mut unmade: Vec<Remedy> = Vec::new();
+        let former = former_outputs(self.out);
+        self.replace_world(&mut written)?;
+        for (i, export) in recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
+            let files: Vec<PathBuf> = export.files().iter().map(|f| self.out.join(f)).collect();
+            if i < state.done_exports && files.iter().all(|f| f.exists()) {
+                written.extend(files);
+                continue;
+            }
+            let before = written.len();
+            match self.export(export, &mut written) {
+                // The others are wanted all the same.
+                Err(RunError::Export(reason)) => {
+                    written.truncate(before);
+                    unmade.push(reason);
+                }
+                done => done?,
+            }
+            exported(i + 1);
+        }
+        let view = &recipe.view;
+        if view.enabled && world.get("height").is_some() {
+            let preview =
+                if view.from_above { Subject::ReliefAt(view.size[0].max(view.size[1])) } else { Subject::View };
+            for (name, subject) in [(PREVIEW_FILE, preview), (RELIEF_FILE, Subject::Relief)] {
+                let path = self.begin(self.out.join(name), &mut written).map_err(RunError::from)?;
+                let picture = draw(world, view, subject, limits, control).map_err(stopped)?;
+                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
+            }
+        }
+        let path = self.begin(self.out.join(REPORT_FILE), &mut written).map_err(RunError::from)?;
+        let report = self.report(&written);
+        let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
+        text.push('\n');
+        write_text(&path, &text).map_err(RunError::file)?;
+        if state.streamed {
+            self.remove(CHECKPOINT_FILE)?;
+        }
+        self.warn_of(former, &written);
+        if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(Remedy::joined(unmade, "; "))) }
+    }
+
+    /// Writes the world and ends what an older run left. Until the new world is whole on the disk, an older run's results
+    /// stay as they are. Then its report goes, for it must not vouch for a mixture of its files and these; from here to the
+    /// new report, the checkpoint or, once it has the world's name, the world says where to go on.
+    fn replace_world(&self, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+        let Results { recipe, state, world, .. } = *self.results;
+        if state.streamed {
+            self.remove(REPORT_FILE)?;
+            return self.remove(WORLD_FILE);
+        }
+        let value = serde_json::to_value(state.without_times()).map_err(|e| RunError::Fault(e.to_string()))?;
+        let path = self.begin(self.out.join(WORLD_FILE), written).map_err(RunError::from)?;
+        let checkpoint = self.out.join(CHECKPOINT_FILE);
+        checkpoint::save(&checkpoint, world, &recipe.source.text, &value).map_err(RunError::file)?;
+        self.remove(REPORT_FILE)?;
+        std::fs::rename(&checkpoint, &path).map_err(|source| RunError::Folder { path: self.out.to_owned(), source })
+    }
+
+    /// Files of an earlier run that this one did not write are still there: they belong to the user, but no longer to the
+    /// land in this folder.
+    fn warn_of(&self, former: Vec<String>, written: &[PathBuf]) {
+        let stale: Vec<String> = former
+            .into_iter()
+            .filter(|name| !written.iter().any(|p| p.ends_with(name)) && self.out.join(name).exists())
+            .map(|name| format!("`{name}`"))
+            .collect();
+        if !stale.is_empty() {
+            let (files, they) = if stale.len() == 1 { ("file", "it shows") } else { ("files", "they show") };
+            let message = format!(
+                "`{}` still holds the {files} {} of an earlier run: {they} another land; remove what you do not need",
+                self.out.display(),
+                stale.join(", ")
+            );
+            (self.results.tell)(Event::Warning { message: message.into() });
+        }
+    }
+
+    fn remove(&self, name: &str) -> Result<(), RunError> {
+        let path = self.out.join(name);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(RunError::Folder { path, source }),
+            _ => Ok(()),
+        }
+    }
+
+    fn begin(&self, path: PathBuf, written: &mut Vec<PathBuf>) -> Result<PathBuf, ExportError> {
+        self.results.control.check().map_err(ExportError::stopped)?;
+        (self.results.tell)(Event::Writing { path: path.clone() });
+        written.push(path.clone());
+        Ok(path)
+    }
+
+    fn export(&self, export: &Export, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+        let Results { recipe, state, world, limits, .. } = *self.results;
+        let known = |l: &str| world.get(l).is_some() || export.knows(l);
+        for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
+            let message = format!("layer `{layer}` is not exported: the step that makes it is switched off");
+            (self.results.tell)(Event::Warning { message: message.into() });
+        }
+        let what = format!("`{}`", export.files()[0]);
+        let bytes = estimate::export(&world.grid, export, limits);
+        estimate::check(&what, world, bytes, limits, estimate::export_remedy()).map_err(RunError::file)?;
+        let mut job = Job {
+            world,
+            source: self.results.source,
+            corals: corals::of(recipe),
+            name: &recipe.name,
+            out: self.out,
+            attributes: Origin {
+                name: &recipe.name,
+                recipe: Some(&recipe.source.text),
+                seconds_per_step: self.results.clock,
+                engines: &state.engines,
+            }
+            .attributes(world),
+            limits,
+            control: self.results.control,
+            begin: &mut |path| self.begin(path, written),
+            note: &|message| (self.results.tell)(Event::Warning { message: message.into() }),
+        };
+        write(&mut job, export).map_err(RunError::from)
+    }
+
+    fn report(&self, written: &[PathBuf]) -> Value {
+        let Results { recipe, state, world, .. } = *self.results;
+        let names: Vec<String> =
+            written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
+        let g = &recipe.grid;
+        json!({
+            "name": recipe.name,
+            "about": recipe.about,
+            "engine_version": eyot_session::VERSION,
+            "seed": recipe.seed,
+            "size": [g.width, g.height],
+            "cell_m": [g.cell_x_m, g.cell_y_m],
+            "fingerprint": format!("{:016x}", self.results.fingerprint),
+            "engines": state.engines,
+            "streamed": state.streamed,
+            "steps_done": world.step,
+            "sea_level_m": world.sea_level_m,
+            "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
+            "ledger": world.ledger,
+            "outputs": names,
+            "set": recipe.overrides.set,
+            "size_flag": recipe.overrides.size,
+            "journal": state.journal,
+            "recipe_file": recipe.source.name,
+            "recipe": recipe.source.text,
+            // The only place of all results that differs between two runs.
+            "timing": {
+                "seconds": state.seconds,
+                // What the graphics card itself spent on the rules; 0 without one.
+                "card_seconds": state.card_seconds,
+                "steps": state.timings.iter().map(|(name, seconds)| json!({ "step": name, "seconds": seconds })).collect::<Vec<_>>(),
+            },
+        })
+    }
+}
+
+/// The files that the report of an earlier run in this folder lists.
+fn former_outputs(out: &Path) -> Vec<String> {
+    let report = std::fs::read(out.join(REPORT_FILE)).ok().and_then(|t| serde_json::from_slice::<Value>(&t).ok());
+    let names = report.as_ref().and_then(|r| r["outputs"].as_array());
+    let plain = |name: &&str| Path::new(name).file_name().is_some_and(|n| n == *name);
+    names.into_iter().flatten().filter_map(Value::as_str).filter(plain).map(str::to_owned).collect()
+}
+
+fn stopped(e: Error) -> RunError {
+    ExportError::stopped(e).into()
+}
+
+impl From<ExportError> for RunError {
+    fn from(e: ExportError) -> Self {
+        match e {
+            ExportError::Input { reason, help } => Self::Input { reason, help },
+            ExportError::Values(reason) => Self::Export(reason),
+            ExportError::Folder { path, source } => Self::Folder { path, source },
+            ExportError::Stopped => Self::Stopped,
+            other => Self::file(other),
+        }
+    }
+}
