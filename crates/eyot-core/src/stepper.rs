@@ -84,8 +84,8 @@ impl<P: AsRef<[Scheduled]>> Simulation<P> {
     /// Runs a span of steps on the world. Afterwards step and sea level of `world` are right; its layers and its ledger may be out of
     /// date until [`Engine::download`].
     ///
-    /// After [`EngineError::NotReady`] the next call goes on with the same span, whatever span it names. Until that has come to its end
-    /// the world must be left alone; [`Engine::fall_back`] gives it up, with this simulation.
+    /// After [`EngineError::NotReady`] the same call goes on with the span. Until that has come to its end the world must be left alone;
+    /// [`Engine::fall_back`] gives it up, with this simulation.
     ///
     /// # Errors
     /// If a parameter does not fit the world or memory would exceed the limits (before the first step), on a request to stop

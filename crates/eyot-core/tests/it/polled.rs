@@ -94,9 +94,7 @@ fn poll(world: &mut World, nth: u32, cancel: Cancel) -> (u32, Result<(), EngineE
         if asked == nth {
             cancel.raise();
         }
-        // The span that is under way counts, not what is asked for meanwhile.
-        let span = if asked == 1 { Span { from: 0, steps: 9 } } else { Span { from: 0, steps: 1 } };
-        match simulation.advance(&mut engine, world, span, &control) {
+        match simulation.advance(&mut engine, world, Span { from: 0, steps: 9 }, &control) {
             Err(EngineError::NotReady) => assert_eq!(engine.refused, asked),
             outcome => return (asked, outcome),
         }
