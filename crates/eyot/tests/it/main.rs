@@ -13,6 +13,7 @@ mod fingerprints;
 mod former;
 mod mountains;
 mod own_rules;
+mod polled;
 mod printed_recipes;
 mod recipe_docs;
 mod recipes;
