@@ -14,6 +14,7 @@ mod former;
 mod mountains;
 mod own_rules;
 mod partial;
+mod polled;
 mod printed_recipes;
 mod recipe_docs;
 mod recipes;
