@@ -348,6 +348,9 @@ for the results, nor at --replay.")]
 pub(crate) struct Check {
     /// A recipe file, or the name of a built-in recipe
     pub(crate) recipe: String,
+    /// Print the recipe that is in force: every key with its value, defaults and --set among them
+    #[arg(long)]
+    pub(crate) effective: bool,
     #[command(flatten)]
     pub(crate) change: Change,
     #[command(flatten)]
@@ -379,7 +382,8 @@ pub(crate) enum CiteFormat {
 
 #[derive(Args)]
 pub(crate) struct Describe {
-    /// A generator, a process, or a table: recipe, grid, generate, simulate, export, view
+    /// A generator, a process, a table (recipe, grid, step, generate, simulate, schedule, layer, rule, export, view), expressions
+    /// or layers
     pub(crate) name: String,
     /// As JSON
     #[arg(long)]

@@ -207,6 +207,7 @@ impl Outputs<'_> {
             "journal": state.journal,
             "recipe_file": recipe.source.name,
             "recipe": recipe.source.text,
+            "effective": recipe.effective(),
             // The only place of all results that differs between two runs.
             "timing": {
                 "seconds": state.seconds,

@@ -21,6 +21,13 @@ fn a_run_from_recipe_to_picture() {
     let f = folder.path();
     std::fs::write(f.join("small.toml"), SMALL).unwrap();
     said(f, &["check", "small.toml"], 0, &["the recipe is sound"]);
+    let effective = said(f, &["check", "small.toml", "--effective", "--set", "hill.height=300"], 0, &["height = 300"]);
+    std::fs::write(f.join("all.toml"), effective).unwrap();
+    said(f, &["check", "all.toml"], 0, &["the recipe is sound"]);
+    let bare = "[grid]\nsize = 24\n[[step]]\nsimulate = \"hydraulic\"\n";
+    std::fs::write(f.join("bare.toml"), bare).unwrap();
+    let doubted = said(f, &["check", "bare.toml"], 0, &["no step before it makes the layer `height`"]);
+    assert!(!doubted.contains("sound"), "{doubted}");
     let text = said(f, &["run", "small.toml", "--set", "hill.height=300", "--seed", "4", "--threads", "1"], 0, &[]);
     assert!(text.contains("writing small/height.r32") && text.contains("fingerprint"), "{text}");
     assert_eq!(said(f, &["run", "small.toml", "--out", "quiet", "--quiet"], 0, &[]), "");
@@ -83,6 +90,9 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["new", "a", "--from", "iland"], "did you mean --from island?"),
         (&["new", ".."], "is no name of a file"),
         (&["describe", "conne"], "did you mean `cone`?"),
+        (&["run", "small.tml"], "did you mean `small.toml`?"),
+        (&["check", "smal"], "did you mean `small.toml`?"),
+        (&["check", "small.toml", "--set", "hill.height=0,5"], "write 0.5"),
         (&["render", "nothere"], "height map"),
         (&["render", "."], "holds no run"),
         (&["render", "noise.tif"], "noise.tif"),
@@ -198,6 +208,12 @@ fn words_are_printed_and_parse() {
     let here = Path::new(".");
     said(here, &["list"], 0, &["island"]);
     said(here, &["describe", "cone"], 0, &["unit m"]);
+    said(here, &["describe", "step"], 0, &["simulate", "generate", "mask"]);
+    said(here, &["describe", "[[export]]"], 0, &["prefix"]);
+    said(here, &["describe", "layers"], 0, &["sediment", "Changed by `hydraulic`"]);
+    for table in ["grid", "view", "layer", "recipe"] {
+        said(here, &["describe", table], 0, &["(table)"]);
+    }
     for args in [&["list", "--json"][..], &["describe", "cone", "--json"], &["schema"]] {
         let value: serde_json::Value = json(here, args);
         assert!(value.is_object());

@@ -12,9 +12,11 @@ use std::borrow::Cow;
 
 mod entry;
 mod generator;
+mod partial;
 
 pub use entry::{Entry, Parameters, check_ranges, defaults_of, parameters_from, schema_of};
 pub use generator::{Around, Generator, Reach, Site};
+pub use partial::{LIKE, are_named, over};
 
 /// Seconds of a year, the Julian one.
 pub const SECONDS_PER_YEAR: f64 = 365.25 * 86_400.0;
@@ -98,6 +100,11 @@ pub trait Process: Send + Sync {
     /// Adds passes that give the layer `name` of [`Process::layers`] its first values, where a constant will not do. They may
     /// read what is there before this process and the layers that it lists before this one.
     fn start(&self, _name: &str, _moment: &Moment, _plan: &mut Plan) {}
+
+    /// Whether it makes land where there is none, so that nothing before it needs to.
+    fn makes_ground(&self) -> bool {
+        false
+    }
 
     /// Layers that it reads and cannot make itself: something before it has to.
     fn needs(&self) -> Vec<&'static str> {

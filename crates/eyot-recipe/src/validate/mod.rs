@@ -9,7 +9,7 @@ use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
 use crate::registry::Registry;
 use crate::set;
-use eyot_core::process::{Parameters, schema_of};
+use eyot_core::process::{Parameters, parameters_from, schema_of};
 use eyot_core::remedy;
 use eyot_core::remedy::{Setting, Worded};
 use eyot_core::{Boundary, Error, Georeference, Grid, LayerSpec, Limits};
@@ -76,7 +76,22 @@ pub(crate) fn recipe(
     if name.is_empty() {
         name = Path::new(&source.name).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
     }
-    Ok(Recipe { name, about, seed, grid, georeference, sea_level_m, steps, exports, view, source, overrides, texts })
+    let document = doc.to_json();
+    Ok(Recipe {
+        name,
+        about,
+        seed,
+        grid,
+        georeference,
+        sea_level_m,
+        steps,
+        exports,
+        view,
+        source,
+        overrides,
+        texts,
+        document,
+    })
 }
 
 mod clock;
@@ -116,7 +131,7 @@ impl Validator<'_> {
             return T::default();
         }
         let own = without(node, elsewhere);
-        serde_json::from_value(own).unwrap_or_else(|e| {
+        parameters_from(own).unwrap_or_else(|e| {
             self.out.push(Diagnostic::at(node.span.clone(), format!("`{owner}`: {e}"), "here"));
             T::default()
         })

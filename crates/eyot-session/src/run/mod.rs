@@ -29,6 +29,8 @@ pub use options::RunOptions;
 
 /// A paused run looks this often whether something is due.
 const LOOK: Duration = Duration::from_secs(1);
+/// One whose engine is not ready asks again after so long: little beside what goes to a card at a time.
+const NAP: Duration = Duration::from_millis(1);
 
 /// The entry point to runs.
 #[derive(Clone, Copy, Debug)]
@@ -252,12 +254,13 @@ fn pass_on(outbox: Sender<Event>, last: Arc<Mutex<Option<Event>>>) -> Events {
     })
 }
 
-/// Advances a session to its end, and waits for commands where it is paused.
+/// Advances a session to its end, and waits for commands where it is paused and for an engine that does not do so itself.
 fn drive(mut session: Session, inbox: &Receiver<Command>) -> Result<Outcome, RunError> {
     loop {
         inbox.try_iter().for_each(|command| session.command(command));
         match session.advance(Budget::Piece)? {
             Status::Working => {}
+            Status::Waiting => std::thread::sleep(NAP),
             Status::Paused => session.command(match inbox.recv_timeout(LOOK) {
                 Ok(command) => command,
                 Err(RecvTimeoutError::Timeout) => continue,

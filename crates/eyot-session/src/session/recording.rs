@@ -1,6 +1,7 @@
 //! What a session does for its recording: frames on the way, and the way back.
 
 use super::Session;
+use super::device::Layers;
 use crate::clock;
 use crate::error::RunError;
 use crate::event::Event;
@@ -154,6 +155,9 @@ impl Session {
         self.tell_damaged(&damaged);
         self.invalidate_view();
         self.world = saved.world;
+        // What it holds belongs to the moment before.
+        self.engine.engine_mut().release();
+        self.layers = Layers::Current;
         self.state = State { engine: self.asked.clone(), ..state.again(&self.state.changes(), forget) };
         self.settled = self.state.done;
         self.tell(Event::Rewound {

@@ -254,3 +254,37 @@ fn a_recording_is_the_same_however_often_its_run_was_killed() {
         assert_eq!(frames(&memory), wanted, "killed after {pieces} pieces");
     }
 }
+
+/// A clock of the test's own: each look at it is so many milliseconds later.
+fn announced(steps: u64, milliseconds: u64) -> (Vec<(f64, u64, bool)>, u64) {
+    let looks = std::sync::Arc::new(std::sync::atomic::AtomicU64::new(0));
+    let clock = Clock::new(move || {
+        let n = looks.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        Duration::from_millis(n * milliseconds)
+    });
+    let mut s = Session::new(
+        recipe(steps),
+        SessionOptions { chunk: Some(1), ..SessionOptions::default() },
+        Host::new(&registry(), clock),
+    )
+    .unwrap();
+    while s.advance(Budget::Piece).unwrap() == Status::Working {}
+    let long = |e: Event| match e {
+        Event::Long { seconds, timed, at_least } => Some((seconds, timed, at_least)),
+        _ => None,
+    };
+    (s.events().into_iter().filter_map(long).collect(), s.into_outcome().unwrap().fingerprint)
+}
+
+#[test]
+fn a_run_that_will_take_minutes_says_so_early_and_once() {
+    // Two looks at the clock a step: half a second each, three hundred steps.
+    let (told, slow) = announced(300, 500);
+    assert_eq!(told.len(), 1, "{told:?}");
+    let (seconds, timed, at_least) = told[0];
+    assert!(timed <= 2 && !at_least, "{told:?}");
+    assert!((seconds - 0.5 * (300 - 1 - timed) as f64).abs() < 1e-6, "{told:?}");
+    let (told, quick) = announced(300, 1);
+    assert!(told.is_empty(), "{told:?}");
+    assert_eq!(slow, quick, "the announcement changed the bytes");
+}
