@@ -6,7 +6,8 @@ use crate::{Failure, print, report};
 use eyot::analyse::TerrainOptions;
 use eyot::remedy::Worded;
 use eyot::store::Subject;
-use eyot::{EngineChoice, EngineOptions, Limits, View, ViewRequest, store};
+use eyot::view::ViewRequest;
+use eyot::{EngineChoice, EngineOptions, Limits, View, store};
 use eyot_bench::{cpu, gpu};
 use serde_json::Value;
 use std::path::Path;
@@ -51,7 +52,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     let limits = Limits::default();
     if subject == Subject::View {
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
-        let drawn = eyot::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
+        let drawn = eyot::view::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
         if opened.world.components.contains(eyot::process::COLONIES) {
             print::note(

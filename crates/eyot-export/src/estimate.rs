@@ -1,5 +1,6 @@
 //! How much memory the files of a run need, so that it is refused before the work and not in it.
 
+use crate::dive;
 use crate::pictures::{self, Subject};
 use eyot_core::remedy::Remedy;
 use eyot_core::{Grid, Limits, Result, World};
@@ -58,6 +59,8 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
         (Some(_), _) => 16 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
         (None, What::Terrain) => mesh(),
         (None, What::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
+        // The pixels; how many colonies there will be, nobody knows yet.
+        (None, What::Dive) => dive::least_bytes(),
         _ => 0,
     }
 }
