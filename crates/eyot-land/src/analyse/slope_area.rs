@@ -12,6 +12,10 @@
 //!
 //! # Reading
 //! 0.37..0.56 in five mountain tiles, 0.01..0.36 in noise. Meaningful only where rivers cut into steep land.
+//!
+//! Compare theta at several areas (`channel_area_m2`) before a difference is believed. Where most cells of a bin lie in filled hollows, its
+//! median is next to nothing, and as logarithms few such bins of the trunk rivers decide the fit. So it is with the recipe `real`: 0.39,
+//! 0.45 and 0.83 at 4.15, 5 and 2.5 km2, where the measured tile that it starts from has 0.50, 0.51 and 0.50.
 
 use super::moments::{line_slope, quantile};
 use crate::drainage::Routing;

@@ -3,11 +3,11 @@
 //! # Equations
 //! `w` level of the sea, `g = w - h` depth, `E` energy of the waves over that of the open sea, `T` years of a step, `d` unit vector to where
 //! the wind blows, `D` size of a cell.
-//! 1. Waves go on by a cell a step, `E_in = (1 - bend) (|d_x| E_x + |d_y| E_y) / (|d_x| + |d_y|) + bend mean(E of 4 neighbours)`, where
-//!    `E_x`, `E_y` are those of the neighbours to windward; the open sea (deeper than `open_sea`, and the rim) has `E = 1`.
-//! 2. They break where it is shallow: `E' = E_in e^(-D k)` with `k = (1 - g / breaking)^2 / flat` for `0 < g < breaking`, and
-//!    `k = 4 / flat` on dry land, where the wash soaks away.
-//! 3. What they carry falls where their energy does, `b = 4 E' (1 - E')`: neither at the front, which they sweep clean, nor in the quiet
+//! 1. Waves break where it is shallow: of what arrives at a cell, `F = E e^(-D k)` goes on, with `k = (1 - g / breaking)^2 / flat` for
+//!    `0 < g < breaking`, and `k = 4 / flat` on dry land, where the wash soaks away.
+//! 2. They go on by a cell a step: `E' = (1 - bend) (|d_x| F_x + |d_y| F_y) / (|d_x| + |d_y|) + bend mean(F of 4 neighbours)`, where `F_x`, `F_y`
+//!    are those of the neighbours to windward; the open sea (deeper than `open_sea`, and the rim) has `E = 1`.
+//! 3. What they carry falls where their energy does, `b = min(4 E (1 - E), max(0, 3 - 4 E))`: neither at the front, which they sweep clean, nor in the quiet
 //!    behind. On reef limestone that lies shallower than `foundation`: `h' = h + supply T b max(0, 1 - (h - w) / (crest b))`, and the same
 //!    gain for `sand`. No islet rises above `w + crest`.
 //!
@@ -84,7 +84,7 @@ impl Default for Motu {
             flat: 150.0,
             breaking: 6.0,
             foundation: 3.0,
-            bend: 0.3,
+            bend: 0.2,
             open_sea: 60.0,
         }
     }
@@ -174,7 +174,7 @@ pub struct Surf;
 
 impl Rule for Surf {
     const NAME: &'static str = "motu_surf";
-    const READS: &'static [Read] = &[read("surf", 1), read("height", 0)];
+    const READS: &'static [Read] = &[read("surf", 1), read("height", 1)];
     const WRITES: &'static [&'static str] = &["surf"];
     type Params = SurfParams<()>;
     type Out<R: Real> = [R; 1];
@@ -183,21 +183,28 @@ impl Rule for Surf {
     #[inline(always)]
     fn cell<R: Real>(p: &SurfParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
         let (zero, one) = (R::of(0.0), R::of(1.0));
-        let (west, east) = (c.at(0, -1, 0), c.at(0, 1, 0));
-        let (north, south) = (c.at(0, 0, -1), c.at(0, 0, 1));
+        let (west, east) = (goes_on(p, c, -1, 0), goes_on(p, c, 1, 0));
+        let (north, south) = (goes_on(p, c, 0, -1), goes_on(p, c, 0, 1));
         let ahead = (p.west * west + p.east * east) + (p.north * north + p.south * south);
         let around = R::of(0.25) * ((west + east) + (north + south));
         let coming = ahead + p.bend * (around - ahead);
 
         let depth = p.sea - c.here(1);
-        let shallow = (one - depth * p.per_breaking).clamp(zero, one);
-        let lost = depth.gt(zero).pick(shallow * shallow, R::of(4.0)) * p.cells_per_flat;
-        let left = (coming * (-lost).exp()).clamp(zero, one).flushed();
-
+        let arrives = coming.clamp(zero, one).flushed();
         let rim = c.x().min(p.last_x - c.x()).lt(p.rim_x).one() + c.y().min(p.last_y - c.y()).lt(p.rim_y).one();
         let open = (depth.gt(p.open_sea).one() + rim).gt(R::of(0.5));
-        ([open.pick(one, left)], [])
+        ([open.pick(one, arrives)], [])
     }
+}
+
+/// Equation (1) for a neighbour.
+#[inline(always)]
+fn goes_on<R: Real>(p: &SurfParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    let (zero, one) = (R::of(0.0), R::of(1.0));
+    let depth = p.sea - c.at(1, dx, dy);
+    let shallow = (one - depth * p.per_breaking).clamp(zero, one);
+    let lost = depth.gt(zero).pick(shallow * shallow, R::of(4.0)) * p.cells_per_flat;
+    c.at(0, dx, dy) * (-lost).exp()
 }
 
 rule_params! {
@@ -236,7 +243,7 @@ impl Rule for Build {
         let (zero, one) = (R::of(0.0), R::of(1.0));
         let (h, surf) = (c.here(0), c.here(3));
         let above = h - p.sea;
-        let falls = R::of(4.0) * surf * (one - surf);
+        let falls = (R::of(4.0) * surf * (one - surf)).min((R::of(3.0) - R::of(4.0) * surf).positive());
         let room = (one - above / (p.crest * falls).max(R::of(0.01))).positive();
         let stands = c.here(1).gt(R::of(0.5)).one() * above.gt(-p.foundation).one();
         // Never past the crest in one step.

@@ -47,9 +47,9 @@ fn islets_stand_on_the_windward_reef_and_no_higher_than_the_crest() {
         half.flat_map(|x| (0..CELLS).map(move |y| (x, y))).filter(|&(x, y)| height.get(x, y) > 0.5).count()
     };
     let (west, east) = (dry(0..48), dry(48..CELLS));
-    assert!(east > 20 && east > 3 * west, "{east} dry cells to windward, {west} to leeward");
+    assert!(east > 20 && 2 * east > 3 * west, "{east} dry cells to windward, {west} to leeward");
     // The edge of the reef stays under the sea, and so do lagoon and ocean.
-    assert!(height.get(47 + 34, 47) < 0.0 && height.get(47, 47) == -20.0 && height.get(2, 2) == -200.0);
+    assert!(height.get(82, 47) < -0.3 && height.get(47, 47) == -20.0 && height.get(2, 2) == -200.0);
     let risen = (height.sum() - before) * w.grid.cell_area_m2();
     let arrived = w.ledger.amount("ground.motu");
     assert!((risen - arrived).abs() < 1e-4 * arrived, "{risen} m3 rose, {arrived} m3 arrived");
