@@ -5,7 +5,8 @@ use crate::wording::CommandLine;
 use crate::{Failure, print, report};
 use eyot::remedy::Worded;
 use eyot::store::Subject;
-use eyot::{EngineChoice, EngineOptions, Limits, ViewRequest, store};
+use eyot::view::ViewRequest;
+use eyot::{EngineChoice, EngineOptions, Limits, store};
 use eyot_bench::{cpu, gpu};
 use serde_json::Value;
 use std::path::Path;
@@ -57,7 +58,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     if subject == Subject::View {
         let factor = view.vertical_exaggeration.unwrap_or(1.0);
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
-        let drawn = eyot::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
+        let drawn = eyot::view::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
         if opened.world.components.contains(eyot::process::COLONIES) {
             print::note(

@@ -39,6 +39,7 @@ impl Georeference {
 /// A coordinate system that no EPSG code says, or not all of it, as a file had it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum CoordinateSystem {
     /// The keys of a GeoTIFF (OGC 19-008r4).
     GeoKeys {

@@ -78,8 +78,11 @@ pub fn parameters_from<P: Parameters>(table: Value) -> Result<P, serde_json::Err
 /// # Errors
 /// The first such parameter, with its range and its default.
 pub fn check_ranges<P: Parameters>(owner: &str, parameters: &P) -> Result<()> {
-    let schema = schema_of::<P>();
-    let (values, defaults) = (serde_json::to_value(parameters).unwrap_or_default(), defaults_of::<P>());
+    within_ranges(owner, &schema_of::<P>(), &serde_json::to_value(parameters).unwrap_or_default(), &defaults_of::<P>())
+}
+
+/// As [`check_ranges`], compiled once for all structs.
+fn within_ranges(owner: &str, schema: &Schema, values: &Value, defaults: &Value) -> Result<()> {
     let Some(properties) = schema.get("properties").and_then(Value::as_object) else { return Ok(()) };
     for (field, rule) in properties {
         let (value, default) = (&values[field], &defaults[field]);

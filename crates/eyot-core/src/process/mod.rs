@@ -49,6 +49,7 @@ impl Moment {
 
 /// What a process does with a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Access {
     /// Looks at it and leaves it as it is.
     Read,
@@ -159,6 +160,7 @@ pub trait Process: Send + Sync {
 /// On a window of a grid it is given the halo's cells too. It changes those like the others, if it can, and the ledger by what
 /// happened inside the window alone ([`Domain::inside_columns`], [`Domain::inside_rows`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Locality {
     /// A cell depends on nothing but its place and what was there.
     Cell,
