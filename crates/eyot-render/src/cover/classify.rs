@@ -141,10 +141,10 @@ impl Cover {
         let band = high * (1.0 + 0.9 * s.broad + 0.5 * s.fine) * (1.0 + 0.4 * s.reef);
         let sand = smoothstep(1.25 * band, 0.60 * band, s.z) * smoothstep(0.42, 0.20, s.slope);
         // Palms stand a metre above the waves.
-        let palms = 0.85 * smoothstep(0.42, 0.62, m + 0.5 * s.fine + 0.2) * smoothstep(0.35 * high, 0.70 * high, s.z);
+        let palms = 0.95 * smoothstep(0.42, 0.62, m + 0.5 * s.fine + 0.2) * smoothstep(0.26 * high, 0.55 * high, s.z);
         if palms > 0.0 && sand > 0.0 && self.looks.palette == Palette::Tropical {
             lay(w, Class::Sand, 0.8 * sand);
-            lay(w, Class::Forest, 0.7 * sand * palms);
+            lay(w, Class::Forest, 0.95 * sand * palms);
             lay(w, Class::Sand, sand * (1.0 - palms));
         } else {
             lay(w, Class::Sand, sand);
