@@ -190,7 +190,7 @@ pub fn check_access_in(world: &World, processes: &[Scheduled]) -> Result<()> {
         // Whatever a preparation makes.
         crate::stepper::prepare(&mut CpuEngine::default().runner(), &mut before, alone).map_err(|e| match e {
             crate::engine::EngineError::Core(e) => e,
-            crate::engine::EngineError::Device(e) => unreachable!("{e}"),
+            e => unreachable!("{e}"),
         })?;
         // Engines shut the faces of closed rims, whoever runs.
         let settle =

@@ -203,10 +203,8 @@ impl Resolver for Files {
                 } else {
                     e.to_string()
                 };
-                Err(Refusal::new(
-                    format!("cannot read `{}`: {reason}", path.display()),
-                    "file names are relative to the recipe's folder",
-                ))
+                let help = eyot_recipe::fs::name_help(file);
+                Err(Refusal::new(format!("cannot read `{}`: {reason}", path.display()), help))
             }
         }
     }

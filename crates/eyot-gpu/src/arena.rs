@@ -243,15 +243,19 @@ impl Arena {
         LayerView { width: self.grid.width, height: self.grid.height, parts: parts.collect() }
     }
 
-    /// The sum of each account, folded in the order of the tiles.
-    pub(crate) async fn totals(&self, gpu: &Gpu) -> Result<Vec<f64>> {
+    /// Begins to bring the sums of the accounts back, if there are any.
+    pub(crate) fn request_sums(&self, gpu: &Gpu) -> Result<Option<Reading>> {
         if self.accounts == 0 {
-            return Ok(Vec::new());
+            return Ok(None);
         }
-        let bytes = gpu.read(&self.sums, 0, 8 * (self.accounts * self.groups) as u64)?.await?;
+        gpu.read(&self.sums, 0, 8 * (self.accounts * self.groups) as u64).map(Some)
+    }
+
+    /// The sum of each account, folded in the order of the tiles.
+    pub(crate) fn totals(&self, bytes: &[u8]) -> Vec<f64> {
         let pairs: Vec<[f32; 2]> = bytes.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();
         let total = |tiles: &[[f32; 2]]| tiles.iter().map(|[sum, rest]| f64::from(*sum) + f64::from(*rest)).sum();
-        Ok(pairs.chunks_exact(self.groups).map(total).collect())
+        pairs.chunks_exact(self.groups).map(total).collect()
     }
 }
 

@@ -4,6 +4,7 @@
 use crate::adapter::{self, AdapterReport, Choice};
 use crate::device::Gpu;
 use crate::error::{GpuError, Result};
+use std::sync::atomic::Ordering;
 
 /// As [`adapter::adapters`].
 pub fn adapters() -> Vec<AdapterReport> {
@@ -24,6 +25,7 @@ impl Gpu {
     /// # Errors
     /// As [`Gpu::check`].
     pub(crate) fn wait(&self, submission: Option<wgpu::SubmissionIndex>) -> Result<()> {
+        self.traffic.waits.fetch_add(1, Ordering::Relaxed);
         let outcome = self.device.poll(wgpu::PollType::Wait { submission_index: submission, timeout: None });
         self.check()?;
         outcome.map(|_| ()).map_err(|e| GpuError::Lost(e.to_string()))

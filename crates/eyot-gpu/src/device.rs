@@ -20,11 +20,12 @@ pub struct Gpu {
     short_from: AtomicU64,
 }
 
-/// What has come back from the card.
+/// What has come back from the card, and how often a thread has waited for it.
 #[derive(Default)]
 pub(crate) struct Traffic {
     pub(crate) layers: AtomicU64,
     pub(crate) bytes: AtomicU64,
+    pub(crate) waits: AtomicU64,
 }
 
 impl Gpu {

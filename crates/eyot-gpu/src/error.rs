@@ -32,7 +32,8 @@ pub enum GpuError {
         /// All that is missing, with what there is.
         missing: String,
     },
-    /// Nothing has arrived yet, and this platform lets no thread wait for it: use the futures.
+    /// The device is not done yet, and nobody may wait for it: browsers let no thread do so, and [`Options::polled`](crate::Options)
+    /// asks for it. The same call again, or a future, gives the answer.
     CannotWait,
     /// The device is gone: unplugged, reset, or its driver crashed.
     Lost(String),
@@ -92,7 +93,7 @@ impl Worded for GpuError {
             Self::Unfit { adapter, missing } => {
                 format!("`{adapter}` was opened with too little: it needs {missing}").into()
             }
-            Self::CannotWait => "the graphics device is not done, and a browser cannot wait for it".into(),
+            Self::CannotWait => "the graphics device is not done yet, and its host does not wait".into(),
             Self::Lost(reason) => format!("the graphics device was lost: {reason}").into(),
             Self::Limits { adapter, what, needed, limit } => {
                 let problem = format!("`{adapter}` cannot do this: {what} needs {needed}, it allows {limit}");

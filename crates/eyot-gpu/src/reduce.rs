@@ -3,7 +3,10 @@
 use crate::arena::Arena;
 use crate::device::Gpu;
 use crate::error::{GpuError, Result};
+use crate::reading::Reading;
 use bytemuck::{Pod, Zeroable};
+use std::pin::Pin;
+use std::task::{Context, Poll};
 use wgpu::util::DeviceExt;
 
 /// What [`crate::GpuEngine::range`] gives.
@@ -108,9 +111,9 @@ impl Reducer {
         Self { pipeline }
     }
 
-    /// The range of a slot.
-    pub(crate) async fn range(&self, gpu: &Gpu, arena: &Arena, slot: usize) -> Result<Range> {
-        let mut range = Range { low: f32::INFINITY, high: f32::NEG_INFINITY, not_finite: 0 };
+    /// Begins to find the range of a slot.
+    pub(crate) fn request(&self, gpu: &Gpu, arena: &Arena, slot: usize) -> Result<Ranging> {
+        let mut slabs = Vec::new();
         for slab in &arena.slabs {
             let place = |y: usize| (arena.offset(slab, slot, y as isize) / 4 + 1) as u32;
             let rows = Rows {
@@ -146,16 +149,52 @@ impl Reducer {
             pass.dispatch_workgroups(across as u32, slab.rows.div_ceil(across) as u32, 1);
             drop(pass);
             gpu.queue.submit([encoder.finish()]);
-            for row in gpu.read(&ranges, 0, size)?.await?.chunks_exact(size_of::<RowRange>()) {
-                let row: RowRange = bytemuck::pod_read_unaligned(row);
-                range.low = range.low.min(row.low);
-                range.high = range.high.max(row.high);
-                range.not_finite += u64::from(row.not_finite);
-            }
+            slabs.push(gpu.read(&ranges, 0, size)?);
         }
-        gpu.check().map(|()| range).map_err(|e| match e {
+        gpu.check().map(|()| Ranging(slabs)).map_err(|e| match e {
             GpuError::Fault(text) => GpuError::Fault(format!("range: {text}")),
             e => e,
         })
+    }
+}
+
+/// A range on its way back from the card, slab by slab: a future that gives the same however often it is asked.
+pub(crate) struct Ranging(Vec<Reading>);
+
+impl Ranging {
+    /// True once it has arrived. Does not wait.
+    pub(crate) fn is_ready(&self) -> Result<bool> {
+        self.0.iter().try_fold(true, |ready, slab| Ok(ready && slab.is_ready()?))
+    }
+
+    /// The range, which has arrived.
+    fn range(&self) -> Result<Range> {
+        let mut range = Range { low: f32::INFINITY, high: f32::NEG_INFINITY, not_finite: 0 };
+        for slab in &self.0 {
+            slab.with(|bytes| {
+                for row in bytes.chunks_exact(size_of::<RowRange>()) {
+                    let row: RowRange = bytemuck::pod_read_unaligned(row);
+                    range.low = range.low.min(row.low);
+                    range.high = range.high.max(row.high);
+                    range.not_finite += u64::from(row.not_finite);
+                }
+            })?;
+        }
+        Ok(range)
+    }
+}
+
+impl Future for &Ranging {
+    type Output = Result<Range>;
+
+    fn poll(self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        for slab in &self.0 {
+            match slab.poll_ready(context) {
+                Poll::Ready(Ok(())) => {}
+                Poll::Ready(Err(e)) => return Poll::Ready(Err(e)),
+                Poll::Pending => return Poll::Pending,
+            }
+        }
+        Poll::Ready(self.range())
     }
 }

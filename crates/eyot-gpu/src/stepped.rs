@@ -16,6 +16,7 @@ impl From<GpuError> for EngineError {
     fn from(e: GpuError) -> Self {
         match e {
             GpuError::Core(e) => Self::Core(e),
+            GpuError::CannotWait => Self::NotReady,
             e => Self::Device(e.into()),
         }
     }
@@ -33,6 +34,7 @@ impl From<EngineError> for GpuError {
     fn from(e: EngineError) -> Self {
         match e {
             EngineError::Core(e) => Self::Core(e),
+            EngineError::NotReady => Self::CannotWait,
             EngineError::Device(e) => e.source.downcast().map_or_else(|e| Self::Fault(e.to_string()), |e| *e),
             e => Self::Fault(e.to_string()),
         }
@@ -41,6 +43,9 @@ impl From<EngineError> for GpuError {
 
 impl GpuEngine {
     fn run_plan(&mut self, world: &mut World, plan: &Plan, ahead: &Ahead<'_>) -> GpuResult<()> {
+        if self.options.polled {
+            self.keep_pace()?;
+        }
         match self.submit(plan, ahead.completes) {
             Err(Misfit::Rebuild) => self.rebuild(world, ahead.processes, ahead.span, ahead.within_step)?,
             Err(Misfit::Failed(e)) => return Err(e),

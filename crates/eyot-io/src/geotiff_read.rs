@@ -97,8 +97,7 @@ fn metadata(ifd: &Ifd) -> Metadata {
 
 fn open_options(limits: &Limits) -> OpenOptions {
     OpenOptions {
-        // A few rows of tiles; each is needed for one window only.
-        block_cache_bytes: 64 << 20,
+        block_cache_bytes: cache_bytes(limits) as usize,
         parse_budgets: ParseBudgets {
             // A DEM has one image, its overviews and perhaps masks.
             max_ifds: 64,
@@ -122,6 +121,7 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
     let fill = 7 * cells;
     let image = cells * layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
     limits.check_bytes("the decoded image", image + fill + field).map_err(Error::beyond(path))?;
+    let pixel = layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
     if layout.samples_per_pixel != 1 {
         let problem = format!("the file has {} bands or colours, heights need one", layout.samples_per_pixel);
         return Err(Error::format(path, problem, "extract one, for example with gdal_translate -b 1"));
@@ -136,7 +136,29 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
         let problem = format!("blocks of {block} bytes for an image of {image}");
         return Err(Error::format(path, problem, "it is damaged: copy or download it again"));
     }
+    // What lies beside the values while they are read: a block as it is stored and unpacked, those that are kept, and the rows that are
+    // handed over at a time.
+    let kept = u128::from(cache_bytes(limits)).min(image);
+    let rows = rows_at_once(ifd, height) as u128 * width as u128 * pixel;
+    let held = field + fill + 2 * block + kept + rows;
+    limits.check_bytes("the image with what it takes to read it", held).map_err(Error::beyond(path))?;
     check_compression(path, width, height, image, file_bytes)
+}
+
+/// Bytes of unpacked blocks that are kept for the next rows.
+fn cache_bytes(limits: &Limits) -> u64 {
+    // A few rows of tiles; each is needed for one window only.
+    (64 << 20).min(limits.max_bytes / 16)
+}
+
+/// Rows that are handed over at a time: whole blocks, so that the second copy of the values stays small.
+fn rows_at_once(ifd: &Ifd, height: usize) -> usize {
+    let block = match ifd.tile_height() {
+        Some(h) if ifd.is_tiled() => h as usize,
+        _ => ifd.rows_per_strip() as usize,
+    };
+    let block = block.clamp(1, height.max(1));
+    (block * 128usize.div_ceil(block)).min(height.max(1))
 }
 
 /// The values, which cells are missing (`None` if none is), and how far the values were rounded.
@@ -151,13 +173,7 @@ fn decode(
     let mut field = Field::new(width, height, 0.0);
     let mut missing: Option<Vec<bool>> = None;
     let mut narrowed = Narrowed::default();
-    // Windows of whole blocks keep the second copy of the data small.
-    let rows_at_once = match ifd.tile_height() {
-        Some(h) if ifd.is_tiled() => h as usize,
-        _ => ifd.rows_per_strip() as usize,
-    }
-    .clamp(1, height);
-    let rows_at_once = rows_at_once * 128usize.div_ceil(rows_at_once);
+    let rows_at_once = rows_at_once(ifd, height);
     let f32_samples = (layout.sample_format, layout.bits_per_sample) == (3, 32);
     let mut top = 0;
     while top < height {

@@ -196,7 +196,7 @@ pub fn layer_names(path: &Path) -> Result<Vec<String>> {
         return if zarr::is_node(path) { zarr::names(path) } else { Ok(Vec::new()) };
     }
     let mut start = [0; 4];
-    let mut file = File::open(path).map_err(Error::io(path, "read"))?;
+    let mut file = open_ordinary(path)?;
     match file.read_exact(&mut start) {
         Ok(()) if start == EXR => exr_read::names(path, file),
         _ => Ok(Vec::new()),
@@ -226,10 +226,7 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         }
         return Err(Error::format(path, "this is a folder", "give the name of a file in it"));
     }
-    if !metadata.is_file() {
-        return Err(Error::format(path, "this is no ordinary file", "copy its content to a file first"));
-    }
-    let mut file = File::open(path).map_err(Error::io(path, "read"))?;
+    let mut file = open_ordinary(path)?;
     if metadata.len() == 0 {
         return Err(Error::format(path, "the file is empty", "copy, download or export it again"));
     }
@@ -250,6 +247,15 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         _ => Err(unknown(path, &start)),
     }?;
     checked(path, raster)
+}
+
+/// Opens a file, and nothing else: a pipe could wait for ever, a device give bytes without end.
+fn open_ordinary(path: &Path) -> Result<File> {
+    let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
+    if !metadata.is_file() {
+        return Err(Error::format(path, "this is no ordinary file", "copy its content to a file first"));
+    }
+    File::open(path).map_err(Error::io(path, "read"))
 }
 
 /// Checks the size of a field before it is made. Rows are padded for the engine, by up to 80 values each, which is what

@@ -68,13 +68,22 @@ impl Opened {
     }
 }
 
-/// Opens engines.
+/// Opens engines; a closure can do so, too.
 pub trait Engines: Send + Sync {
     /// The engine that the options ask for.
     ///
     /// # Errors
     /// If there is none such, or it cannot be used.
     fn open(&self, options: &EngineOptions, limits: Limits) -> Result<Opened, DeviceError>;
+}
+
+impl<F> Engines for F
+where
+    F: Fn(&EngineOptions, Limits) -> Result<Opened, DeviceError> + Send + Sync,
+{
+    fn open(&self, options: &EngineOptions, limits: Limits) -> Result<Opened, DeviceError> {
+        self(options, limits)
+    }
 }
 
 /// The processor alone.

@@ -28,6 +28,16 @@ impl eyot_session::Engines for Engines {
     }
 }
 
+/// An engine on a device that is open already, such as a window's or a browser's, for hosts that must not wait for it: sessions answer
+/// [`Status::Waiting`](eyot_session::Status::Waiting) meanwhile.
+///
+/// # Errors
+/// If the device fails.
+pub fn polled(gpu: Gpu, limits: Limits) -> Result<Opened, DeviceError> {
+    let engine = GpuEngine::new(gpu, Options::default().limits(limits).timed(true).polled(true), None)?;
+    Ok(Opened { engine: Box::new(Card(engine)), warning: None })
+}
+
 struct Card(GpuEngine);
 
 impl OpenEngine for Card {

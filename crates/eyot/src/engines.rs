@@ -3,8 +3,10 @@
 use eyot_core::engine::CpuEngine;
 
 #[cfg(feature = "gpu")]
-pub use crate::card::{Engines, adapter, card, keep_pipelines};
+pub use crate::card::{Engines, adapter, card, keep_pipelines, polled};
 pub use eyot_core::isa::Isa;
+#[cfg(feature = "gpu")]
+pub use eyot_gpu::Gpu;
 #[cfg(not(feature = "gpu"))]
 pub use eyot_session::Processor as Engines;
 

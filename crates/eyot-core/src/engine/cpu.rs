@@ -89,7 +89,7 @@ impl EngineError {
     fn without_device(self) -> Error {
         match self {
             Self::Core(e) => e,
-            Self::Device(e) => unreachable!("the processor is no device: {e}"),
+            e @ (Self::Device(_) | Self::NotReady) => unreachable!("the processor is no device: {e}"),
         }
     }
 }

@@ -15,11 +15,13 @@ use std::borrow::Cow;
 mod arena;
 mod cpu;
 mod estimate;
+mod hesitant;
 mod saved;
 mod sweep;
 
 pub use cpu::{CpuEngine, CpuRunner};
 pub use estimate::MemoryEstimate;
+pub use hesitant::Hesitant;
 pub use saved::Saved;
 
 /// Why an engine did not do what it was asked for.
@@ -32,6 +34,10 @@ pub enum EngineError {
     /// The device that works. The world is what it was when it was last downloaded.
     #[error(transparent)]
     Device(DeviceError),
+    /// The device has not done what was asked of it before, and its host must not wait. Nothing has changed: the same call goes on
+    /// where this one stopped.
+    #[error("the device is not done yet")]
+    NotReady,
 }
 
 impl EngineError {
@@ -109,6 +115,10 @@ impl Borrowed {
 ///
 /// Between [`Engine::begin`] and [`Engine::end`] the engine has the world's layers and its ledger. It may keep them beyond that, and
 /// then the world's own are out of date until [`Engine::download`]; until [`Engine::release`] nobody else may change them.
+///
+/// Where nobody may wait for the device, such as in a browser, [`Engine::run`], [`Engine::lend`], [`Engine::save`], [`Engine::wait`],
+/// [`Engine::end`] and [`Engine::download`] say [`EngineError::NotReady`] instead, before they have changed anything, until the same
+/// call can be answered.
 pub trait Engine {
     /// What is at work, for people.
     fn name(&self) -> String;

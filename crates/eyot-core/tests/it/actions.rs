@@ -93,7 +93,7 @@ impl ActionInstance for AddOne {
     }
 }
 
-fn scheduled(stop: Option<(u64, Cancel)>) -> Vec<Scheduled> {
+pub(crate) fn scheduled(stop: Option<(u64, Cancel)>) -> Vec<Scheduled> {
     vec![
         Scheduled { name: "rules", process: Box::new(Rules), every: 1 },
         Scheduled { name: "add", process: Box::new(AddOne { stop }), every: 2 },
@@ -101,7 +101,7 @@ fn scheduled(stop: Option<(u64, Cancel)>) -> Vec<Scheduled> {
     ]
 }
 
-fn world(rim: Boundary) -> World {
+pub(crate) fn world(rim: Boundary) -> World {
     World::new(Grid::new(37, 9, 1.0, rim, &Limits::default()).unwrap(), 1)
 }
 

@@ -3,6 +3,7 @@
 mod actions;
 mod components;
 mod foundations;
+mod polled;
 mod programs;
 mod rules;
 mod windows;

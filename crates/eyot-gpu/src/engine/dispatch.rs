@@ -66,6 +66,8 @@ impl GpuEngine {
         let layers = Layers { specs: &r.specs, world_layers: r.world_layers };
         let groups = groups(passes, &layers, self.bounds(&r.arena.grid)).ok_or(Misfit::Rebuild)?;
         r.check_room(&groups, passes)?;
+        // What was on its way back is out of date.
+        (r.coming, r.checks) = (None, Vec::new());
         let mut first = 0;
         for group in &groups {
             let of_group = &passes[first..first + group.stages.len()];
@@ -96,10 +98,10 @@ impl GpuEngine {
             self.resident = Some(r);
             outcome?;
         }
-        self.pace.wait(&self.gpu, 0, self.options.submission)
+        self.pace.wait(&self.gpu, 0, self.options.submission, self.options.polled)
     }
 
-    /// Submits the batch, and waits until one submission less than may be is under way.
+    /// Submits the batch, and keeps the pace.
     fn flush(&mut self, r: &Resident) -> Result<()> {
         let passes = if r.arena.split() { self.batch.dispatches.len() / r.arena.slabs.len() } else { 1 };
         if self.timer.as_ref().is_some_and(|t| t.used as usize + passes > MAX_TIMED as usize) {
@@ -138,11 +140,17 @@ impl GpuEngine {
         self.work.submissions += 1;
         self.work.dispatches += dispatches.len() as u64;
         let index = self.gpu.queue.submit([encoder.finish()]);
-        self.pace.begun(index, dispatches.len(), std::mem::take(steps));
+        self.pace.begun(&self.gpu, index, dispatches.len(), std::mem::take(steps), self.options.polled);
         jobs.clear();
         dispatches.clear();
         self.gpu.check()?;
-        self.pace.wait(&self.gpu, IN_FLIGHT - 1, self.options.submission)
+        // A plan that goes to the card in part cannot be refused; the next one is.
+        if self.options.polled { Ok(()) } else { self.keep_pace() }
+    }
+
+    /// Waits until one submission less than may be is under way.
+    pub(crate) fn keep_pace(&mut self) -> Result<()> {
+        self.pace.wait(&self.gpu, IN_FLIGHT - 1, self.options.submission, self.options.polled)
     }
 
     /// The pipeline of a group, compiled when it is first needed.

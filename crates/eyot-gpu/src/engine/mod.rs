@@ -9,6 +9,7 @@
 //! The world's own layers are out of date until [`GpuEngine::download`].
 
 mod account;
+mod coming;
 mod dispatch;
 mod options;
 mod pace;
@@ -137,7 +138,7 @@ impl GpuEngine {
     pub fn work(&self) -> Work {
         let traffic = &self.gpu.traffic;
         let (layers_back, bytes_back) = (traffic.layers.load(Relaxed), traffic.bytes.load(Relaxed));
-        Work { layers_back, bytes_back, ..self.work }
+        Work { layers_back, bytes_back, waits: traffic.waits.load(Relaxed), ..self.work }
     }
 
     /// Compiled pipelines for [`GpuEngine::new`] of the next process, if the driver gives them away.
@@ -154,7 +155,8 @@ impl GpuEngine {
     /// # Errors
     /// If a parameter does not fit the world or memory would exceed the limits (before the first step), on a request to stop
     /// (the world is then in the state after some whole step; `world.step` tells which), if a value that is not finite turns up,
-    /// and if the device fails: the world is then what it was when it was last downloaded.
+    /// and if the device fails: the world is then what it was when it was last downloaded. [`GpuError::CannotWait`] if the engine is
+    /// [polled](Options::polled), which takes a [`Simulation`] that keeps its place.
     pub fn simulate(
         &mut self,
         world: &mut World,
@@ -162,22 +164,29 @@ impl GpuEngine {
         span: Span,
         control: &Control<'_>,
     ) -> Result<()> {
+        if self.options.polled {
+            return Err(GpuError::CannotWait);
+        }
         Simulation::new(processes).advance(self, world, span, control).map_err(GpuError::from)
     }
 
     /// Makes the layers and the ledger of `world` what they are on the card.
     ///
     /// # Errors
-    /// If the device was lost; `world` is then what it was when it was last downloaded.
+    /// If the device was lost; `world` is then what it was when it was last downloaded. [`GpuError::CannotWait`] if the engine is
+    /// [polled](Options::polled) and not all has arrived: then nothing has changed.
     pub fn download(&mut self, world: &mut World) -> Result<()> {
         // What still waits in the batch has marked its layers as changed already.
         let finished = self.finish();
         let Some(r) = &mut self.resident else { return finished };
-        let outcome = finished.and_then(|()| r.download_all(&self.gpu, world));
-        if outcome.is_err() {
-            self.fall_back(world);
+        match finished.and_then(|()| r.download_all(&self.gpu, world, self.options.polled)) {
+            Err(e @ GpuError::CannotWait) => return Err(e),
+            Err(e) => {
+                self.fall_back(world);
+                return Err(e);
+            }
+            Ok(()) => {}
         }
-        outcome?;
         world.check_finite(&format!("step {}", world.step))?;
         Ok(())
     }
@@ -199,7 +208,8 @@ impl GpuEngine {
     pub async fn range(&self, name: &str) -> Result<Option<crate::reduce::Range>> {
         let Some(r) = &self.resident else { return Ok(None) };
         let Some(layer) = r.specs[..r.world_layers].iter().position(|s| s.name == name) else { return Ok(None) };
-        self.reducer.range(&self.gpu, &r.arena, r.slots[&(layer, r.current[layer])]).await.map(Some)
+        let ranging = self.reducer.request(&self.gpu, &r.arena, r.slots[&(layer, r.current[layer])])?;
+        (&ranging).await.map(Some)
     }
 
     /// A layer where it lies on the card, for shaders of others. `None` if no layer of that name is there.
@@ -273,7 +283,7 @@ impl GpuEngine {
         self.finish()?;
         let r = self.resident.as_mut().ok_or_else(|| GpuError::Fault("no world is on the card".into()))?;
         r.hold(world, |spec| borrowed.is_borrowed(&spec.name))?;
-        r.download(&self.gpu, world, |spec| borrowed.is_read(&spec.name))?;
+        r.download(&self.gpu, world, self.options.polled, |spec| borrowed.is_read(&spec.name))?;
         work(world)?;
         for l in (0..r.world_layers).filter(|&l| borrowed.is_written(&r.specs[l].name)) {
             let field = &world.layer(&r.specs[l].name)?.field;
@@ -286,15 +296,25 @@ impl GpuEngine {
 
     /// Finds values that are not finite without moving layers.
     fn check_finite(&mut self, world: &mut World) -> Result<()> {
-        let Some(r) = &self.resident else { return Ok(()) };
-        let changed: Vec<usize> = (0..r.world_layers).filter(|&l| r.stale[l]).collect();
-        for l in changed {
-            let r = self.resident.as_ref().ok_or_else(|| GpuError::Fault("no world is on the card".into()))?;
-            let slot = r.slots[&(l, r.current[l])];
-            if self.gpu.complete(self.reducer.range(&self.gpu, &r.arena, slot))?.not_finite > 0 {
-                // Names the place.
-                return self.download(world);
+        let Some(r) = &mut self.resident else { return Ok(()) };
+        if r.checks.is_empty() {
+            for l in (0..r.world_layers).filter(|&l| r.stale[l]) {
+                r.checks.push(self.reducer.request(&self.gpu, &r.arena, r.slots[&(l, r.current[l])])?);
             }
+        }
+        let mut not_finite = 0;
+        for check in &r.checks {
+            if self.options.polled && !check.is_ready()? {
+                return Err(GpuError::CannotWait);
+            }
+            not_finite += self.gpu.complete(check)?.not_finite;
+        }
+        if not_finite > 0 {
+            // Names the place.
+            self.download(world)?;
+        }
+        if let Some(r) = &mut self.resident {
+            r.checks.clear();
         }
         Ok(())
     }
@@ -327,7 +347,7 @@ impl GpuEngine {
         let mut kept = None;
         if let Some(r) = self.resident.as_mut().filter(|_| within_step) {
             r.hold(world, |_| true)?;
-            r.download(&self.gpu, world, |_| true)?;
+            r.download(&self.gpu, world, self.options.polled, |_| true)?;
             kept = r.held.take().map(|held| (r.synced, held));
         } else {
             self.download(world)?;
@@ -358,7 +378,7 @@ impl GpuEngine {
 
     fn read_timer(&mut self) -> Result<()> {
         if let Some(timer) = &mut self.timer {
-            self.work.card_s += self.gpu.complete(timer.seconds(&self.gpu))?;
+            self.work.card_s += timer.seconds(&self.gpu, self.options.polled)?;
         }
         Ok(())
     }

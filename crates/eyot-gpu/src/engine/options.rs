@@ -17,6 +17,9 @@ pub struct Options {
     pub timed: bool,
     /// A submission aims at this long.
     pub submission: Duration,
+    /// Never waits for the card: whatever would have to answers [`GpuError::CannotWait`](crate::GpuError::CannotWait), has changed
+    /// nothing, and is to be called again. In browsers there is no other way.
+    pub polled: bool,
 }
 
 impl Default for Options {
@@ -27,6 +30,7 @@ impl Default for Options {
             most_bytes: u64::MAX,
             timed: false,
             submission: Duration::from_millis(20),
+            polled: cfg!(target_arch = "wasm32"),
         }
     }
 }
@@ -56,6 +60,11 @@ impl Options {
     pub fn submission(self, submission: Duration) -> Self {
         Self { submission, ..self }
     }
+
+    /// For a host that polls, or one that waits.
+    pub fn polled(self, polled: bool) -> Self {
+        Self { polled, ..self }
+    }
 }
 
 /// What the engine has done so far.
@@ -78,6 +87,8 @@ pub struct Work {
     pub layers_back: u64,
     /// Bytes that were brought back from the card: layers, sums, ranges, pictures.
     pub bytes_back: u64,
+    /// How often a thread has waited for the card.
+    pub waits: u64,
 }
 
 impl Work {
@@ -92,6 +103,7 @@ impl Work {
             card_s: self.card_s - earlier.card_s,
             layers_back: self.layers_back - earlier.layers_back,
             bytes_back: self.bytes_back - earlier.bytes_back,
+            waits: self.waits - earlier.waits,
         }
     }
 }

@@ -1,12 +1,14 @@
 //! A world whose layers are on the card.
 
 use super::account::Account;
+use super::coming::Coming;
 use super::dispatch::Kernel;
 use super::{GpuEngine, SMALL};
 use crate::arena::Arena;
 use crate::device::Gpu;
 use crate::error::{GpuError, Result};
 use crate::group::{Group, Layers, groups};
+use crate::reduce::Ranging;
 use eyot_core::engine::Saved;
 use eyot_core::graph::Graph;
 use eyot_core::plan::{Pass, Plan, RuleKind};
@@ -36,6 +38,10 @@ pub(super) struct Resident {
     pub(super) synced: (u64, f64),
     /// What actions have changed since the world was downloaded as a whole, as it was then: so that a lost device leaves no mixture.
     pub(super) held: Option<Saved>,
+    /// What is on its way back, where nobody waits for it.
+    pub(super) coming: Option<Coming>,
+    /// The ranges of the layers that have changed, as [`GpuEngine::check_finite`] has asked for them.
+    pub(super) checks: Vec<Ranging>,
 }
 
 impl Resident {
@@ -136,6 +142,8 @@ impl Resident {
             graphs: HashMap::new(),
             synced: (world.step, world.sea_level_m),
             held: None,
+            coming: None,
+            checks: Vec::new(),
         };
         r.share(&engine.gpu);
         Ok(r)
@@ -150,37 +158,11 @@ impl Resident {
         }
     }
 
-    /// Downloads everything that is out of date.
-    pub(super) fn download_all(&mut self, gpu: &Gpu, world: &mut World) -> Result<()> {
-        self.download(gpu, world, |_| true)?;
-        self.synced = (world.step, world.sea_level_m);
-        self.held = None;
-        Ok(())
-    }
-
     /// Keeps what an action may change, ledger included, as it was when the world was last downloaded.
     pub(super) fn hold(&mut self, world: &World, wanted: impl Fn(&LayerSpec) -> bool) -> Result<()> {
         let held = self.held.get_or_insert_with(|| Saved::new(world));
         let mut wanted = self.specs[..self.world_layers].iter().filter(|s| wanted(s));
         Ok(wanted.try_for_each(|s| held.keep(world, &s.name))?)
-    }
-
-    /// Downloads the layers that are out of date and `wanted`, and the ledger.
-    pub(super) fn download(&mut self, gpu: &Gpu, world: &mut World, wanted: impl Fn(&LayerSpec) -> bool) -> Result<()> {
-        gpu.check()?;
-        let mut fields: Vec<(usize, Field)> = Vec::new();
-        for l in (0..self.world_layers).filter(|&l| self.stale[l] && wanted(&self.specs[l])) {
-            fields.push((l, self.arena.request(gpu, self.slots[&(l, self.current[l])])?.take(gpu)?));
-        }
-        let totals = gpu.complete(self.arena.totals(gpu))?;
-        // Nothing can fail from here on: the world changes as a whole.
-        for (l, field) in fields {
-            world.layer_mut(&self.specs[l].name)?.field = field;
-            self.stale[l] = false;
-        }
-        let area = world.grid.cell_area_m2();
-        self.accounts.iter_mut().zip(totals).for_each(|(account, total)| account.post(&mut world.ledger, total, area));
-        Ok(())
     }
 
     /// Number of the account of a tally.

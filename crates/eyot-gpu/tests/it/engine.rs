@@ -15,12 +15,12 @@ use std::time::Duration;
 
 use crate::common;
 
-fn engine(options: Options) -> Option<GpuEngine> {
+pub(crate) fn engine(options: Options) -> Option<GpuEngine> {
     common::gpu().map(|gpu| GpuEngine::new(gpu, options, None).unwrap())
 }
 
 /// A mountain of noise, 100 m high.
-fn mountain(side: usize, rim: Boundary) -> World {
+pub(crate) fn mountain(side: usize, rim: Boundary) -> World {
     let grid = Grid::new(side, side, 10.0, rim, &Limits::default()).unwrap();
     let mut world = World::new(grid, 3);
     let fbm = GENERATORS.iter().find(|e| e.name == "fbm").unwrap();
@@ -33,7 +33,7 @@ fn mountain(side: usize, rim: Boundary) -> World {
     world
 }
 
-fn erosion() -> Vec<Scheduled> {
+pub(crate) fn erosion() -> Vec<Scheduled> {
     let rain = Hydraulic { rain: 0.01, ..Default::default() };
     vec![
         one(rain),
@@ -222,7 +222,7 @@ fn a_device_lost_on_the_way_leaves_the_last_sound_world() {
 
 /// Lifts the land by a metre, counts how often, and may take the device away.
 #[derive(Clone)]
-struct Lift(Option<(wgpu::Device, f64)>);
+pub(crate) struct Lift(pub(crate) Option<(wgpu::Device, f64)>);
 
 impl Process for Lift {
     fn layers(&self) -> Vec<eyot_core::process::LayerUse> {

@@ -4,5 +4,6 @@ mod common;
 mod conformance;
 mod device;
 mod engine;
+mod polled;
 mod texts;
 mod wgsl;

@@ -49,3 +49,23 @@ fn other_formats_hold_the_filled_values() {
     let back = through(&raster, &folder.path().join("a.npy"), RasterFormat::Npy);
     assert_eq!((back.missing, back.field), (None, raster.field));
 }
+
+/// What cannot be seen is no height: painters cut coasts out like this.
+#[test]
+fn transparent_cells_of_a_png_are_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    for wide in [1, 2] {
+        let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 3, 2);
+        encoder.set_color(png::ColorType::GrayscaleAlpha);
+        encoder.set_depth(if wide == 2 { png::BitDepth::Sixteen } else { png::BitDepth::Eight });
+        // A height and how much of it is seen, six times.
+        let cells = [(10, 255), (10, 0), (10, 1), (30, 255), (200, 0), (30, 128)];
+        let bytes: Vec<u8> = cells.iter().flat_map(|&(v, a)| [[v].repeat(wide), [a].repeat(wide)].concat()).collect();
+        encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
+        let options = ReadOptions { low_m: Some(0.0), high_m: Some(255.0), ..ReadOptions::default() };
+        let raster = read_raster(&path, &options, &Limits::default()).unwrap();
+        assert_eq!(raster.missing, Some(vec![false, true, false, false, true, false]));
+        assert!(raster.field.get(1, 1) < 31.0, "the value of a hidden cell counts");
+    }
+}

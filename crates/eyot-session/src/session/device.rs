@@ -20,11 +20,22 @@ pub(super) enum Failure {
     Device(DeviceError),
 }
 
+/// How the world's own layers stand.
+pub(super) enum Layers {
+    /// They are what the engine has made.
+    Current,
+    /// The engine has done more.
+    Behind,
+    /// They could not be brought back, which nobody has heard yet.
+    Failed(Failure),
+}
+
 impl From<EngineError> for Failure {
     fn from(e: EngineError) -> Self {
         match e {
             EngineError::Core(e) => Self::Work(e),
             EngineError::Device(e) => Self::Device(e),
+            // Of an engine that is not ready whoever asks it goes on another time.
             other => Self::Device(DeviceError {
                 lost: false,
                 refused: false,
@@ -36,10 +47,36 @@ impl From<EngineError> for Failure {
 }
 
 impl Session {
-    /// Brings the world up to what the engine has done.
+    /// Asks the engine for all that it has done. False if it is not ready: then the session has to wait before it looks at the world.
+    pub(super) fn is_brought_back(&mut self) -> bool {
+        if let Layers::Behind = self.layers {
+            self.layers = match self.engine.engine_mut().download(&mut self.world) {
+                Ok(()) => Layers::Current,
+                Err(EngineError::NotReady) => return false,
+                Err(e) => Layers::Failed(e.into()),
+            };
+            if let Layers::Current = self.layers {
+                self.settled = self.state.done;
+            }
+        }
+        true
+    }
+
+    /// Brings the world up to what the engine has done; [`Session::is_brought_back`] has said that it is ready.
     pub(super) fn download(&mut self) -> Result<(), Failure> {
-        self.engine.engine_mut().download(&mut self.world)?;
-        self.settled = self.state.done;
+        let ready = self.is_brought_back();
+        debug_assert!(ready, "the world is wanted of an engine that is not ready");
+        match std::mem::replace(&mut self.layers, Layers::Behind) {
+            Layers::Current => {}
+            // The world is what it was when it was last brought back.
+            Layers::Failed(e @ Failure::Device(_)) => {
+                self.layers = Layers::Current;
+                return Err(e);
+            }
+            Layers::Failed(e) => return Err(e),
+            Layers::Behind => return Err(EngineError::NotReady.into()),
+        }
+        self.layers = Layers::Current;
         Ok(())
     }
 
@@ -81,7 +118,7 @@ impl Session {
             self.checkpoint_if_possible();
             return Err(RunError::Device(error));
         };
-        self.engine = engine;
+        (self.engine, self.layers) = (engine, Layers::Current);
         let (number, done) = (step.number, self.state.done);
         let on = format!("; step {number} goes on after {done} steps with {}", self.engine.engine().name());
         self.tell(Event::Warning { message: remedy![error.sentence, on] });

@@ -28,9 +28,14 @@ impl Session {
         }
     }
 
-    /// Writes a checkpoint if it is time. One that cannot be written is no reason to end: the next may succeed.
+    pub(super) fn checkpoint_is_due(&self) -> bool {
+        self.host.clock.since(self.last_checkpoint) >= self.options.checkpoint_every
+    }
+
+    /// Writes a checkpoint if it is time and the engine has given the world back. One that cannot be written is no reason to end: the next
+    /// may succeed.
     pub(super) fn checkpoint_if_due(&mut self) {
-        if self.host.clock.since(self.last_checkpoint) < self.options.checkpoint_every {
+        if !self.checkpoint_is_due() || !self.is_brought_back() {
             return;
         }
         let begun = self.host.clock.now();

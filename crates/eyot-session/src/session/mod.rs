@@ -1,8 +1,8 @@
 //! A run that is polled: whoever hosts a [`Session`] gives it time on a thread of its own choice, commands go in as values and
 //! events come out.
 //!
-//! A session starts no thread, asks no clock of the system and waits for nobody: a paused one returns at once. Parallel work
-//! goes to the caller's thread pool. [`Run`](crate::Run) gives a session a thread, a pool and a folder.
+//! A session starts no thread, asks no clock of the system and waits for nobody: a paused one returns at once, and so does one whose
+//! engine is not ready ([`Status::Waiting`]). Parallel work goes to the caller's thread pool. [`Run`](crate::Run) gives a session a thread, a pool and a folder.
 //!
 //! ```
 //! use eyot_core::Limits;
@@ -33,6 +33,7 @@ mod progress;
 mod recording;
 mod requests;
 mod simulate;
+mod trial;
 mod watching;
 
 use crate::engines::{EngineOptions, OpenEngine, Opened, processor};
@@ -48,6 +49,7 @@ use eyot_recipe::{ProcessUse, Recipe, Step, Work};
 use std::sync::Arc;
 use std::time::Duration;
 
+use device::Layers;
 use end::Ended;
 use progress::{label, overall};
 use recording::Recorder;
@@ -83,6 +85,7 @@ pub struct Session {
     engine: Box<dyn OpenEngine>,
     /// Steps of the simulation under way that the world's own layers have seen; the engine may be ahead of them.
     settled: u64,
+    layers: Layers,
     devices_lost: u32,
     recorder: Option<Recorder>,
     watching: Option<Watching>,
@@ -106,6 +109,15 @@ enum Phase {
     Ending { stopped: bool },
     /// Nothing any more.
     Over(Status),
+}
+
+/// How a piece of work went.
+enum Turn {
+    Worked,
+    /// There was none: it waits for a command.
+    Paused,
+    /// There was none: the engine is not ready.
+    Waiting,
 }
 
 /// What commands lead to.
@@ -182,6 +194,7 @@ impl Session {
             asked,
             engine: processor(limits),
             settled: 0,
+            layers: Layers::Current,
             devices_lost: 0,
             recorder: None,
             watching,
@@ -222,7 +235,8 @@ impl Session {
         &self.recipe
     }
 
-    /// Works for about as long as `budget` says, on this thread and in the pool that it belongs to.
+    /// Works for about as long as `budget` says, on this thread and in the pool that it belongs to; less if it then waits for a command
+    /// or for the engine.
     ///
     /// # Errors
     /// If a step, the engine or a file fails. The session is over then.
@@ -235,8 +249,9 @@ impl Session {
         };
         loop {
             match self.turn() {
-                Ok(true) => {}
-                Ok(false) => return Ok(Status::Paused),
+                Ok(Turn::Worked) => {}
+                Ok(Turn::Paused) => return Ok(Status::Paused),
+                Ok(Turn::Waiting) => return Ok(Status::Waiting),
                 Err(e) => {
                     self.phase = Phase::Over(Status::Failed);
                     self.forget_beginning();
@@ -258,8 +273,8 @@ impl Session {
         }
     }
 
-    /// Does one piece of work. False if it waits for a command.
-    fn turn(&mut self) -> Result<bool, RunError> {
+    /// Does one piece of work.
+    fn turn(&mut self) -> Result<Turn, RunError> {
         // Whatever fails leaves nothing to go on with.
         match std::mem::replace(&mut self.phase, Phase::Over(Status::Failed)) {
             Phase::New => {
@@ -268,10 +283,14 @@ impl Session {
             }
             Phase::Between => return self.between(),
             Phase::Simulating(simulation) => return self.simulate(simulation),
+            ending @ Phase::Ending { .. } if !self.is_brought_back() => {
+                self.phase = ending;
+                return Ok(Turn::Waiting);
+            }
             Phase::Ending { stopped } => self.end(stopped)?,
             over @ Phase::Over(_) => self.phase = over,
         }
-        Ok(true)
+        Ok(Turn::Worked)
     }
 
     fn begin(&mut self) -> Result<(), RunError> {
@@ -293,7 +312,8 @@ impl Session {
             let now = self.engine.engine().kind();
             format!("{last} has simulated so far and {now} goes on: not to the bytes of a run in one piece")
         });
-        for message in warning.into_iter().chain(other.map(Remedy::from)) {
+        let doubts = if self.resumed { Vec::new() } else { self.recipe.doubts() };
+        for message in warning.into_iter().chain(other.map(Remedy::from)).chain(doubts) {
             self.tell(Event::Warning { message });
         }
         self.begin_recording();
@@ -306,13 +326,13 @@ impl Session {
     }
 
     /// Goes to the next step of the recipe.
-    fn between(&mut self) -> Result<bool, RunError> {
+    fn between(&mut self) -> Result<Turn, RunError> {
         let recipe = self.recipe.clone();
         let Some(step) = recipe.steps.get(self.state.done_steps) else {
             self.record();
             self.engine.keep();
             self.phase = Phase::Ending { stopped: false };
-            return Ok(true);
+            return Ok(Turn::Worked);
         };
         match &step.work {
             _ if !step.enabled => self.step_done(),
@@ -323,7 +343,7 @@ impl Session {
                 heard => return Ok(self.turn_away(&heard)),
             },
         }
-        Ok(true)
+        Ok(Turn::Worked)
     }
 
     /// A step of the recipe is behind.
@@ -334,8 +354,8 @@ impl Session {
         self.checkpoint_if_due();
     }
 
-    /// Leaves a step before its end. False if the session waits.
-    fn turn_away(&mut self, heard: &Heard) -> bool {
+    /// Leaves a step before its end.
+    fn turn_away(&mut self, heard: &Heard) -> Turn {
         match heard {
             Heard::GoOn | Heard::Wait => self.phase = Phase::Between,
             Heard::Back => {
@@ -347,7 +367,7 @@ impl Session {
                 self.phase = Phase::Ending { stopped: true };
             }
         }
-        !matches!(heard, Heard::Wait)
+        if matches!(heard, Heard::Wait) { Turn::Paused } else { Turn::Worked }
     }
 
     /// Does what the client asked for.

@@ -69,6 +69,9 @@ pub enum Status {
     Working,
     /// It waits for a command.
     Paused,
+    /// Its engine is not ready, and may not be waited for: there is more to do after some milliseconds. In a browser the engine gets on
+    /// only between two turns of the event loop.
+    Waiting,
     /// It has come to its end.
     Finished,
     /// It was stopped on request.

@@ -43,6 +43,11 @@ impl Requests {
         self.queue.push_back(command);
     }
 
+    /// True if somebody wants to see the world.
+    pub(crate) fn want_world(&self) -> bool {
+        self.queue.contains(&Command::Snapshot)
+    }
+
     /// Steps that may be done before the next look; at least one.
     pub(crate) fn allowed(&self) -> u64 {
         self.allowance.map_or(u64::MAX, |n| n.max(1))

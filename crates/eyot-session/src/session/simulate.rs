@@ -1,9 +1,11 @@
 //! The steps of a simulation, chunk by chunk.
 
-use super::device::Failure;
-use super::{Heard, Phase, Session, label, overall};
+use super::device::{Failure, Layers};
+use super::trial::{After, Trial};
+use super::{CHUNK_TIME, Heard, Phase, Session, Turn, label, overall};
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry, Progress};
+use eyot_core::engine::{DeviceError, EngineError};
 use eyot_core::process::Span;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Worded};
@@ -21,9 +23,41 @@ pub(super) struct Simulation {
     chunk: u64,
     /// Steps per second lately.
     rate: f64,
+    trial: Trial,
     begun: Duration,
     /// The card's own time before this simulation, less what the engine had counted by then, s.
     card_seconds: f64,
+    stage: Stage,
+}
+
+/// What comes next in a simulation.
+enum Stage {
+    /// To hear the client, and to begin a chunk.
+    Between,
+    /// Its steps.
+    Steps(Chunk),
+    /// What the world is wanted for after them.
+    After,
+}
+
+/// Steps that are done before anybody is heard.
+struct Chunk {
+    span: Span,
+    /// Steps that the world had seen.
+    first: u64,
+    begun: Duration,
+    /// Whether the engine was not ready in between.
+    waited: bool,
+}
+
+/// How a stage of a chunk went.
+enum Next {
+    /// The next one follows at once.
+    GoOn,
+    /// The simulation goes on at the next turn.
+    Later(Turn),
+    /// The simulation is left: the phase says for what.
+    Left(Turn),
 }
 
 impl Session {
@@ -33,18 +67,20 @@ impl Session {
         let card_seconds = self.state.card_seconds - self.engine.device_seconds();
         // Steps before this one may have changed the world.
         self.engine.engine_mut().release();
-        self.settled = self.state.done;
+        (self.settled, self.layers) = (self.state.done, Layers::Current);
         if self.state.done == 0 {
             self.record();
         }
         let chunk = self.options.chunk.unwrap_or(1).max(1);
         let (uses, scheduled) = self.scheduled(step, work)?;
-        self.phase = Phase::Simulating(Box::new(Simulation { uses, scheduled, chunk, rate: 0.0, begun, card_seconds }));
+        let (trial, stage) = (Trial::default(), Stage::Between);
+        let simulation = Simulation { uses, scheduled, chunk, rate: 0.0, trial, begun, card_seconds, stage };
+        self.phase = Phase::Simulating(Box::new(simulation));
         Ok(())
     }
 
-    /// Does a chunk of steps, or ends the simulation. False if the session waits.
-    pub(super) fn simulate(&mut self, mut s: Box<Simulation>) -> Result<bool, RunError> {
+    /// Does a chunk of steps, or as much of it as the engine is ready for; or ends the simulation.
+    pub(super) fn simulate(&mut self, mut s: Box<Simulation>) -> Result<Turn, RunError> {
         let recipe = self.recipe.clone();
         let Some((step, work)) = recipe.steps.get(self.state.done_steps).and_then(|step| match &step.work {
             Work::Simulate(work) => Some((step, work)),
@@ -52,18 +88,40 @@ impl Session {
         }) else {
             return Err(RunError::Fault("a simulation lost its step".to_owned()));
         };
-        let fail = |source| RunError::Step { step: label(step), source };
-        if self.state.done >= work.steps {
-            match self.download() {
-                Ok(()) => self.end_simulation(step, &s),
-                Err(Failure::Work(e)) => return Err(fail(e)),
-                Err(Failure::Device(e)) => {
-                    self.go_on_without(e, step)?;
-                    (s.uses, s.scheduled) = self.scheduled(step, work)?;
-                    self.phase = Phase::Simulating(s);
+        let mut turn = Turn::Worked;
+        for stage in [Self::begin_chunk, Self::do_chunk, Self::after_chunk] {
+            match stage(self, step, work, &mut s)? {
+                Next::GoOn => {}
+                Next::Left(turn) => return Ok(turn),
+                Next::Later(later) => {
+                    turn = later;
+                    break;
                 }
             }
-            return Ok(true);
+        }
+        self.phase = Phase::Simulating(s);
+        Ok(turn)
+    }
+
+    /// Hears the client and begins a chunk of steps, if none is under way; or ends the simulation.
+    fn begin_chunk(&mut self, step: &Step, work: &SimulateStep, s: &mut Simulation) -> Result<Next, RunError> {
+        if !matches!(s.stage, Stage::Between) {
+            return Ok(Next::GoOn);
+        }
+        let fail = |source| RunError::Step { step: label(step), source };
+        let is_over = self.state.done >= work.steps;
+        if (is_over || self.requests.want_world()) && !self.is_brought_back() {
+            return Ok(Next::Later(Turn::Waiting));
+        }
+        if is_over {
+            return match self.download() {
+                Ok(()) => {
+                    self.end_simulation(step, s);
+                    Ok(Next::Left(Turn::Worked))
+                }
+                Err(Failure::Work(e)) => Err(fail(e)),
+                Err(Failure::Device(e)) => self.go_on_elsewhere(e, step, work, s),
+            };
         }
         let changes = self.state.journal.len();
         match self.attend(step, Some(&mut s.uses))? {
@@ -72,12 +130,11 @@ impl Session {
                 if self.state.journal.len() > changes {
                     s.scheduled = stepper::Simulation::new(schedule(&s.uses).map_err(fail)?);
                 }
-                self.phase = Phase::Simulating(s);
-                return Ok(false);
+                return Ok(Next::Later(Turn::Paused));
             }
             heard => {
-                self.count_card(&s);
-                return Ok(self.turn_away(&heard));
+                self.count_card(s);
+                return Ok(Next::Left(self.turn_away(&heard)));
             }
         }
         self.go_on_from_here();
@@ -86,35 +143,50 @@ impl Session {
         if self.state.journal.len() > changes {
             s.scheduled = stepper::Simulation::new(schedule(&s.uses).map_err(fail)?);
         }
-        let steps = self.steps_now(step, work, s.chunk);
-        let (begun, first) = (self.host.clock.now(), self.world.step);
-        let control = Control::new(self.cancel.clone(), &|_, _| {});
         if self.asked.lose_device_after.is_some_and(|n| self.state.done >= n) && self.devices_lost == 0 {
             self.engine.lose_device();
         }
-        let span = Span { from: self.state.done, steps };
-        let engine = self.engine.engine_mut();
-        let result = s.scheduled.advance(engine, &mut self.world, span, &control).map_err(Failure::from);
-        if let Err(Failure::Device(e)) = result {
-            self.go_on_without(e, step)?;
-            (s.uses, s.scheduled) = self.scheduled(step, work)?;
-            self.phase = Phase::Simulating(s);
-            return Ok(true);
+        let span = Span { from: self.state.done, steps: self.steps_now(step, work, s.chunk) };
+        s.stage = Stage::Steps(Chunk { span, first: self.world.step, begun: self.host.clock.now(), waited: false });
+        Ok(Next::GoOn)
+    }
+
+    /// Does the steps that are under way.
+    fn do_chunk(&mut self, step: &Step, work: &SimulateStep, s: &mut Simulation) -> Result<Next, RunError> {
+        let Stage::Steps(chunk) = &mut s.stage else { return Ok(Next::GoOn) };
+        self.layers = Layers::Behind;
+        let control = Control::new(self.cancel.clone(), &|_, _| {});
+        let result = s.scheduled.advance(self.engine.engine_mut(), &mut self.world, chunk.span, &control);
+        if let Err(EngineError::NotReady) = result {
+            chunk.waited = true;
+            return Ok(Next::Later(Turn::Waiting));
         }
-        let did = self.world.step - first;
+        let did = self.world.step.saturating_sub(chunk.first);
+        let (time, waited) = (self.host.clock.since(chunk.begun), chunk.waited);
+        s.stage = Stage::After;
+        let result = result.map_err(Failure::from);
+        if let Err(Failure::Device(e)) = result {
+            return self.go_on_elsewhere(e, step, work, s);
+        }
         self.state.done += did;
         self.did(did);
         match result {
             Err(Failure::Work(Error::Cancelled(_))) => {
-                self.count_card(&s);
-                return Ok(self.turn_away(&Heard::Stop));
+                self.count_card(s);
+                return Ok(Next::Left(self.turn_away(&Heard::Stop)));
             }
-            Err(Failure::Work(e)) => return Err(fail(e)),
+            Err(Failure::Work(e)) => return Err(RunError::Step { step: label(step), source: e }),
             Ok(()) | Err(Failure::Device(_)) => {}
         }
-        self.measure(&mut s, did, self.host.clock.since(begun));
+        // An engine that does not hold the host's thread may be at work for longer than the host has time.
+        let aim = if waited { CHUNK_TIME } else { self.chunk_time };
+        self.measure(s, did, time, aim);
+        let left = work.steps - self.state.done;
+        if let Some(event) = s.trial.count(did, time, left, &After::of(&self.recipe.steps, step.number, work)) {
+            self.tell(event);
+        }
         let eta = (work.steps - self.state.done) as f64 / s.rate.max(1e-9);
-        let (before, share) = overall(&recipe.steps, step.number);
+        let (before, share) = overall(&self.recipe.steps, step.number);
         self.tell(Event::Progress(Progress {
             recipe_step: step.number,
             step: self.state.done,
@@ -123,15 +195,40 @@ impl Session {
             eta_s: Some(eta),
             overall: before + share * self.state.done as f64 / work.steps as f64,
         }));
-        if self.steps_to_frame() == self.frame_distance() || self.state.done >= work.steps {
+        Ok(Next::GoOn)
+    }
+
+    /// Shows the world to those who are to see it after a chunk.
+    fn after_chunk(&mut self, _: &Step, work: &SimulateStep, s: &mut Simulation) -> Result<Next, RunError> {
+        let is_over = self.state.done >= work.steps;
+        let records = is_over || self.steps_to_frame() == self.frame_distance();
+        let shows = is_over || self.steps_to_look() == self.look_distance();
+        if (records || shows || self.checkpoint_is_due()) && !self.is_brought_back() {
+            return Ok(Next::Later(Turn::Waiting));
+        }
+        if records {
             self.record();
         }
-        if self.steps_to_look() == self.look_distance() || self.state.done >= work.steps {
+        if shows {
             self.show(self.state.done);
         }
         self.checkpoint_if_due();
-        self.phase = Phase::Simulating(s);
-        Ok(true)
+        s.stage = Stage::Between;
+        Ok(Next::GoOn)
+    }
+
+    /// Goes on with another engine from the last world that this one gave back.
+    fn go_on_elsewhere(
+        &mut self,
+        lost: DeviceError,
+        step: &Step,
+        work: &SimulateStep,
+        s: &mut Simulation,
+    ) -> Result<Next, RunError> {
+        self.go_on_without(lost, step)?;
+        (s.uses, s.scheduled) = self.scheduled(step, work)?;
+        s.stage = Stage::Between;
+        Ok(Next::Later(Turn::Worked))
     }
 
     /// Steps to do before the next look at anything.
@@ -152,12 +249,12 @@ impl Session {
     }
 
     /// Learns from a chunk how many steps the next one should have.
-    fn measure(&self, s: &mut Simulation, did: u64, time: Duration) {
+    fn measure(&self, s: &mut Simulation, did: u64, time: Duration, aim: Duration) {
         let now = did as f64 / time.as_secs_f64().max(1e-9);
         s.rate = if s.rate == 0.0 { now } else { 0.7 * s.rate + 0.3 * now };
         if self.options.chunk.is_none() {
             // At most twice as long as before: the first steps can be untypically fast.
-            s.chunk = ((now * self.chunk_time.as_secs_f64()) as u64).clamp(1, s.chunk.saturating_mul(2));
+            s.chunk = ((now * aim.as_secs_f64()) as u64).clamp(1, s.chunk.saturating_mul(2));
         }
     }
 

@@ -13,6 +13,8 @@ mod fingerprints;
 mod former;
 mod mountains;
 mod own_rules;
+mod partial;
+mod polled;
 mod printed_recipes;
 mod recipe_docs;
 mod recipes;
