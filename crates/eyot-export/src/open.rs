@@ -162,14 +162,9 @@ fn saved(file: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Opened,
         notes.push("this run is not finished; this is its last checkpoint".into());
     }
     let engines = engines(&saved.state["engines"]);
-<<<<<<< HEAD
     let view = view_of(&json!(saved.recipe_toml), &saved.state["overrides"]["set"]);
-    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea: true, view, engines, notes })
-=======
-    let from_above = seen_from_above(&json!(saved.recipe_toml), &saved.state["overrides"]["set"]);
     let has_sea = saved.world.sea_level_m > NO_SEA_M;
-    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea, from_above, engines, notes })
->>>>>>> main
+    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea, view, engines, notes })
 }
 
 fn engines(list: &Value) -> Vec<String> {
