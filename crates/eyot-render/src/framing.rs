@@ -21,11 +21,18 @@ struct Bounds {
     right: f32,
     bottom: f32,
     top: f32,
+    /// How far forward the nearest place is.
+    near: f32,
 }
 
 impl Bounds {
-    const NOTHING: Self =
-        Self { left: f32::INFINITY, right: f32::NEG_INFINITY, bottom: f32::INFINITY, top: f32::NEG_INFINITY };
+    const NOTHING: Self = Self {
+        left: f32::INFINITY,
+        right: f32::NEG_INFINITY,
+        bottom: f32::INFINITY,
+        top: f32::NEG_INFINITY,
+        near: f32::INFINITY,
+    };
 
     fn and(self, o: Self) -> Self {
         Self {
@@ -33,6 +40,7 @@ impl Bounds {
             right: self.right.max(o.right),
             bottom: self.bottom.min(o.bottom),
             top: self.top.max(o.top),
+            near: self.near.min(o.near),
         }
     }
 }
@@ -113,7 +121,7 @@ impl Stage {
         let bounds = |p: V3| {
             let p = add(p, scale(middle, -1.0));
             let [r, u, f] = [right, up, forward].map(|axis| dot(axis, p));
-            Bounds { left: r + across * f, right: r - across * f, bottom: u + under * f, top: u - over * f }
+            Bounds { left: r + across * f, right: r - across * f, bottom: u + under * f, top: u - over * f, near: f }
         };
         let mut b = subject.fold(Bounds::NOTHING, |all, p| all.and(bounds(p)), Bounds::and);
         if !(b.left.is_finite() && b.right.is_finite() && b.bottom.is_finite() && b.top.is_finite()) {
@@ -124,8 +132,26 @@ impl Stage {
         }
         // The eye, seen from the middle, at (r, u, f): b.right + across f <= r <= b.left - across f, and likewise for u.
         let back = ((b.left - b.right) / (2.0 * across)).min((b.bottom - b.top) / (over + under));
-        let r = 0.5 * (b.left + b.right);
+        // No peak comes nearer than a third of the way to the middle.
+        let back = back.min(1.5 * b.near).min(-1e-6 * self.extent);
+        let mut r = 0.5 * (b.left + b.right);
         let u = 0.5 * ((b.top + over * back) + (b.bottom - under * back));
+        // A picture that is wider than the land needs leaves a choice: what is seen left and right of its middle is as wide.
+        for _ in 0..3 {
+            let seen = |p: V3| {
+                let p = add(p, scale(middle, -1.0));
+                (dot(right, p) - r) / (dot(forward, p) - back).max(1e-6 * self.extent)
+            };
+            let (west, east) = subject.fold(
+                (f32::INFINITY, f32::NEG_INFINITY),
+                |(w, e), p| (w.min(seen(p)), e.max(seen(p))),
+                |a, b| (a.0.min(b.0), a.1.max(b.1)),
+            );
+            if !(west + east).is_finite() {
+                break;
+            }
+            r -= 0.5 * (west + east) * back;
+        }
         let target = add(middle, add(scale(right, r), scale(up, u)));
         let size = self.size_m();
         let framed = Pose {
