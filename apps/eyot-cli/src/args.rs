@@ -488,9 +488,16 @@ impl Look {
 pub(crate) struct Stats {
     /// Folder of a run, or a height map
     pub(crate) from: PathBuf,
+    /// Area that must drain through a cell to make it a channel; without it 600 cells of a map of 512 x 512, on finer and coarser grids
+    /// the same share of the map. The drainage density follows it, so compare maps with one area
+    #[arg(long, value_name = "M2", value_parser = area)]
+    pub(crate) channel_area: Option<f64>,
     /// As JSON
     #[arg(long)]
     pub(crate) json: bool,
+    /// As a table of two columns, measure and value
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) csv: bool,
 }
 
 #[derive(Args)]
@@ -684,6 +691,13 @@ fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(s) if (0.0..=1e9).contains(&s) => Ok(s),
         _ => Err("write seconds from 0 to 1e9".to_owned()),
+    }
+}
+
+fn area(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(m2) if m2 > 0.0 && m2 <= 1e18 => Ok(m2),
+        _ => Err("write an area in m2, above 0: 1e6 is a square kilometre".to_owned()),
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::args::{Bench, Measured, Render, Stats};
 use crate::wording::CommandLine;
 use crate::{Failure, print, report};
+use eyot::analyse::TerrainOptions;
 use eyot::remedy::Worded;
 use eyot::store::Subject;
 use eyot::view::ViewRequest;
@@ -94,9 +95,13 @@ pub(crate) fn known(opened: &store::Opened, from: &Path, flag: &str, layer: &str
 /// Prints statistics of a run or a height map.
 pub(crate) fn stats(args: &Stats) -> Result<(), Failure> {
     let opened = open(&args.from)?;
-    let stats = store::stats(&opened, &Limits::default()).map_err(|e| report::run(&e))?;
+    let options = TerrainOptions { channel_area_m2: args.channel_area, ..TerrainOptions::default() };
+    let stats = store::stats(&opened, &options, &Limits::default()).map_err(|e| report::run(&e))?;
     if args.json {
         return print::line(&format!("{stats:#}"));
+    }
+    if args.csv {
+        return print::line(store::stats_csv(&stats).trim_end());
     }
     let g = &opened.world.grid;
     print::line(&format!(

@@ -10,6 +10,7 @@ use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
 use eyot_io::Source;
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
+use eyot_recipe::memory::check_bytes;
 use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, What};
 use serde_json::{Map, Value};
 use std::cell::RefCell;
@@ -200,10 +201,21 @@ impl Conversion<'_> {
         }
     }
 
+    /// Fails if a raster of this size cannot be written within the limit beside so many bytes that are held.
+    fn check_rows(&self, held: u128, width: usize, height: usize) -> Result<(), ExportError> {
+        let bytes = held + estimate::rows(width, height);
+        let help = remedy!["convert fewer cells, or raise the limit with ", Setting::MaxMemory];
+        check_bytes(&format!("`{}`", self.output.display()), bytes, self.limits, help).map_err(ExportError::file)
+    }
+
     /// From a file: where the output is a raster, no step in between could change anything.
     fn file(&self) -> Result<Converted, ExportError> {
         let (rasters, mut notes) = self.read()?;
         let first = &rasters.0[0];
+        if matches!(self.to, Output::Raster(_) | Output::Preset(Preset::Gis)) {
+            let held = |r: &Raster| (r.field.bytes() + r.missing.as_ref().map_or(0, Vec::len)) as u128;
+            self.check_rows(rasters.0.iter().map(held).sum(), first.field.width(), first.field.height())?;
+        }
         match (self.to, self.to.together()) {
             (Output::Raster(_), Some(format)) => {
                 let attributes = io::store_attributes(self.input).map_err(ExportError::input)?;
@@ -295,6 +307,8 @@ impl Conversion<'_> {
         for name in &names {
             world.layer(name).map_err(ExportError::input)?;
         }
+        let held: usize = world.layers().iter().map(|l| l.field.bytes()).sum();
+        self.check_rows((held + world.components.bytes()) as u128, world.grid.width, world.grid.height)?;
         let layers = names.iter().filter_map(|name| Source::layer(&world, name));
         match (self.to, self.to.together()) {
             (Output::Raster(_), Some(format)) => {

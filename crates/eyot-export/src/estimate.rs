@@ -65,6 +65,12 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
     }
 }
 
+/// Bytes that writers of rasters hold: the rows of a band with their compressed form. The shards of a Zarr store are the tallest.
+pub fn rows(width: usize, height: usize) -> u128 {
+    const ROWS: usize = 3 * 512;
+    4 * width as u128 * ROWS.min(3 * height) as u128
+}
+
 /// Checks that `bytes` fit beside a world that is there.
 ///
 /// # Errors

@@ -34,6 +34,12 @@ fn a_run_from_recipe_to_picture() {
     said(f, &["stats", "small"], 0, &["24 x 24 cells"]);
     let stats: serde_json::Value = json(f, &["stats", "small", "--json"]);
     assert!(stats.is_object());
+    // Cells of 20 m: what makes a channel is an area that can be set, and is printed.
+    assert_eq!(json(f, &["stats", "small", "--json", "--channel-area", "8000"])["channel_area_m2"], 8000.0);
+    let table = said(f, &["stats", "small", "--csv", "--channel-area", "8000"], 0, &[]);
+    assert!(table.starts_with("measure,value\ncells,576\n") && table.contains("\nchannel_area_m2,8000.0\n"), "{table}");
+    assert!(table.contains("\nlandforms.peak,") && table.lines().all(|l| l.split(',').count() == 2), "{table}");
+    said(f, &["stats", "small", "--channel-area", "-1"], 2, &["an area in m2, above 0"]);
     said(f, &["render", "small", "--size", "64x48", "--azimuth", "-30"], 0, &[]);
     said(f, &["render", "small", "--layer", "height", "--out", "map.png"], 0, &[]);
     assert!(f.join("small/render.png").is_file() && f.join("map.png").is_file());
