@@ -115,6 +115,15 @@ pub fn notes(raster: &io::Raster, holes_stay: bool) -> Vec<Remedy> {
         let fate = if holes_stay { "stay without one" } else { "were filled from their neighbours" };
         notes.push(format!("{} cells without a value {fate}", raster.filled()).into());
     }
+    if let Some((mark, cells)) = raster.suspect() {
+        notes.push(remedy![
+            format!("{cells} cells hold {mark}, which usually marks missing cells; if it does here, say so with "),
+            Setting::Nodata,
+            " (",
+            Action::Converter,
+            ")",
+        ]);
+    }
     if raster.rounded_by > 0.0 {
         let by = raster.rounded_by;
         notes.push(
