@@ -11,7 +11,7 @@ use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
 use eyot_io::Source;
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
 use eyot_recipe::memory::check_bytes;
-use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, What};
+use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, View, What};
 use serde_json::{Map, Value};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -237,14 +237,14 @@ impl Conversion<'_> {
                 let (width, height) = (first.field.width(), first.field.height());
                 // Only the layers count.
                 let grid = Grid { width, height, cell_x_m: x, cell_y_m: y, rim: eyot_core::Boundary::CLOSED };
-                self.exports(&World::new(grid, 0), &rasters, names, notes)
+                self.exports(&World::new(grid, 0), &rasters, &View::default(), names, notes)
             }
             _ => {
                 // Notes on the raster are those on the world.
                 notes.clear();
                 let Some(raster) = rasters.0.into_iter().next() else { return Ok(Converted::default()) };
                 let opened = open::of_raster(raster, self.input, self.limits)?;
-                self.exports(&opened.world, &opened.world, vec!["height".to_owned()], opened.notes)
+                self.exports(&opened.world, &opened.world, &opened.view, vec!["height".to_owned()], opened.notes)
             }
         }
     }
@@ -322,7 +322,7 @@ impl Conversion<'_> {
                     io::write_rows(self.output, &mut *rows, &about, format, &write).map_err(ExportError::file)?;
                 }
             }
-            _ => return self.exports(&world, &world, names, notes),
+            _ => return self.exports(&world, &world, &opened.view, names, notes),
         }
         Ok(Converted { files: vec![self.output.to_owned()], notes })
     }
@@ -331,11 +331,12 @@ impl Conversion<'_> {
         self.input.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
     }
 
-    /// A mesh, or the files of a preset.
+    /// A mesh, or the files of a preset, whose ground looks as in the view.
     fn exports(
         &self,
         world: &World,
         source: &dyn Source,
+        view: &View,
         layers: Vec<String>,
         notes: Vec<Remedy>,
     ) -> Result<Converted, ExportError> {
@@ -373,7 +374,7 @@ impl Conversion<'_> {
             source,
             corals: None,
             name: &name,
-            looks: eyot_render::Looks::default(),
+            looks: crate::pictures::looks(view),
             out: if preset.is_some() { self.output } else { self.output.parent().unwrap_or(Path::new("")) },
             attributes: Map::<String, Value>::new(),
             limits: self.limits,
