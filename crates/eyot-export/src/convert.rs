@@ -373,6 +373,7 @@ impl Conversion<'_> {
             source,
             corals: None,
             name: &name,
+            looks: eyot_render::Looks::default(),
             out: if preset.is_some() { self.output } else { self.output.parent().unwrap_or(Path::new("")) },
             attributes: Map::<String, Value>::new(),
             limits: self.limits,

@@ -45,6 +45,21 @@ fn a_run_from_recipe_to_picture() {
     said(f, &["render", "small", "--size", "64x48", "--azimuth", "-30"], 0, &[]);
     said(f, &["render", "small", "--layer", "height", "--out", "map.png"], 0, &[]);
     assert!(f.join("small/render.png").is_file() && f.join("map.png").is_file());
+    // Without a word more it is the run's own picture, and a changed view is that of the run.
+    let view = ["view.azimuth=70", "view.size=[80, 56]", "view.sun_elevation=12"];
+    let set: Vec<&str> = view.iter().flat_map(|v| ["--set", v]).collect();
+    said(f, &[&["run", "small.toml", "--out", "seen"], &set[..]].concat(), 0, &[]);
+    said(f, &["render", "seen", "--engine", "cpu"], 0, &["heights to scale"]);
+    said(
+        f,
+        &["render", "seen", "--engine", "cpu", "--sun-elevation", "50", "--exaggeration", "2", "--out", "noon.png"],
+        0,
+        &["heights times 2"],
+    );
+    let bytes = |name: &str| std::fs::read(f.join(name)).unwrap();
+    assert_eq!(bytes("seen/render.png"), bytes("seen/preview.png"));
+    assert_ne!(bytes("noon.png"), bytes("seen/preview.png"));
+    assert_eq!(bytes("noon.png")[16..24], bytes("seen/preview.png")[16..24]);
     said(f, &["render", "small", "--layer", "heigt"], 2, &["did you mean --layer height?"]);
     said(f, &["resume", "small"], 2, &["the run there is finished"]);
 }
@@ -438,7 +453,9 @@ fn reliefs_have_the_size_that_was_asked_for_and_bad_places_are_found_before_the_
     for out in ["nothere/r.png", "small", "/dev/null"] {
         said(f, &[&big[..], &[out]].concat(), 1, &[]);
     }
-    said(f, &["render", "small", "--layer", "height", "--size", "100"], 2, &["--layer"]);
+    said(f, &["render", "small", "--layer", "height", "--size", "100", "--out", "m.png"], 0, &[]);
+    let width = |name: &str| u32::from_be_bytes(std::fs::read(f.join(name)).unwrap()[16..20].try_into().unwrap());
+    assert_eq!(width("m.png"), 100);
 }
 
 #[test]
