@@ -21,8 +21,10 @@ fn a_run_from_recipe_to_picture() {
     let f = folder.path();
     std::fs::write(f.join("small.toml"), SMALL).unwrap();
     said(f, &["check", "small.toml"], 0, &["the recipe is sound"]);
-    let effective = said(f, &["check", "small.toml", "--effective", "--set", "hill.height=300"], 0, &["height = 300"]);
-    std::fs::write(f.join("all.toml"), effective).unwrap();
+    let effective = ["check", "small.toml", "--effective", "--set", "hill.height=300"];
+    let effective = eyot(f, &effective).output().unwrap();
+    assert_said(&effective, 0, &["height = 300"]);
+    std::fs::write(f.join("all.toml"), effective.stdout).unwrap();
     said(f, &["check", "all.toml"], 0, &["the recipe is sound"]);
     let bare = "[grid]\nsize = 24\n[[step]]\nsimulate = \"hydraulic\"\n";
     std::fs::write(f.join("bare.toml"), bare).unwrap();
@@ -377,7 +379,7 @@ fn remedies_fit_and_refusals_say_so() {
     said(f, &["convert", "good.npy", "a.tif", "--cell", "7", "--force"], 0, &[]);
     std::fs::write(f.join("a.r32.json"), "mine").unwrap();
     said(f, &["convert", "good.npy", "a.r32"], 2, &["`a.r32.json` is there already"]);
-    said(f, &["convert", "good.npy", "a.tif", "--from-range", "0,1"], 2, &["leave out --from-range"]);
+    said(f, &["convert", "good.npy", "b.tif", "--from-range", "0,1"], 2, &["leave out --from-range"]);
     for name in ["a.zarr", "x.TIF", "x.glb"] {
         said(f, &["convert", "good.npy", name, "--preset", "unity"], 2, &["would be a folder", "another name"]);
         assert!(!f.join(name).exists());
@@ -388,6 +390,12 @@ fn remedies_fit_and_refusals_say_so() {
     }
     said(f, &["render", "good.npy", "--layer", "height", "--sun-azimuth", "9"], 2, &["cannot be used with"]);
     said(f, &["render", "good.npy", "--relief", "--sun-azimuth", "9"], 0, &[]);
+}
+
+/// The checksum of a checkpoint's header.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _: i32| (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg());
+    !bytes.iter().fold(u32::MAX, |crc, b| (0..8).fold(crc ^ u32::from(*b), step))
 }
 
 /// A saved world that somebody has forged, with its checksums right, writes nothing outside its folder.
@@ -404,9 +412,18 @@ fn a_forged_world_is_refused() {
     )
     .unwrap();
     let mut world = saved.world;
-    let spec = eyot::LayerSpec { name: "../../../x".into(), ..eyot::process::known::WATER };
+    // Eyot itself writes no such name: it is put in afterwards, with a checksum that fits.
+    let spec = eyot::LayerSpec { name: "xxxxxxxxxx".into(), ..eyot::process::known::WATER };
     world.ensure(&spec, 1.0);
-    eyot::formats::checkpoint::save(&f.join("small/world.eyot"), &world, &saved.recipe_toml, &saved.state).unwrap();
+    let path = f.join("small/world.eyot");
+    eyot::formats::checkpoint::save(&path, &world, &saved.recipe_toml, &saved.state).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let at = bytes.windows(10).position(|w| w == b"xxxxxxxxxx").unwrap();
+    bytes[at..at + 10].copy_from_slice(b"../../../x");
+    let end = 20 + u64::from_le_bytes(bytes[12..20].try_into().unwrap()) as usize;
+    let sum = crc32(&bytes[..end]);
+    bytes[end..end + 4].copy_from_slice(&sum.to_le_bytes());
+    std::fs::write(&path, bytes).unwrap();
     std::fs::remove_file(f.join("small/run.json")).unwrap();
     for args in [
         &["resume", "small"][..],
