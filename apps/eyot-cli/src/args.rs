@@ -415,8 +415,8 @@ pub(crate) struct Render {
     pub(crate) drape: Option<String>,
     #[command(flatten)]
     pub(crate) engine: Draws,
-    /// Width x height of a view in pixels; the longer side of a relief
-    #[arg(long, value_name = "WxH", conflicts_with = "layer", allow_negative_numbers = true, value_parser = size)]
+    /// Width x height of a view in pixels; the longer side of a relief or of a map [default: what the recipe's view says]
+    #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = size)]
     pub(crate) size: Option<(u32, Option<u32>)>,
     #[command(flatten)]
     pub(crate) look: Look,
@@ -433,7 +433,7 @@ pub(crate) struct Look {
     #[arg(conflicts_with_all = FLAT)]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 1.0, 89.0))]
     pub(crate) elevation: Option<f32>,
-    /// Distance of the camera, in lengths of the land's longer side
+    /// Distance of the camera from the middle of the grid, in lengths of its longer side [default: all of the land in the picture]
     #[arg(conflicts_with_all = FLAT)]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| number(s, 0.05, 50.0))]
     pub(crate) distance: Option<f32>,
@@ -441,7 +441,7 @@ pub(crate) struct Look {
     #[arg(conflicts_with_all = FLAT)]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = |s: &str| number(s, 5.0, 120.0))]
     pub(crate) field_of_view: Option<f32>,
-    /// Factor on heights
+    /// Factor on heights [default: what the recipe's view says, or 1]
     #[arg(conflicts_with = "layer")]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| number(s, 0.01, 100.0))]
     pub(crate) exaggeration: Option<f32>,
@@ -461,8 +461,8 @@ impl Look {
         [self.azimuth, self.elevation, self.distance, self.field_of_view].iter().any(Option::is_some)
     }
 
-    /// The view in a picture of `size`.
-    pub(crate) fn view(&self, size: [u32; 2]) -> Result<View, Failure> {
+    /// The view of a recipe as these flags change it, in a picture of `size`.
+    pub(crate) fn over(&self, view: &View, size: [u32; 2]) -> Result<View, Failure> {
         if !size.iter().all(|n| (16..=16384).contains(n)) {
             return Err(report::usage(
                 &format!("a picture of {}x{} pixels", size[0], size[1]),
@@ -470,16 +470,15 @@ impl Look {
             ));
         }
         Ok(View {
-            enabled: true,
-            from_above: false,
             size,
-            azimuth: self.azimuth,
-            elevation: self.elevation,
-            distance: self.distance,
-            field_of_view: self.field_of_view,
-            vertical_exaggeration: self.exaggeration,
-            sun_azimuth: self.sun_azimuth,
-            sun_elevation: self.sun_elevation,
+            azimuth: self.azimuth.or(view.azimuth),
+            elevation: self.elevation.or(view.elevation),
+            distance: self.distance.or(view.distance),
+            field_of_view: self.field_of_view.or(view.field_of_view),
+            vertical_exaggeration: self.exaggeration.or(view.vertical_exaggeration),
+            sun_azimuth: self.sun_azimuth.or(view.sun_azimuth),
+            sun_elevation: self.sun_elevation.or(view.sun_elevation),
+            ..view.clone()
         })
     }
 }

@@ -94,19 +94,23 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     if let (Some(layer), Some(opened)) = (&args.drape, &opened) {
         inspect::known(opened, &args.from, "drape", layer)?;
     }
-    let path = match (&args.path, &opened) {
+    // A recording tells of its recipe itself.
+    let own = match &opened {
+        Some(opened) => opened.view.clone(),
+        None => recorded_view(&args.from)?,
+    };
+    let path = match (&args.path, own.from_above) {
         (Some(path), _) => path.clone(),
         _ if args.drape.is_some() || args.look.has_camera() => args.way_of_camera(),
-        (None, Some(opened)) if opened.from_above => FilmPath::Above,
-        (None, None) if is_from_above(&args.from)? => FilmPath::Above,
+        (None, true) => FilmPath::Above,
         _ => args.way_of_camera(),
     };
     let size = match args.size {
-        None => View::default().size,
+        None => own.size,
         Some((w, None)) if path == FilmPath::Above => [w, w],
         Some((w, h)) => [w, h.unwrap_or((w * 5 / 8).max(1))],
     };
-    let view = args.look.view(size)?;
+    let view = args.look.over(&own, size)?;
     let options = FilmOptions {
         request: ViewRequest { view, drape: args.drape.clone(), engine: args.engine.options()? },
         path,
@@ -171,10 +175,10 @@ impl Film {
     }
 }
 
-/// Whether the recipe of a recorded run wants its view from above.
-fn is_from_above(folder: &Path) -> Result<bool, Failure> {
+/// The view of a recorded run's recipe.
+fn recorded_view(folder: &Path) -> Result<View, Failure> {
     let timeline = Timeline::open(folder, &Limits::default());
-    timeline.and_then(|t| t.is_from_above()).map_err(|e| report::run(&e))
+    timeline.and_then(|t| t.view()).map_err(|e| report::run(&e))
 }
 
 /// How far the film is, on the terminal.

@@ -7,7 +7,7 @@ use eyot::analyse::TerrainOptions;
 use eyot::remedy::Worded;
 use eyot::store::Subject;
 use eyot::view::ViewRequest;
-use eyot::{EngineChoice, EngineOptions, Limits, View, store};
+use eyot::{EngineChoice, EngineOptions, Limits, store};
 use eyot_bench::{cpu, gpu};
 use serde_json::Value;
 use std::path::Path;
@@ -15,14 +15,18 @@ use std::path::Path;
 /// Draws a picture of a run or a height map.
 pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     let opened = open(&args.from)?;
-    let d = View::default();
+    let own = &opened.view;
+    // As the run drew its preview, unless somebody says otherwise.
+    let above = own.from_above && args.drape.is_none() && !args.look.has_camera();
+    let flat = args.relief || args.layer.is_some() || above;
     let size = match args.size {
-        None => d.size,
+        None => own.size,
         Some((w, Some(h))) => [w, h],
-        Some((w, None)) if args.relief => [w, w],
-        Some((w, None)) => [w, (w * 5 / 8).max(1)],
+        Some((w, None)) if flat => [w, w],
+        Some((w, None)) => [w, (w * own.size[1] / own.size[0]).max(1)],
     };
-    let view = args.look.view(size)?;
+    let view = args.look.over(own, size)?;
+    let longer = size[0].max(size[1]);
     for (flag, layer) in [("layer", &args.layer), ("drape", &args.drape)] {
         if let Some(layer) = layer {
             known(&opened, &args.from, flag, layer)?;
@@ -32,25 +36,28 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         has_ground(&opened, &args.from)?;
     }
     let engine = args.engine.options()?;
-    if engine.choice == EngineChoice::Gpu && (args.layer.is_some() || args.relief) {
+    if engine.choice == EngineChoice::Gpu && flat {
         let help = "leave out --engine gpu, or look at the layer on the land with --drape";
         return Err(report::usage("maps and reliefs are drawn by the processor", help));
     }
     let subject = match &args.layer {
-        Some(layer) => Subject::Layer(layer),
-        None if args.relief => args.size.map_or(Subject::Relief, |(w, h)| Subject::ReliefAt(h.map_or(w, |h| w.max(h)))),
+        Some(layer) => args.size.map_or(Subject::Layer(layer), |_| Subject::LayerAt(layer, longer)),
+        None if args.relief => args.size.map_or(Subject::Relief, |_| Subject::ReliefAt(longer)),
+        None if above => Subject::ReliefAt(longer),
         None => Subject::View,
     };
     let out = args.out.clone().unwrap_or_else(|| {
         let name = match subject {
             Subject::View => args.drape.as_ref().map_or("render.png".to_owned(), |l| format!("render_{l}.png")),
+            Subject::ReliefAt(_) if !args.relief => "render.png".to_owned(),
             Subject::Relief | Subject::ReliefAt(_) => "render_relief.png".to_owned(),
-            Subject::Layer(l) => format!("{l}_map.png"),
+            Subject::Layer(l) | Subject::LayerAt(l, _) => format!("{l}_map.png"),
         };
         if args.from.is_dir() { args.from.join(name) } else { args.from.with_extension(format!("eyot.{name}")) }
     });
     let limits = Limits::default();
     if subject == Subject::View {
+        let factor = view.vertical_exaggeration.unwrap_or(1.0);
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
         let drawn = eyot::view::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
@@ -59,7 +66,8 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
                 "note: a view shows the sea and its floor; single corals are in the pictures of an export with what = \"dive\"",
             );
         }
-        return print::line(&format!("wrote {}, drawn by {}", out.display(), drawn.engine));
+        let heights = if factor == 1.0 { "heights to scale".to_owned() } else { format!("heights times {factor}") };
+        return print::line(&format!("wrote {}, drawn by {}, {heights}", out.display(), drawn.engine));
     }
     store::draw(&opened.world, &view, subject, &out, &limits).map_err(|e| report::run(&e))?;
     print::line(&format!("wrote {}", out.display()))

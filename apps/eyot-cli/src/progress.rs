@@ -60,9 +60,7 @@ impl Bars {
                 self.title = format!("{number}. {name}");
                 self.end_step();
             }
-            Event::Long { seconds, timed, at_least } => {
-                self.say(&format!("  {}", announcement(*seconds, *timed, *at_least)))
-            }
+            Event::Long { seconds, timed, rough } => self.say(&format!("  {}", announcement(*seconds, *timed, *rough))),
             Event::Progress(p) => {
                 let title = self.title.clone();
                 let speed = match (p.steps_per_s, p.eta_s) {
@@ -160,12 +158,12 @@ impl Drop for Bars {
 }
 
 /// How long a run will take.
-fn announcement(seconds: f64, timed: u64, at_least: bool) -> String {
+fn announcement(seconds: f64, timed: u64, rough: bool) -> String {
     let about = match seconds {
         s if s < 90.0 * 60.0 => format!("{:.0} min", s / 60.0),
         s => format!("{:.1} h", s / 3600.0),
     };
-    let how = if at_least { "at least" } else { "about" };
+    let how = if rough { "very roughly" } else { "about" };
     let steps = if timed == 1 { "step" } else { "steps" };
     format!(
         "this will take {how} {about}, by the first {timed} {steps}; Ctrl-C keeps what is done, --size makes it smaller"
@@ -198,6 +196,6 @@ mod tests {
     #[test]
     fn long_runs_are_announced_in_minutes_or_hours() {
         assert!(announcement(437.0, 3, false).starts_with("this will take about 7 min, by the first 3 steps"));
-        assert!(announcement(9000.0, 1, true).starts_with("this will take at least 2.5 h, by the first 1 step;"));
+        assert!(announcement(9000.0, 1, true).starts_with("this will take very roughly 2.5 h, by the first 1 step;"));
     }
 }

@@ -10,7 +10,8 @@ use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
 use eyot_io::Source;
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
-use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, What};
+use eyot_recipe::memory::check_bytes;
+use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, View, What};
 use serde_json::{Map, Value};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -200,10 +201,21 @@ impl Conversion<'_> {
         }
     }
 
+    /// Fails if a raster of this size cannot be written within the limit beside so many bytes that are held.
+    fn check_rows(&self, held: u128, width: usize, height: usize) -> Result<(), ExportError> {
+        let bytes = held + estimate::rows(width, height);
+        let help = remedy!["convert fewer cells, or raise the limit with ", Setting::MaxMemory];
+        check_bytes(&format!("`{}`", self.output.display()), bytes, self.limits, help).map_err(ExportError::file)
+    }
+
     /// From a file: where the output is a raster, no step in between could change anything.
     fn file(&self) -> Result<Converted, ExportError> {
         let (rasters, mut notes) = self.read()?;
         let first = &rasters.0[0];
+        if matches!(self.to, Output::Raster(_) | Output::Preset(Preset::Gis)) {
+            let held = |r: &Raster| (r.field.bytes() + r.missing.as_ref().map_or(0, Vec::len)) as u128;
+            self.check_rows(rasters.0.iter().map(held).sum(), first.field.width(), first.field.height())?;
+        }
         match (self.to, self.to.together()) {
             (Output::Raster(_), Some(format)) => {
                 let attributes = io::store_attributes(self.input).map_err(ExportError::input)?;
@@ -225,14 +237,14 @@ impl Conversion<'_> {
                 let (width, height) = (first.field.width(), first.field.height());
                 // Only the layers count.
                 let grid = Grid { width, height, cell_x_m: x, cell_y_m: y, rim: eyot_core::Boundary::CLOSED };
-                self.exports(&World::new(grid, 0), &rasters, names, notes)
+                self.exports(&World::new(grid, 0), &rasters, &View::default(), names, notes)
             }
             _ => {
                 // Notes on the raster are those on the world.
                 notes.clear();
                 let Some(raster) = rasters.0.into_iter().next() else { return Ok(Converted::default()) };
                 let opened = open::of_raster(raster, self.input, self.limits)?;
-                self.exports(&opened.world, &opened.world, vec!["height".to_owned()], opened.notes)
+                self.exports(&opened.world, &opened.world, &opened.view, vec!["height".to_owned()], opened.notes)
             }
         }
     }
@@ -295,6 +307,8 @@ impl Conversion<'_> {
         for name in &names {
             world.layer(name).map_err(ExportError::input)?;
         }
+        let held: usize = world.layers().iter().map(|l| l.field.bytes()).sum();
+        self.check_rows((held + world.components.bytes()) as u128, world.grid.width, world.grid.height)?;
         let layers = names.iter().filter_map(|name| Source::layer(&world, name));
         match (self.to, self.to.together()) {
             (Output::Raster(_), Some(format)) => {
@@ -308,7 +322,7 @@ impl Conversion<'_> {
                     io::write_rows(self.output, &mut *rows, &about, format, &write).map_err(ExportError::file)?;
                 }
             }
-            _ => return self.exports(&world, &world, names, notes),
+            _ => return self.exports(&world, &world, &opened.view, names, notes),
         }
         Ok(Converted { files: vec![self.output.to_owned()], notes })
     }
@@ -317,11 +331,12 @@ impl Conversion<'_> {
         self.input.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
     }
 
-    /// A mesh, or the files of a preset.
+    /// A mesh, or the files of a preset, whose ground looks as in the view.
     fn exports(
         &self,
         world: &World,
         source: &dyn Source,
+        view: &View,
         layers: Vec<String>,
         notes: Vec<Remedy>,
     ) -> Result<Converted, ExportError> {
@@ -359,6 +374,7 @@ impl Conversion<'_> {
             source,
             corals: None,
             name: &name,
+            looks: crate::pictures::looks(view),
             out: if preset.is_some() { self.output } else { self.output.parent().unwrap_or(Path::new("")) },
             attributes: Map::<String, Value>::new(),
             limits: self.limits,

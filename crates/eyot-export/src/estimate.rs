@@ -40,7 +40,8 @@ pub fn picture(grid: &Grid, options: &View, subject: Subject<'_>) -> u128 {
         Subject::View => render::perspective_bytes(cells, &pictures::view_options(options)),
         Subject::Relief => render::relief_bytes(cells, &pictures::relief_options(options, None)),
         Subject::ReliefAt(n) => render::relief_bytes(cells, &pictures::relief_options(options, Some(n))),
-        Subject::Layer(_) => render::layer_map_bytes(cells, &render::MapOptions::default()),
+        Subject::Layer(name) => render::layer_map_bytes(cells, &pictures::map_options(name, None)),
+        Subject::LayerAt(name, n) => render::layer_map_bytes(cells, &pictures::map_options(name, Some(n))),
     }
 }
 
@@ -55,14 +56,20 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
         (Some(Preset::Gis), _) => 0,
         // The mesh, and the shares of a material on their way to its vertices.
         (Some(Preset::Blender), _) => mesh() + 24 * grid.cells() as u128,
-        // Heights on other vertices, rows on their way there, and one band of shares.
-        (Some(_), _) => 16 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
+        // What the ground follows from on other vertices, rows on their way there, and one band of shares.
+        (Some(_), _) => 56 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
         (None, What::Terrain) => mesh(),
         (None, What::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
         // The pixels; how many colonies there will be, nobody knows yet.
         (None, What::Dive) => dive::least_bytes(),
         _ => 0,
     }
+}
+
+/// Bytes that writers of rasters hold: the rows of a band with their compressed form. The shards of a Zarr store are the tallest.
+pub fn rows(width: usize, height: usize) -> u128 {
+    const ROWS: usize = 3 * 512;
+    4 * width as u128 * ROWS.min(3 * height) as u128
 }
 
 /// Checks that `bytes` fit beside a world that is there.

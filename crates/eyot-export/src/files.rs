@@ -6,7 +6,7 @@ use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 
-use crate::materials::{self, Materials};
+use crate::materials::{self, Ground, Materials};
 use crate::{corals, preset, views};
 use eyot_io::Source;
 use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, Preset, What};
@@ -26,6 +26,8 @@ pub struct Job<'a> {
     pub corals: Option<Corals>,
     /// What the landscape is called.
     pub name: &'a str,
+    /// What its ground looks like.
+    pub looks: render::Looks,
     /// The folder.
     pub out: &'a Path,
     /// What the files of research say of their origin.
@@ -53,6 +55,7 @@ impl Job<'_> {
             source: world,
             corals: self.corals.clone(),
             name: self.name,
+            looks: self.looks.clone(),
             out: self.out,
             attributes: self.attributes.clone(),
             limits: self.limits,
@@ -104,7 +107,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     }
     let (world, source, files) = (job.world, job.source, export.files());
     let present = |l: &String| world.get(l).is_some();
-    let sea_level_m = world.sea_level_m;
+    let ground = Ground::of(job, export);
     let formats = export.formats();
     let format = formats[0];
     match export.shows() {
@@ -124,15 +127,15 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         What::Map => {
             for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
                 let path = job.file(name)?;
-                let picture =
-                    render::layer_map(world, layer, &crate::pictures::map_options(layer)).map_err(ExportError::file)?;
+                let picture = render::layer_map(world, layer, &crate::pictures::map_options(layer, None))
+                    .map_err(ExportError::file)?;
                 io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
             }
             Ok(())
         }
         What::Mask => {
             for (name, layer) in files.iter().zip(&export.layers) {
-                if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, true) {
+                if let Some((about, mut rows)) = materials::layer(source, layer, &ground, true) {
                     let path = job.file(name)?;
                     if let Some((low, high)) = about.range.filter(|(low, high)| *low < 0.0 || *high > 1.0) {
                         job.tell(format!(
@@ -145,7 +148,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             Ok(())
         }
         _ if matches!(format, ExportFormat::Zarr | ExportFormat::Exr) && files.len() < 2 => {
-            let exact = |l: &String| materials::layer(source, l, sea_level_m, export, false);
+            let exact = |l: &String| materials::layer(source, l, &ground, false);
             let mut layers: Vec<Layer<'_>> = export.layers.iter().filter_map(exact).collect();
             if layers.is_empty() {
                 return Ok(());
@@ -158,7 +161,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             let Some(format) = raster(format) else { return Ok(()) };
             say_place(job, Some(format));
             for (name, layer) in files.iter().zip(&export.layers) {
-                if let Some((about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) {
+                if let Some((about, mut rows)) = materials::layer(source, layer, &ground, false) {
                     let path = job.file(name)?;
                     io::write_rows(&path, &mut *rows, &about, format, &write_options(export)).map_err(export_error)?;
                 }
@@ -196,7 +199,7 @@ pub(crate) type Layer<'a> = (About, Box<dyn Rows + 'a>);
 
 /// The shares of all materials of a job's height.
 pub(crate) fn write_splat(job: &Job<'_>, path: &Path, export: &Export) -> Result<(), ExportError> {
-    let Some(mut materials) = Materials::of(job.source, job.world.sea_level_m, export) else { return Ok(()) };
+    let Some(mut materials) = Materials::of(job.source, &Ground::of(job, export)) else { return Ok(()) };
     io::write_splat(path, materials.size(), &MATERIALS, &mut |first, out| materials.read_bytes(first, out))
         .map_err(export_error)
 }
@@ -224,12 +227,12 @@ pub(crate) fn write_mesh(job: &mut Job<'_>, name: &Path, export: &Export) -> Res
     let path = job.file(&name.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()))?;
     let world = job.world;
     let height = &world.layer("height").map_err(ExportError::file)?.field;
-    let colours = render::terrain_colours(world).map_err(ExportError::file)?;
+    let colours = render::terrain_colours(world, &job.looks).map_err(ExportError::file)?;
     let mut terrain = mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), job.limits)
         .map_err(ExportError::file)?;
     if export.preset == Some(Preset::Blender) {
         for material in MATERIALS {
-            let found = materials::layer(job.source, material, world.sea_level_m, export, false);
+            let found = materials::layer(job.source, material, &Ground::of(job, export), false);
             let mut shares = vec![0.0; world.grid.cells()];
             found.map_or(Ok(()), |(_, mut rows)| rows.read(0, &mut shares)).map_err(ExportError::file)?;
             terrain.add_attribute(material, &shares).map_err(ExportError::file)?;

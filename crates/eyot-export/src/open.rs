@@ -9,7 +9,7 @@ use eyot_core::{Boundary, ComponentKinds, Grid, Limits, World};
 use eyot_io::run_folder::{CHECKPOINT_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_io::{self as io, ReadOptions, checkpoint};
 use eyot_recipe::keys::NO_SEA_M;
-use eyot_recipe::seen_from_above;
+use eyot_recipe::{View, view_of};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -22,8 +22,8 @@ pub struct Opened {
     pub file: PathBuf,
     /// False for height maps, which say nothing of a sea.
     pub has_sea: bool,
-    /// Whether the recipe's view is from above, as a map.
-    pub from_above: bool,
+    /// The recipe's view; the default one for height maps.
+    pub view: View,
     /// Engines that simulated, in order; empty if that is not known.
     pub engines: Vec<String>,
     /// Things to know about it.
@@ -87,7 +87,7 @@ pub fn of_raster(mut raster: io::Raster, path: &Path, limits: &Limits) -> Result
     world.put(&known::HEIGHT, raster.field).map_err(ExportError::input)?;
     // A bare height map has no sea: far below everything.
     world.sea_level_m = NO_SEA_M;
-    Ok(Opened { world, file: path.to_owned(), has_sea: false, from_above: false, engines: Vec::new(), notes })
+    Ok(Opened { world, file: path.to_owned(), has_sea: false, view: View::default(), engines: Vec::new(), notes })
 }
 
 /// What one should know of a height map; `holes_stay` if what is made of it marks missing cells.
@@ -114,6 +114,15 @@ pub fn notes(raster: &io::Raster, holes_stay: bool) -> Vec<Remedy> {
     if raster.missing.is_some() {
         let fate = if holes_stay { "stay without one" } else { "were filled from their neighbours" };
         notes.push(format!("{} cells without a value {fate}", raster.filled()).into());
+    }
+    if let Some((mark, cells)) = raster.suspect() {
+        notes.push(remedy![
+            format!("{cells} cells hold {mark}, which usually marks missing cells; if it does here, say so with "),
+            Setting::Nodata,
+            " (",
+            Action::Converter,
+            ")",
+        ]);
     }
     if raster.rounded_by > 0.0 {
         let by = raster.rounded_by;
@@ -147,7 +156,7 @@ fn streamed(folder: &Path, limits: &Limits, kinds: &ComponentKinds) -> Option<Re
     let opened = open(&folder.join(name), limits, kinds).map(|mut opened| {
         opened.world.sea_level_m = report["sea_level_m"].as_f64().unwrap_or_default();
         opened.has_sea = opened.world.sea_level_m > NO_SEA_M;
-        opened.from_above = seen_from_above(&report["recipe"], &report["set"]);
+        opened.view = view_of(&report["recipe"], &report["set"]);
         opened.engines = engines(&report["engines"]);
         opened.notes.push(format!("the run was streamed; this is its export `{name}`").into());
         opened
@@ -162,9 +171,9 @@ fn saved(file: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Opened,
         notes.push("this run is not finished; this is its last checkpoint".into());
     }
     let engines = engines(&saved.state["engines"]);
-    let from_above = seen_from_above(&json!(saved.recipe_toml), &saved.state["overrides"]["set"]);
+    let view = view_of(&json!(saved.recipe_toml), &saved.state["overrides"]["set"]);
     let has_sea = saved.world.sea_level_m > NO_SEA_M;
-    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea, from_above, engines, notes })
+    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea, view, engines, notes })
 }
 
 fn engines(list: &Value) -> Vec<String> {

@@ -164,6 +164,7 @@ impl Outputs<'_> {
             source: self.results.source,
             corals: corals::of(recipe),
             name: &recipe.name,
+            looks: crate::pictures::looks(&recipe.view),
             out: self.out,
             attributes: Origin {
                 name: &recipe.name,

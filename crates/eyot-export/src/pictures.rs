@@ -3,7 +3,7 @@
 use crate::error::ExportError;
 use crate::estimate;
 use eyot_core::{Control, Limits, Result, World};
-use eyot_recipe::View;
+use eyot_recipe::{Palette, Season, View};
 use std::path::Path;
 use {eyot_io as io, eyot_render as render};
 
@@ -18,6 +18,8 @@ pub enum Subject<'a> {
     ReliefAt(u32),
     /// A map of one layer.
     Layer(&'a str),
+    /// As `Layer`, with so many pixels along the longer side of the map.
+    LayerAt(&'a str, u32),
 }
 
 /// Draws a world into a PNG file.
@@ -33,7 +35,7 @@ pub fn draw_file(
     limits: &Limits,
 ) -> std::result::Result<(), ExportError> {
     check_picture_name(path)?;
-    if let Subject::Layer(name) = subject {
+    if let Subject::Layer(name) | Subject::LayerAt(name, _) = subject {
         world.layer(name).map_err(ExportError::input)?;
     }
     let picture = draw(world, options, subject, limits, &Control::none()).map_err(ExportError::file)?;
@@ -69,18 +71,42 @@ pub fn draw(
         Subject::View => render::perspective_controlled(world, &view_options(options), control),
         Subject::Relief => render::relief_controlled(world, &relief_options(options, None), control),
         Subject::ReliefAt(n) => render::relief_controlled(world, &relief_options(options, Some(n)), control),
-        Subject::Layer(name) => render::layer_map(world, name, &map_options(name)),
+        Subject::Layer(name) => render::layer_map(world, name, &map_options(name, None)),
+        Subject::LayerAt(name, n) => render::layer_map(world, name, &map_options(name, Some(n))),
     }
 }
 
-/// How a layer is mapped: classes by their names and colours, wind with arrows.
-pub fn map_options(layer: &str) -> render::MapOptions {
+/// How a layer is mapped: classes by their names and colours, wind with arrows; with so many pixels along the longer side, if that is given.
+pub fn map_options(layer: &str, size: Option<u32>) -> render::MapOptions {
     let arrows = ["wind_x", "wind_y"];
     render::MapOptions {
         classes: eyot_climate::zones::classes(layer),
         arrows: arrows.contains(&layer).then_some(arrows),
+        size: size.map(|n| n as usize),
         ..Default::default()
     }
+}
+
+/// The ground's looks as the view of a recipe has them.
+pub fn looks(v: &View) -> render::Looks {
+    let palette = match v.palette {
+        Palette::Temperate => render::Palette::Temperate,
+        Palette::Tropical => render::Palette::Tropical,
+        Palette::Alpine => render::Palette::Alpine,
+        Palette::Desert => render::Palette::Desert,
+        Palette::Arctic => render::Palette::Arctic,
+        Palette::Volcanic => render::Palette::Volcanic,
+        _ => render::Palette::Auto,
+    };
+    let season = match v.season {
+        Season::Spring => render::Season::Spring,
+        Season::Summer => render::Season::Summer,
+        Season::Autumn => render::Season::Autumn,
+        Season::Winter => render::Season::Winter,
+    };
+    let mut ramp: Vec<(f32, [f32; 3])> = v.ramp.iter().map(|s| (s.height, render::linear(s.colour.0))).collect();
+    ramp.sort_by(|a, b| a.0.total_cmp(&b.0));
+    render::Looks { palette, ramp, snow_line_m: v.snow_line, tree_line_m: v.tree_line, season, ..Default::default() }
 }
 
 /// What the view of a recipe is to the camera.
@@ -93,9 +119,10 @@ pub fn view_options(v: &View) -> render::ViewOptions {
         elevation_deg: v.elevation.or(d.elevation_deg),
         distance: v.distance.or(d.distance),
         field_of_view_deg: v.field_of_view.unwrap_or(d.field_of_view_deg),
-        vertical_exaggeration: v.vertical_exaggeration.or(d.vertical_exaggeration),
+        vertical_exaggeration: v.vertical_exaggeration.unwrap_or(d.vertical_exaggeration),
         sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
         sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
+        looks: looks(v),
         ..d
     }
 }
@@ -109,6 +136,7 @@ pub fn relief_options(v: &View, size: Option<u32>) -> render::ReliefOptions {
         size: size.map(|n| n as usize),
         sun_azimuth_deg: v.sun_azimuth.unwrap_or(d.sun_azimuth_deg),
         sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
+        looks: looks(v),
         ..d
     }
 }

@@ -45,7 +45,7 @@ fn fitted(job: &Job<'_>, export: &Export, preset: Preset) -> Result<(World, usiz
             g.height
         ));
     }
-    let world = fit(job.world, &["height"], [Samples::Vertices(n); 2], job.limits)?;
+    let world = fit(job.world, &materials::layers(job.world), [Samples::Vertices(n); 2], job.limits)?;
     Ok((world, n))
 }
 
@@ -110,7 +110,7 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     write_layer(&world, "height", &path, RasterFormat::R16, &options)?;
     // Alpha maps have a texel for every quad.
     let path = job.file(&names[1])?;
-    let quads = fit(job.world, &["height"], [Samples::Quads(n - 1); 2], job.limits)?;
+    let quads = fit(job.world, &materials::layers(job.world), [Samples::Quads(n - 1); 2], job.limits)?;
     write_splat(&job.of(&quads), &path, export)?;
     let about = json!({
         "preset": "unity",
@@ -146,7 +146,7 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             g.width, g.height, size[0], size[1]
         ));
     }
-    let world = fit(job.world, &["height"], size.map(Samples::Vertices), job.limits)?;
+    let world = fit(job.world, &materials::layers(job.world), size.map(Samples::Vertices), job.limits)?;
     let path = job.file(&names[0])?;
     write_layer(&world, "height", &path, RasterFormat::Exr, &WriteOptions::default())?;
     let path = job.file(&names[1])?;
@@ -193,10 +193,10 @@ fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
 
 fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let options = WriteOptions { nodata: Some(NODATA), ..WriteOptions::default() };
-    let (source, sea_level_m) = (job.source, job.world.sea_level_m);
+    let (source, ground) = (job.source, materials::Ground::of(job, export));
     say_place(job, Some(RasterFormat::GeoTiff));
     for (name, layer) in export.files().iter().zip(&export.layers) {
-        let Some((mut about, mut rows)) = materials::layer(source, layer, sea_level_m, export, false) else { continue };
+        let Some((mut about, mut rows)) = materials::layer(source, layer, &ground, false) else { continue };
         let path = job.file(name)?;
         // The preset's nodata, not the source's.
         about.georeference = about.georeference.map(|g| Georeference { nodata: None, ..g });
@@ -207,10 +207,10 @@ fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
 
 /// Writes a mask of each material and returns what they are.
 fn write_materials(job: &mut Job<'_>, export: &Export, names: &[String]) -> Result<Value, ExportError> {
-    let (source, sea_level_m) = (job.source, job.world.sea_level_m);
+    let (source, ground) = (job.source, materials::Ground::of(job, export));
     let mut list = Vec::new();
     for (name, material) in names.iter().zip(MATERIALS) {
-        let Some((_, mut rows)) = materials::layer(source, material, sea_level_m, export, true) else { continue };
+        let Some((_, mut rows)) = materials::layer(source, material, &ground, true) else { continue };
         let path = job.file(name)?;
         io::write_mask(&path, &mut *rows).map_err(ExportError::file)?;
         list.push(json!({ "material": material, "file": name }));

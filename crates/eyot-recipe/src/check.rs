@@ -38,15 +38,14 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
                         Some(property) => format!("did you mean `{n}`? {}", meaning_line(property)),
                         None => format!("did you mean `{n}`?"),
                     },
+                    None if schema["additionalProperties"].is_object() => {
+                        let keys = keys_help(schema, elsewhere);
+                        format!("{keys}; a new one says whose values it takes: {LIKE} = \"NAME\"")
+                    }
                     None => keys_help(schema, elsewhere),
                 };
-                let new = if schema["additionalProperties"].is_object() {
-                    format!("; a new one says whose values it takes: {LIKE} = \"NAME\"")
-                } else {
-                    String::new()
-                };
                 let message = format!("`{owner}` has no key `{}`", key.name);
-                out.push(Diagnostic::at(key.span.clone(), message, "unknown key").help(help + &new));
+                out.push(Diagnostic::at(key.span.clone(), message, "unknown key").help(help));
             }
         }
     }

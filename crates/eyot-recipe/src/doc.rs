@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn numbers_of_single_precision_stay_short() {
-        let doc = RecipeDoc::new("a").export(Export { rock_slope: 33.3, ..Export::default() });
+        let doc = RecipeDoc::new("a").export(Export { rock_slope: Some(33.3), ..Export::default() });
         assert!(doc.to_toml().ends_with("[[export]]\nrock_slope = 33.3\n"), "{}", doc.to_toml());
     }
 

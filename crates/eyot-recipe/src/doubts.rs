@@ -3,12 +3,19 @@
 use crate::recipe::{Actor, ProcessUse, Recipe, Step, Work};
 use eyot_core::layer::known;
 use eyot_core::process::Access;
+use eyot_core::remedy;
 use eyot_core::remedy::Remedy;
 
 impl Recipe {
     /// What can be run and was most likely not meant, a sentence each with its remedy.
     pub fn doubts(&self) -> Vec<Remedy> {
-        no_ground(&self.steps).map(Remedy::from).into_iter().collect()
+        let mut all: Vec<Remedy> = no_ground(&self.steps).map(Remedy::from).into_iter().collect();
+        for step in self.enabled_steps() {
+            let Work::Generate(g) = &step.work else { continue };
+            let of_step = |d| remedy![format!("step {} ({}): ", step.number, step.name), d];
+            all.extend(g.make().into_iter().flat_map(|made| made.doubts(&self.grid)).map(of_step));
+        }
+        all
     }
 }
 

@@ -7,6 +7,26 @@ use std::collections::BTreeMap;
 /// Layers that only exports know: the shares of the ground, in the order of red, green, blue and alpha.
 pub const MATERIALS: [&str; 4] = ["grass", "rock", "sand", "snow"];
 
+/// The classes of the ground that exports know, finer than [`MATERIALS`].
+pub const GROUND: [&str; 16] = [
+    "deep_sea",
+    "sea_floor",
+    "weed",
+    "reef",
+    "wet_sand",
+    "beach",
+    "mud",
+    "lush_grass",
+    "dry_grass",
+    "shrub",
+    "forest",
+    "gravel",
+    "scree",
+    "bare_rock",
+    "soil",
+    "snow_cover",
+];
+
 /// Vertices along a side of landscapes that Unreal Engine makes of whole components.
 const UNREAL: [usize; 5] = [505, 1009, 2017, 4033, 8129];
 /// Vertices along a side of Unity's terrains.
@@ -57,13 +77,13 @@ impl Export {
         }
     }
 
-    /// True for layers that only exports know: the shares of materials.
+    /// True for layers that only exports know: the shares of materials and of classes of the ground.
     pub fn knows(&self, layer: &str) -> bool {
         let takes = match self.preset {
             Some(preset) => preset == Preset::Gis,
             None => matches!(self.shows(), What::Layers | What::Mask),
         };
-        takes && MATERIALS.contains(&layer)
+        takes && (MATERIALS.contains(&layer) || GROUND.contains(&layer))
     }
 
     /// True for exports that make triangles or vertices of cells.

@@ -1,6 +1,7 @@
 //! The keys of a recipe as structs. Their schemas check recipes, complete them in editors and make the reference.
 
 use crate::export::former_formats;
+use crate::looks::{Palette, Season, Stop};
 use crate::merge::Merge;
 use eyot_core::BoundaryCondition;
 use eyot_core::layer::known;
@@ -285,7 +286,7 @@ pub enum What {
     Terrain,
     /// Shares of grass, rock, sand and snow as red, green, blue and alpha, which sum to 255.
     Splat,
-    /// Grey pictures of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the shares of grass, rock, sand and snow.
+    /// Grey pictures of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the shares of grass, rock, sand and snow, or of a class of the ground.
     Mask,
     /// Layers in colours.
     Map,
@@ -386,7 +387,7 @@ pub struct Export {
     pub format: Option<ExportFormat>,
     /// All files for a program instead of one kind: sizes are resampled, scales and orders are the program's.
     pub preset: Option<Preset>,
-    /// The layers that `layers`, `mask` and `map` show, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make. `terrain`, `splat` and presets other than `gis` always show the height and do not need it.
+    /// The layers that `layers`, `mask` and `map` show, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make, and so are its classes `deep_sea`, `sea_floor`, `weed`, `reef`, `wet_sand`, `beach`, `mud`, `lush_grass`, `dry_grass`, `shrub`, `forest`, `gravel`, `scree`, `bare_rock`, `soil` and `snow_cover`. `terrain`, `splat` and presets other than `gis` always show the height and do not need it.
     #[schemars(length(min = 1))]
     pub layers: Vec<String>,
     /// Start of the file name; the layer's name follows. The layer's name alone if empty.
@@ -404,15 +405,15 @@ pub struct Export {
     /// Vertices along each side for the presets `unreal` and `unity`; the program's size that is nearest to the grid's if not given.
     #[schemars(range(min = 33, max = 8129), extend("unit" = "1"))]
     pub size: Option<u32>,
-    /// Slope at which half of the ground is rock (splat maps and masks).
+    /// Slope at which half of the ground is rock, in splat maps and masks. If not given, as in the pictures: 45 degrees in cells of 10 m, less in larger ones, and by the palette.
     #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
-    pub rock_slope: f32,
-    /// Height above the sea up to which flat ground is sand; the seabed is sand as well. Without a sea there is none.
+    pub rock_slope: Option<f32>,
+    /// Height above the sea up to which flat ground is sand; the seabed is sand as well. Without a sea there is none. If not given, as in the pictures: about 3 m.
     #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "m"))]
-    pub beach: f32,
-    /// Height at which half of the ground that is not too steep is snow.
+    pub beach: Option<f32>,
+    /// Height over the sea at which half of the ground that is not too steep is snow. If not given, that of `[view]`.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
-    pub snow_line: f32,
+    pub snow_line: Option<f32>,
     /// Whether the export is written.
     pub enabled: bool,
 }
@@ -430,9 +431,9 @@ impl Default for Export {
             bytes: Bytes::Little,
             first_row: None,
             size: None,
-            rock_slope: 35.0,
-            beach: 3.0,
-            snow_line: 3000.0,
+            rock_slope: None,
+            beach: None,
+            snow_line: None,
             enabled: true,
         }
     }
@@ -455,13 +456,13 @@ pub struct View {
     /// How high the camera stands over the horizon, seen from the middle of the land.
     #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
     pub elevation: Option<f32>,
-    /// Distance of the camera from the middle of the land, in lengths of the grid's longer side.
+    /// Distance of the camera from the middle of the grid, in lengths of its longer side. If not given, the camera stands where the picture shows all of the land, as large as it can be.
     #[schemars(range(min = 0.05, max = 50.0), extend("unit" = "1"))]
     pub distance: Option<f32>,
     /// Angle of view from the bottom of the picture to its top. Small is a telephoto lens.
     #[schemars(range(min = 5.0, max = 120.0), extend("unit" = "degree"))]
     pub field_of_view: Option<f32>,
-    /// Factor on heights in the picture only. If not given, flat land is drawn higher and mountains as they are.
+    /// Factor on heights in the view only; 1, to scale, if not given. In `relief.png` the factor of its shading, which is fitted to the slopes if not given.
     #[schemars(range(min = 0.01, max = 100.0), extend("unit" = "1"))]
     pub vertical_exaggeration: Option<f32>,
     /// Where the sun stands, clockwise from north.
@@ -470,6 +471,18 @@ pub struct View {
     /// How high the sun stands over the horizon.
     #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
     pub sun_elevation: Option<f32>,
+    /// Colours of the ground, which masks, splat maps and meshes follow.
+    pub palette: Palette,
+    /// Colours of dry land by height in the place of the palette's, the lowest first: `ramp = [{ height = 0.0, colour = "#4c5b35" }, { height = 1500.0, colour = "#8d8577" }]`. Masks and splat maps keep the palette's ground.
+    pub ramp: Vec<Stop>,
+    /// Height over the sea at which half of the ground that is not too steep is snow. The palette's if not given, or the climate's where there is one.
+    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    pub snow_line: Option<f32>,
+    /// Height over the sea at which trees end. The palette's if not given, or the climate's where there is one.
+    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    pub tree_line: Option<f32>,
+    /// When the pictures are taken.
+    pub season: Season,
 }
 
 impl Default for View {
@@ -485,6 +498,11 @@ impl Default for View {
             vertical_exaggeration: None,
             sun_azimuth: None,
             sun_elevation: None,
+            palette: Palette::Auto,
+            ramp: Vec::new(),
+            snow_line: None,
+            tree_line: None,
+            season: Season::Summer,
         }
     }
 }

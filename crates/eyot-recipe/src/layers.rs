@@ -11,8 +11,9 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-pub(crate) const KNOWN: [LayerSpec; 10] = [
+pub(crate) const KNOWN: [LayerSpec; 11] = [
     known::HEIGHT,
+    known::MISSING,
     known::WATER,
     known::SEDIMENT,
     known::LIMESTONE,

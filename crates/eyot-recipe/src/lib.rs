@@ -44,6 +44,7 @@ pub mod fs;
 mod host;
 pub mod keys;
 pub mod layers;
+mod looks;
 pub mod memory;
 pub mod merge;
 mod node;
@@ -62,10 +63,11 @@ pub use cite::{Citation, Citations, REFERENCES, all_citations, cite};
 pub use describe::{Choice, Description, Expression, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
 pub use doc::{RecipeDoc, StepDoc};
-pub use export::MATERIALS;
+pub use export::{GROUND, MATERIALS};
 pub use eyot_core::Limits;
 pub use host::{Estimator, NoFiles, NoOutputs, RasterInfo, Refusal, Resolver, Streamed};
 pub use keys::{Bytes, Export, ExportFormat, FirstRow, Preset, View, What};
+pub use looks::{Colour, Palette, Season, Stop};
 pub use merge::Merge;
 pub use node::Span;
 pub use recipe::{
@@ -73,4 +75,4 @@ pub use recipe::{
 };
 pub use registry::{DOCUMENT_KEYS, GENERATE_KEYS, Registry, SCHEDULE_KEYS, SIMULATE_KEYS};
 pub use schema::recipe_schema;
-pub use set::{seen_from_above, value_of};
+pub use set::{value_of, view_of};

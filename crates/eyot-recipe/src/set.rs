@@ -1,6 +1,7 @@
 //! `--set key=value`: changes to the parsed document, before it is checked.
 
 use crate::diagnostic::{Diagnostic, Source, alternatives, nearest};
+use crate::keys::View;
 use crate::node::{Key, Kind, Node, Span};
 use crate::registry::{DOCUMENT_KEYS, Registry};
 use eyot_core::remedy;
@@ -212,10 +213,10 @@ pub fn value_of(text: &str, changes: &[&str], path: &[&str]) -> Option<Value> {
     path.iter().try_fold(&doc, |node, key| node.get(key)).map(Node::to_json)
 }
 
-/// Whether a run's recipe, a text, with its `--set`, a list of texts, wants its view from above.
-pub fn seen_from_above(recipe: &Value, set: &Value) -> bool {
+/// The view of a run's recipe, a text, after the changes of a list of texts; the default one if it has none that can be read.
+pub fn view_of(recipe: &Value, set: &Value) -> View {
     // What a run was begun with has passed its checks.
     let set: Vec<&str> = set.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
     let recipe = recipe.as_str().unwrap_or_default();
-    value_of(recipe, &set, &["view", "from_above"]) == Some(Value::Bool(true))
+    value_of(recipe, &set, &["view"]).and_then(|view| serde_json::from_value(view).ok()).unwrap_or_default()
 }

@@ -2,6 +2,7 @@
 
 use eyot_core::layer::known;
 use eyot_core::{Error, Field, Result, World};
+use rayon::prelude::*;
 
 /// Heights made sound, with the statistics that scale colours to the world at hand.
 pub(crate) struct Ground {
@@ -125,9 +126,26 @@ pub(crate) fn quantile(values: &[f32], q: f32) -> f32 {
     eyot_core::math::ordered(values, ((values.len() - 1) as f32 * q).round() as usize)
 }
 
+/// Rise over run, by central differences; one-sided on the rim.
+pub(crate) fn slopes(g: &Ground) -> Vec<f32> {
+    let (w, h) = (g.width, g.height);
+    let mut out = vec![0.0; w * h];
+    out.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+        let (north, south) = (y.saturating_sub(1), (y + 1).min(h - 1));
+        let run_y = ((south - north).max(1)) as f32 * g.cell[1];
+        for (x, s) in row.iter_mut().enumerate() {
+            let (west, east) = (x.saturating_sub(1), (x + 1).min(w - 1));
+            let run_x = ((east - west).max(1)) as f32 * g.cell[0];
+            let gx = (g.z[y * w + east] - g.z[y * w + west]) / run_x;
+            let gy = (g.z[south * w + x] - g.z[north * w + x]) / run_y;
+            *s = gx.hypot(gy);
+        }
+    });
+    out
+}
+
 /// Mean over a square of `2 radius + 1` cells, borders repeated; two passes of running sums.
 pub(crate) fn box_mean(values: &[f32], width: usize, height: usize, radius: usize) -> Vec<f32> {
-    use rayon::prelude::*;
     let r = radius as isize;
     let norm = 1.0 / (2 * radius + 1) as f32;
     let mut rows = vec![0.0; values.len()];

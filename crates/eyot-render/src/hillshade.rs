@@ -1,7 +1,6 @@
 //! Hillshade from several directions: a main light, two at its sides and one overhead, so that no slope is lost.
 
-use crate::albedo::slopes;
-use crate::ground::{Ground, quantile};
+use crate::ground::{Ground, quantile, slopes};
 use crate::math::{V3, direction, dot, unit};
 
 /// Lights with their weights, mirror images of each other about the main light.

@@ -4,7 +4,8 @@
 //! - [`relief`] draws it from above as a map maker would.
 //! - [`layer_map`] maps one layer with a legend.
 //! - [`mesh_view`] draws triangle meshes, such as corals.
-//! - [`terrain_colours`] gives the colours of the ground that all of them use, for meshes too.
+//! - [`Cover`] says what the ground is, for colours, masks and materials; [`terrain_colours`] gives the colours that all pictures use, for
+//!   meshes too.
 //!
 //! ```
 //! use eyot_core::{Field, Grid, Limits, Boundary, World, layer::known};
@@ -29,14 +30,14 @@
 //! nodes. Pixels with edges take more rays. Every pixel is a pure function of world, options and its place, so the bytes
 //! do not depend on the number of threads.
 
-mod albedo;
-mod arid;
 mod arrows;
 mod block;
 mod camera;
 mod climate;
 mod colour_map;
+pub mod cover;
 mod drawing;
+mod framing;
 mod ground;
 mod hillshade;
 mod legend;
@@ -60,10 +61,10 @@ mod text;
 mod view;
 mod water;
 
-pub use albedo::terrain_colours;
 pub use block::{BLOCK_COLOURS, BlockColours};
 pub use camera::Camera;
 pub use colour_map::ColourMap;
+pub use cover::{Class, Cover, Looks, Palette, Season, terrain_colours};
 pub use drawing::{Anchor, Drawing, Ink, Place, Shape, Stroke};
 pub use light::PENUMBRA_DEG;
 pub use map::{ColourTable, LayerColours, MapOptions, layer_map};
@@ -71,7 +72,7 @@ pub use memory::{layer_map_bytes, mesh_view_bytes, perspective_bytes, relief_byt
 pub use mesh_view::{Haze, MeshPart, MeshViewOptions, mesh_view};
 pub use path::{CameraPath, Key, Pose};
 pub use perspective::{perspective, perspective_controlled};
-pub use picture::Picture;
+pub use picture::{Picture, linear};
 pub use relief::{ReliefOptions, relief, relief_controlled};
 pub use scene::Scene;
 pub use sky::Sky;

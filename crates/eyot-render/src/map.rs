@@ -20,6 +20,8 @@ pub struct MapOptions {
     pub max_size: usize,
     /// Grids with a longer side below this are drawn with several pixels a cell, pixels.
     pub min_size: usize,
+    /// Pixels of the map's longer side, instead of the two bounds; cells are then as nearly of one size as pixels allow. The legend adds to it.
+    pub size: Option<usize>,
     /// Colours. `None` chooses by the layer's name and values.
     pub colours: Option<ColourMap>,
     /// Values at the two ends of the legend. `None` leaves out the rarest few.
@@ -41,6 +43,7 @@ impl Default for MapOptions {
         Self {
             max_size: 2048,
             min_size: 512,
+            size: None,
             colours: None,
             range: None,
             log: None,
@@ -48,6 +51,16 @@ impl Default for MapOptions {
             legend: true,
             classes: None,
             arrows: None,
+        }
+    }
+}
+
+impl MapOptions {
+    /// How cells become pixels, before the map is brought to its size.
+    pub(crate) fn raster(&self, width: usize, height: usize) -> Raster {
+        match self.size {
+            None => Raster::new(width, height, self.min_size, self.max_size),
+            Some(n) => Raster::around(width, height, n),
         }
     }
 }
@@ -65,7 +78,7 @@ pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Pict
         return class_map(world, layer_name, classes, o);
     }
     let values = layer.field.to_vec();
-    let raster = Raster::new(layer.field.width(), layer.field.height(), o.min_size, o.max_size);
+    let raster = o.raster(layer.field.width(), layer.field.height());
     let shown = raster.cells(&values);
     let (colours, scale) = choose(world, &layer.spec, &values, o);
     let shade = underlay(world, layer_name, &raster, finite(o.hillshade, 0.0).clamp(0.0, 1.0));
@@ -85,6 +98,9 @@ pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Pict
     if let Some(flow) = o.arrows {
         arrows::draw(&mut map, world, flow)?;
     }
+    if let Some(n) = o.size {
+        map = map.with_longer_side(n.clamp(1, 16384), false);
+    }
     Ok(if o.legend { legend::below(&map, &layer.spec, colours, &scale) } else { map })
 }
 
@@ -92,7 +108,7 @@ pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Pict
 fn class_map(world: &World, layer_name: &str, classes: &'static [Class], o: &MapOptions) -> Result<Picture> {
     let layer = world.layer(layer_name)?;
     let (width, height) = (layer.field.width(), layer.field.height());
-    let raster = Raster::new(width, height, o.min_size, o.max_size);
+    let raster = o.raster(width, height);
     let shade = underlay(world, layer_name, &raster, finite(o.hillshade, 0.0).clamp(0.0, 1.0));
     let (w, h) = (raster.width, raster.height);
     let mut shares = vec![0usize; classes.len()];
@@ -107,7 +123,10 @@ fn class_map(world: &World, layer_name: &str, classes: &'static [Class], o: &Map
                 .map(|c| (255.0 * encode((decode(c) * lit).min(1.0))).round() as u8);
         }
     });
-    let map = Picture { width: w, height: h, pixels };
+    let mut map = Picture { width: w, height: h, pixels };
+    if let Some(n) = o.size {
+        map = map.picked(n.clamp(1, 16384));
+    }
     Ok(if o.legend { legend::of_classes(&map, &layer.spec, classes, &shares) } else { map })
 }
 

@@ -6,7 +6,6 @@
 use crate::map::MapOptions;
 use crate::mesh_view::{MeshViewOptions, SHADOW};
 use crate::relief::ReliefOptions;
-use crate::resample::Raster;
 use crate::surface::Refinement;
 use crate::view::ViewOptions;
 
@@ -27,7 +26,7 @@ pub fn relief_bytes(cells: [usize; 2], o: &ReliefOptions) -> u128 {
 
 /// Bytes that [`layer_map`](crate::layer_map) takes at most for a world of `cells` (columns, rows), beside the world.
 pub fn layer_map_bytes(cells: [usize; 2], o: &MapOptions) -> u128 {
-    let r = Raster::new(cells[0].max(1), cells[1].max(1), o.min_size, o.max_size);
+    let r = o.raster(cells[0].max(1), cells[1].max(1));
     24 * area(cells) + 20 * area([r.width, r.height])
 }
 

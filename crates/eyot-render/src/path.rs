@@ -65,7 +65,7 @@ impl CameraPath {
 
     /// Once around the target of `o`, clockwise as seen from above.
     pub fn orbit(stage: &Stage, o: &ViewOptions) -> Self {
-        let from = stage.pose(o);
+        let from = stage.pose_all_around(o);
         let key = |i: u32| {
             let share = i as f32 / 4.0;
             Key { time: share, pose: Pose { azimuth_deg: from.azimuth_deg + 360.0 * share, ..from } }

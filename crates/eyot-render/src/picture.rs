@@ -51,6 +51,19 @@ impl Picture {
         self.resampled(width, height)
     }
 
+    /// The picture with so many pixels along its longer side, each one of those that were there: between classes there is nothing.
+    pub(crate) fn picked(self, n: usize) -> Self {
+        let longer = self.width.max(self.height);
+        let side = |old: usize| ((old as f64 * n as f64 / longer as f64).round() as usize).max(1);
+        let (width, height) = (side(self.width), side(self.height));
+        let mut out = Self::new(width, height, [0; 3]);
+        for (i, p) in out.pixels.iter_mut().enumerate() {
+            let (x, y) = (i % width, i / width);
+            *p = self.get((2 * x + 1) * self.width / (2 * width), (2 * y + 1) * self.height / (2 * height));
+        }
+        out
+    }
+
     fn resampled(self, width: usize, height: usize) -> Self {
         if (width, height) == (self.width, self.height) {
             return self;
@@ -84,6 +97,11 @@ impl Picture {
 /// Linear light in 0..1 to the sRGB curve, still as a float.
 pub(crate) fn encode(c: f32) -> f32 {
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Linear light, 0..1, of a colour on the sRGB curve.
+pub fn linear(colour: [u8; 3]) -> V3 {
+    colour.map(decode)
 }
 
 /// sRGB byte to linear light.

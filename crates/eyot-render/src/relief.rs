@@ -1,7 +1,7 @@
 //! Reliefs: the world from above, drawn as a map maker would.
 
-use crate::albedo::albedo;
 use crate::climate;
+use crate::cover::{Looks, albedo};
 use crate::ground::{Ground, quantile};
 use crate::hillshade::{Hillshade, automatic_exaggeration};
 use crate::light::{Sun, sky_share, sunlight};
@@ -35,6 +35,8 @@ pub struct ReliefOptions {
     pub shadows: f32,
     /// Strength of the natural variation of colours; 0 draws even tints.
     pub variation: f32,
+    /// Colours of the ground.
+    pub looks: Looks,
     /// Draw the sea.
     pub sea: bool,
     /// Depth at which the sea's bottom is all but lost, m. `None` as in perspective views.
@@ -57,6 +59,7 @@ impl Default for ReliefOptions {
             vertical_exaggeration: None,
             shadows: 0.45,
             variation: 1.0,
+            looks: Looks::default(),
             sea: true,
             sea_clarity_m: None,
             deepest_m: None,
@@ -86,7 +89,7 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
     let fresh_water = Water::fresh(2.0 * ground.river.1);
     let sea = ground.sea && o.sea;
 
-    let colours = albedo(world, &ground, finite(o.variation, 1.0).clamp(0.0, 4.0));
+    let colours = albedo(world, &ground, &o.looks, finite(o.variation, 1.0).clamp(0.0, 4.0));
     control.check()?;
     let channels: [Vec<f32>; 3] =
         std::array::from_fn(|k| raster.map(&colours.iter().map(|c| c[k]).collect::<Vec<_>>()));
@@ -179,15 +182,9 @@ impl ReliefOptions {
 
     /// How cells become pixels, before the picture is brought to its size.
     pub(crate) fn raster(&self, width: usize, height: usize) -> Raster {
-        let longer = width.max(height);
-        match self.size.map(|n| n.clamp(1, 16384)) {
+        match self.size {
             None => Raster::new(width, height, self.min_size, self.max_size),
-            // The next whole factor that gives no fewer pixels.
-            Some(n) if n >= longer => {
-                let size = longer * n.div_ceil(longer);
-                Raster::new(width, height, size, size)
-            }
-            Some(n) => Raster::new(width, height, 1, longer.div_ceil(longer / n)),
+            Some(n) => Raster::around(width, height, n),
         }
     }
 }

@@ -26,6 +26,16 @@ impl Raster {
         Self { cells: [width, height], up, down, width: size(width), height: size(height) }
     }
 
+    /// At least `n` pixels, and not many more, along the longer side: the next whole factor.
+    pub(crate) fn around(width: usize, height: usize, n: usize) -> Self {
+        let (longer, n) = (width.max(height), n.clamp(1, 16384));
+        if n >= longer {
+            let size = longer * n.div_ceil(longer);
+            return Self::new(width, height, size, size);
+        }
+        Self::new(width, height, 1, longer.div_ceil(longer / n))
+    }
+
     /// Size of a pixel, m.
     pub(crate) fn pixel_m(&self, g: &Ground) -> [f32; 2] {
         g.cell.map(|c| c * self.down as f32 / self.up as f32)

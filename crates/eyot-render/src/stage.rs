@@ -1,9 +1,9 @@
 //! What every drawing of a world shares, whoever draws it: the rays of this crate or a graphics card.
 
-use crate::albedo::albedo;
 use crate::camera::Camera;
+use crate::cover::{Looks, albedo};
 use crate::ground::{Ground, box_mean};
-use crate::math::{V3, add, direction, dot, scale, smoothstep};
+use crate::math::{V3, add, direction, scale, smoothstep};
 use crate::path::Pose;
 use crate::picture::encode;
 use crate::sky::Sky;
@@ -44,6 +44,7 @@ pub struct Stage {
     /// Optics of rivers and lakes.
     pub fresh_water: Water,
     rivers: bool,
+    looks: Looks,
 }
 
 impl Stage {
@@ -68,7 +69,7 @@ impl Stage {
             tops: Vec::new(),
             sea,
             block,
-            exaggeration: exaggeration(o, &ground),
+            exaggeration: finite(o.vertical_exaggeration, 1.0).clamp(0.01, 1000.0),
             clarity,
             extent,
             haze: if block { 0.0 } else { finite(o.haze, 1.0).max(0.0) * 0.055 / extent },
@@ -79,6 +80,7 @@ impl Stage {
             sea_water: Water::sea(clarity),
             fresh_water: Water::fresh(2.0 * ground.river.1),
             rivers: o.fresh_water,
+            looks: o.looks.clone(),
             ground,
         };
         stage.raise();
@@ -149,7 +151,7 @@ impl Stage {
 
     /// Linear colours of the ground, cell by cell.
     pub fn colours(&self, world: &World) -> Vec<V3> {
-        albedo(world, &self.ground, 1.0)
+        albedo(world, &self.ground, &self.looks, 1.0)
     }
 
     /// Cover of breaking waves for every cell, 0..1; nothing without a sea.
@@ -179,44 +181,34 @@ impl Stage {
         (0..4).map(|j| ky[j as usize] * row(j)).sum()
     }
 
-    /// The pose that the options describe, with what they leave open.
+    /// The pose that the options describe, with what they leave open: without target and distance the picture shows the land as a whole.
     pub fn pose(&self, o: &ViewOptions) -> Pose {
+        let pose = self.asked(o);
+        if is_placed(o) { pose } else { self.framed(&pose, o.aspect()) }
+    }
+
+    /// As [`Stage::pose`], for a turn around the land: from every side it is in the picture.
+    pub(crate) fn pose_all_around(&self, o: &ViewOptions) -> Pose {
+        let pose = self.asked(o);
+        if is_placed(o) { pose } else { self.framed_all_around(&pose, o.aspect()) }
+    }
+
+    fn asked(&self, o: &ViewOptions) -> Pose {
         let automatic = if self.block { (33.0, 1.72, -0.42) } else { (15.0, 1.06, 0.40) };
-        let pose = Pose {
+        Pose {
             azimuth_deg: finite(o.azimuth_deg, 180.0),
             elevation_deg: finite(o.elevation_deg.unwrap_or(automatic.0), automatic.0),
             distance: finite(o.distance.unwrap_or(automatic.1), automatic.1),
-            target: o.target.map(|t| finite(t, 0.5)),
+            target: o.target.unwrap_or([0.5; 2]).map(|t| finite(t, 0.5)),
             target_height: finite(o.target_height.unwrap_or(automatic.2), automatic.2),
             field_of_view_deg: finite(o.field_of_view_deg, 36.0),
-        };
-        if !self.block || o.distance.is_some() {
-            return pose;
         }
-        let aspect = o.width.max(1) as f32 / o.height.max(1) as f32;
-        Pose { distance: finite(self.fitting_distance(&pose, aspect), 0.0).max(pose.distance), ..pose }
     }
 
-    /// Distance, in lengths of the grid's longer side, from which a picture of so many columns a row shows all corners of the
-    /// relief model.
-    fn fitting_distance(&self, pose: &Pose, aspect: f32) -> f32 {
-        /// Share of the picture that the corners may take.
-        const MARGIN: f32 = 0.97;
-        let [w, h] = self.size_m();
+    /// Height of the foot of the relief model, m.
+    pub(crate) fn foot(&self) -> f32 {
         let (low, top) = self.tops.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, t), &v| (l.min(v), t.max(v)));
-        let (base, _) = self.block_span(low, top);
-        let camera = self.camera_at(pose);
-        let target = [pose.target[0] * w, pose.target[1] * h, self.height_of_share(pose.target_height)];
-        let corners =
-            [[0.0, 0.0], [w, 0.0], [0.0, h], [w, h]].map(|[x, y]| [[x, y, base], [x, y, self.height_at(x, y)]]);
-        // Seen from the distance D, a point lies `D + forward` deep in the picture.
-        let needed = corners.as_flattened().iter().map(|p| {
-            let p = add(*p, scale(target, -1.0));
-            let [right, up, forward] = [camera.right, camera.up, camera.forward].map(|axis| dot(axis, p));
-            let tan = MARGIN * camera.tan;
-            (right.abs() / (tan * aspect)).max(up.abs() / tan) - forward
-        });
-        needed.fold(0.0, f32::max) / self.extent
+        self.block_span(low, top).0
     }
 
     /// The camera that the options describe, kept above ground and sea.
@@ -237,7 +229,13 @@ impl Stage {
     /// Height as drawn, m, of a share of the relief over the sea or the low end of the land.
     pub fn height_of_share(&self, share: f32) -> f32 {
         let low = if self.sea { 0.0 } else { self.ground.land_low };
-        (low + share * (self.ground.land_high - low)) * self.exaggeration
+        (low + share * self.ground.relief()) * self.exaggeration
+    }
+
+    /// The share of the relief that a height as drawn is: the other way round.
+    pub(crate) fn share_of_height(&self, z: f32) -> f32 {
+        let low = if self.sea { 0.0 } else { self.ground.land_low };
+        (z / self.exaggeration - low) / self.ground.relief()
     }
 
     /// Least height of a camera at a place.
@@ -259,12 +257,9 @@ pub fn colour_bytes(colours: &[V3], fourth: Option<&[f32]>) -> Vec<[u8; 4]> {
     (0..colours.len()).into_par_iter().map(one).collect()
 }
 
-/// Relief reads as relief when it is about a sixth of the extent.
-fn exaggeration(o: &ViewOptions, g: &Ground) -> f32 {
-    match o.vertical_exaggeration {
-        Some(x) => finite(x, 1.0).clamp(0.01, 1000.0),
-        None => (0.15 * g.extent() / g.relief()).clamp(1.0, 4.0),
-    }
+/// Whether the options say where the camera stands, so that nothing is left to fit.
+fn is_placed(o: &ViewOptions) -> bool {
+    o.distance.is_some() || o.target.is_some() || o.target_height.is_some()
 }
 
 /// Clear tropical water shows its bottom to about 26 m; a small world gets a sea in its own measure.

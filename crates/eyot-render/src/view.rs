@@ -1,5 +1,7 @@
 //! The options of a perspective view.
 
+use crate::cover::Looks;
+
 /// What stands around the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Setting {
@@ -24,17 +26,18 @@ pub struct ViewOptions {
     /// Height of the camera over the horizon as seen from the target, 1 to 89. `None` looks over an open sea with some
     /// sky above it, and down on a block.
     pub elevation_deg: Option<f32>,
-    /// Distance from target to camera, in lengths of the grid's longer side. `None` fits the setting.
+    /// Distance from target to camera, in lengths of the grid's longer side. Without it, a target and its height, the camera stands
+    /// where it shows the land as a whole, as large as it can be; with one of them, `None` takes what suits the setting.
     pub distance: Option<f32>,
     /// Angle of view from the picture's bottom to its top, 5 to 120.
     pub field_of_view_deg: f32,
-    /// What the camera looks at, as shares of the grid's width and height; 0.5, 0.5 is the middle.
-    pub target: [f32; 2],
+    /// What the camera looks at, as shares of the grid's width and height; 0.5, 0.5 is the middle. `None`: see `distance`.
+    pub target: Option<[f32; 2]>,
     /// Height of the target over the sea or over the low end of the land, as a share of the relief.
-    /// `None` fits the setting.
+    /// `None`: see `distance`.
     pub target_height: Option<f32>,
-    /// Factor on heights. `None` draws flat land higher so that it reads as land, and mountains as they are.
-    pub vertical_exaggeration: Option<f32>,
+    /// Factor on heights; 1 draws them as they are.
+    pub vertical_exaggeration: f32,
     /// Bearing of the sun.
     pub sun_azimuth_deg: f32,
     /// Height of the sun over the horizon, 1 to 89.
@@ -45,6 +48,8 @@ pub struct ViewOptions {
     pub clouds: f32,
     /// Factor on the light of the whole picture.
     pub exposure: f32,
+    /// Colours of the ground.
+    pub looks: Looks,
     /// Draw the sea.
     pub sea: bool,
     /// Depth at which the sea's bottom is all but lost, m. `None` takes clear tropical water, scaled down for small worlds.
@@ -66,14 +71,15 @@ impl Default for ViewOptions {
             elevation_deg: None,
             distance: None,
             field_of_view_deg: 37.0,
-            target: [0.5, 0.5],
+            target: None,
             target_height: None,
-            vertical_exaggeration: None,
+            vertical_exaggeration: 1.0,
             sun_azimuth_deg: 285.0,
             sun_elevation_deg: 36.0,
             haze: 1.0,
             clouds: 0.5,
             exposure: 1.0,
+            looks: Looks::default(),
             sea: true,
             sea_clarity_m: None,
             fresh_water: true,
@@ -89,6 +95,11 @@ pub(crate) fn finite(x: f32, instead: f32) -> f32 {
 }
 
 impl ViewOptions {
+    /// Columns a row of the picture.
+    pub(crate) fn aspect(&self) -> f32 {
+        self.width.max(1) as f32 / self.height.max(1) as f32
+    }
+
     /// The same view of a relief model that wears a layer's colours: without sea and rivers, which would hide them.
     pub fn draped(&self) -> Self {
         Self { sea: false, fresh_water: false, setting: Setting::Block, ..self.clone() }

@@ -17,7 +17,7 @@ use eyot_core::{ComponentKinds, Limits, World};
 use eyot_io::checkpoint::{self, Checkpoint};
 use eyot_io::storage::Folder;
 use eyot_io::{self as io, timeline};
-use eyot_recipe::{Recipe, Registry};
+use eyot_recipe::{Recipe, Registry, View};
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 
@@ -78,15 +78,15 @@ impl Timeline {
         })
     }
 
-    /// Whether the view of its recipe is from above, as a map.
+    /// The view of its recipe.
     ///
     /// # Errors
     /// If the head of its last frame cannot be read any more.
-    pub fn is_from_above(&self) -> Result<bool, RunError> {
-        let Some(last) = self.frames.last() else { return Ok(false) };
+    pub fn view(&self) -> Result<View, RunError> {
+        let Some(last) = self.frames.last() else { return Ok(View::default()) };
         let recipe = self.store.recipe_toml(last.frame).map_err(RunError::input)?;
         let state = self.store.state(last.frame).map_err(RunError::input)?;
-        Ok(eyot_recipe::seen_from_above(&recipe.into(), &state["overrides"]["set"]))
+        Ok(eyot_recipe::view_of(&recipe.into(), &state["overrides"]["set"]))
     }
 
     /// The world of the frame with the number `i`, with components of these kinds.

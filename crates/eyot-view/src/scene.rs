@@ -133,7 +133,7 @@ impl Scene {
                 true
             }
             Some(_) => false,
-            None => heights || changed(&["wetness", "limestone", "growth", "aridity"]),
+            None => heights || changed(&eyot_render::cover::LAYERS),
         };
         let moves = changed(&["height", "water", "flux_x", "flux_y"]);
         let flow = if moves { self.stage.fresh().and_then(|_| flow(&world)) } else { None };

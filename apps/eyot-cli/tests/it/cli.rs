@@ -21,8 +21,10 @@ fn a_run_from_recipe_to_picture() {
     let f = folder.path();
     std::fs::write(f.join("small.toml"), SMALL).unwrap();
     said(f, &["check", "small.toml"], 0, &["the recipe is sound"]);
-    let effective = said(f, &["check", "small.toml", "--effective", "--set", "hill.height=300"], 0, &["height = 300"]);
-    std::fs::write(f.join("all.toml"), effective).unwrap();
+    let effective = ["check", "small.toml", "--effective", "--set", "hill.height=300"];
+    let effective = eyot(f, &effective).output().unwrap();
+    assert_said(&effective, 0, &["height = 300"]);
+    std::fs::write(f.join("all.toml"), effective.stdout).unwrap();
     said(f, &["check", "all.toml"], 0, &["the recipe is sound"]);
     let bare = "[grid]\nsize = 24\n[[step]]\nsimulate = \"hydraulic\"\n";
     std::fs::write(f.join("bare.toml"), bare).unwrap();
@@ -43,6 +45,21 @@ fn a_run_from_recipe_to_picture() {
     said(f, &["render", "small", "--size", "64x48", "--azimuth", "-30"], 0, &[]);
     said(f, &["render", "small", "--layer", "height", "--out", "map.png"], 0, &[]);
     assert!(f.join("small/render.png").is_file() && f.join("map.png").is_file());
+    // Without a word more it is the run's own picture, and a changed view is that of the run.
+    let view = ["view.azimuth=70", "view.size=[80, 56]", "view.sun_elevation=12"];
+    let set: Vec<&str> = view.iter().flat_map(|v| ["--set", v]).collect();
+    said(f, &[&["run", "small.toml", "--out", "seen"], &set[..]].concat(), 0, &[]);
+    said(f, &["render", "seen", "--engine", "cpu"], 0, &["heights to scale"]);
+    said(
+        f,
+        &["render", "seen", "--engine", "cpu", "--sun-elevation", "50", "--exaggeration", "2", "--out", "noon.png"],
+        0,
+        &["heights times 2"],
+    );
+    let bytes = |name: &str| std::fs::read(f.join(name)).unwrap();
+    assert_eq!(bytes("seen/render.png"), bytes("seen/preview.png"));
+    assert_ne!(bytes("noon.png"), bytes("seen/preview.png"));
+    assert_eq!(bytes("noon.png")[16..24], bytes("seen/preview.png")[16..24]);
     said(f, &["render", "small", "--layer", "heigt"], 2, &["did you mean --layer height?"]);
     said(f, &["resume", "small"], 2, &["the run there is finished"]);
 }
@@ -362,7 +379,7 @@ fn remedies_fit_and_refusals_say_so() {
     said(f, &["convert", "good.npy", "a.tif", "--cell", "7", "--force"], 0, &[]);
     std::fs::write(f.join("a.r32.json"), "mine").unwrap();
     said(f, &["convert", "good.npy", "a.r32"], 2, &["`a.r32.json` is there already"]);
-    said(f, &["convert", "good.npy", "a.tif", "--from-range", "0,1"], 2, &["leave out --from-range"]);
+    said(f, &["convert", "good.npy", "b.tif", "--from-range", "0,1"], 2, &["leave out --from-range"]);
     for name in ["a.zarr", "x.TIF", "x.glb"] {
         said(f, &["convert", "good.npy", name, "--preset", "unity"], 2, &["would be a folder", "another name"]);
         assert!(!f.join(name).exists());
@@ -373,6 +390,12 @@ fn remedies_fit_and_refusals_say_so() {
     }
     said(f, &["render", "good.npy", "--layer", "height", "--sun-azimuth", "9"], 2, &["cannot be used with"]);
     said(f, &["render", "good.npy", "--relief", "--sun-azimuth", "9"], 0, &[]);
+}
+
+/// The checksum of a checkpoint's header.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _: i32| (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg());
+    !bytes.iter().fold(u32::MAX, |crc, b| (0..8).fold(crc ^ u32::from(*b), step))
 }
 
 /// A saved world that somebody has forged, with its checksums right, writes nothing outside its folder.
@@ -389,9 +412,18 @@ fn a_forged_world_is_refused() {
     )
     .unwrap();
     let mut world = saved.world;
-    let spec = eyot::LayerSpec { name: "../../../x".into(), ..eyot::process::known::WATER };
+    // Eyot itself writes no such name: it is put in afterwards, with a checksum that fits.
+    let spec = eyot::LayerSpec { name: "xxxxxxxxxx".into(), ..eyot::process::known::WATER };
     world.ensure(&spec, 1.0);
-    eyot::formats::checkpoint::save(&f.join("small/world.eyot"), &world, &saved.recipe_toml, &saved.state).unwrap();
+    let path = f.join("small/world.eyot");
+    eyot::formats::checkpoint::save(&path, &world, &saved.recipe_toml, &saved.state).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let at = bytes.windows(10).position(|w| w == b"xxxxxxxxxx").unwrap();
+    bytes[at..at + 10].copy_from_slice(b"../../../x");
+    let end = 20 + u64::from_le_bytes(bytes[12..20].try_into().unwrap()) as usize;
+    let sum = crc32(&bytes[..end]);
+    bytes[end..end + 4].copy_from_slice(&sum.to_le_bytes());
+    std::fs::write(&path, bytes).unwrap();
     std::fs::remove_file(f.join("small/run.json")).unwrap();
     for args in [
         &["resume", "small"][..],
@@ -421,7 +453,9 @@ fn reliefs_have_the_size_that_was_asked_for_and_bad_places_are_found_before_the_
     for out in ["nothere/r.png", "small", "/dev/null"] {
         said(f, &[&big[..], &[out]].concat(), 1, &[]);
     }
-    said(f, &["render", "small", "--layer", "height", "--size", "100"], 2, &["--layer"]);
+    said(f, &["render", "small", "--layer", "height", "--size", "100", "--out", "m.png"], 0, &[]);
+    let width = |name: &str| u32::from_be_bytes(std::fs::read(f.join(name)).unwrap()[16..20].try_into().unwrap());
+    assert_eq!(width("m.png"), 100);
 }
 
 #[test]

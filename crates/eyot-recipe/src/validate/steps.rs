@@ -10,6 +10,7 @@ use crate::recipe::{Actor, GenerateStep, ProcessUse, SimulateStep, Step, Work};
 use crate::registry::{DOCUMENT_KEYS, GENERATE_KEYS, Registry, SCHEDULE_KEYS, SIMULATE_KEYS};
 use crate::texts;
 use eyot_core::LayerSpec;
+use eyot_core::layer::known;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use eyot_core::remedy;
 use eyot_core::remedy::{Action, Setting, Worded};
@@ -173,6 +174,11 @@ impl Validator<'_> {
         }
         if keys.enabled && !self.layers.contains(&keys.layer) {
             self.layers.push(keys.layer.clone());
+        }
+        let marks =
+            keys.enabled && keys.layer == known::HEIGHT.name && !self.layers.iter().any(|l| *l == known::MISSING.name);
+        if marks && self.grid.is_some_and(|g| generator.missing(&g).is_ok_and(|m| m.is_some())) {
+            self.layers.push(known::MISSING.name.into_owned());
         }
         let merge = keys.merge.unwrap_or(if generator.is_filter() { Merge::Set } else { Merge::Add });
         let work = GenerateStep {

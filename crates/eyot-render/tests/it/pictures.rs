@@ -2,9 +2,10 @@
 
 use eyot_core::layer::known;
 use eyot_core::{Boundary, Error, Field, Grid, Limits, World};
+use eyot_render::cover::{HALO, LAYERS, Strip};
 use eyot_render::{
-    ColourMap, MapOptions, Picture, ReliefOptions, Setting, Stage, ViewOptions, layer_map, perspective, relief,
-    terrain_colours,
+    Class, ColourMap, Cover, Looks, MapOptions, Palette, Picture, ReliefOptions, Season, Setting, Stage, ViewOptions,
+    layer_map, perspective, relief, terrain_colours,
 };
 
 fn world(w: usize, h: usize, f: impl FnMut(usize, usize) -> f32) -> World {
@@ -74,6 +75,200 @@ fn a_relief_model_is_seen_as_a_whole() {
     }
 }
 
+/// How far the highest `land` reaches to the left, right, top and bottom of a picture of that aspect; 1 is its edge.
+fn reach(stage: &Stage, o: &ViewOptions, land: impl Fn(f32) -> bool) -> [f32; 4] {
+    let (camera, [w, h], cell) = (stage.camera(o), stage.cells(), stage.cell_m());
+    let aspect = o.width as f32 / o.height as f32;
+    let mut most = [0.0f32; 4];
+    for i in (0..w * h).filter(|&i| land(stage.tops()[i])) {
+        let p = [(i % w) as f32 * cell[0], (i / w) as f32 * cell[1], stage.tops()[i]];
+        let p: [f32; 3] = std::array::from_fn(|k| p[k] - camera.eye[k]);
+        let [right, up, deep] =
+            [camera.right, camera.up, camera.forward].map(|a| a[0] * p[0] + a[1] * p[1] + a[2] * p[2]);
+        assert!(deep > 0.0, "land behind the camera");
+        let (x, y) = (right / (camera.tan * aspect * deep), up / (camera.tan * deep));
+        for (m, v) in most.iter_mut().zip([-x, x, y, -y]) {
+            *m = m.max(v);
+        }
+    }
+    most
+}
+
+/// Whatever its shape, its place in the grid and the picture's shape: the land is not cut off and as large as it can be.
+#[test]
+fn an_island_fills_the_picture() {
+    let hill = |x: f32, y: f32, long: f32, high: f32| {
+        world(96, 96, move |i, j| high * (1.0 - ((i as f32 - x) / long).hypot((j as f32 - y) / 8.0)))
+    };
+    for land in [hill(48.0, 48.0, 20.0, 60.0), hill(30.0, 70.0, 22.0, 300.0), hill(66.0, 20.0, 8.0, 200.0)] {
+        for (width, height) in [(320, 200), (100, 300), (600, 100)] {
+            for (azimuth_deg, elevation_deg) in [(180.0, None), (230.0, Some(40.0)), (90.0, Some(80.0))] {
+                let o = ViewOptions { width, height, azimuth_deg, elevation_deg, ..ViewOptions::default() };
+                let stage = Stage::new(&land, &o).unwrap();
+                let [left, right, top, bottom] = reach(&stage, &o, |z| z > 0.0);
+                let all = [left, right, top, bottom];
+                assert!(all.iter().all(|m| *m < 0.99), "{width}x{height} from {azimuth_deg}: {all:?}");
+                // It reaches across the picture one way or the other, and stands in its middle.
+                assert!(left.min(right) > 0.8 || top.min(bottom) > 0.65, "{width}x{height}: {all:?}");
+                assert!((left - right).abs() < 0.15, "{width}x{height} from {azimuth_deg}: {all:?}");
+            }
+        }
+    }
+}
+
+/// Heights are drawn to scale unless somebody asks.
+#[test]
+fn heights_are_drawn_to_scale() {
+    let flat = world(50, 50, |x, y| 100.0 + 0.1 * (x + y) as f32);
+    assert_eq!(Stage::new(&flat, &ViewOptions::default()).unwrap().exaggeration, 1.0);
+    let asked = ViewOptions { vertical_exaggeration: 3.0, ..ViewOptions::default() };
+    assert_eq!(Stage::new(&flat, &asked).unwrap().exaggeration, 3.0);
+}
+
+/// Bare noise from the foot of mountains to their tops.
+fn mountains(n: usize) -> World {
+    let mut w = world(n, n, |x, y| {
+        let (x, y) = (x as f32 * 0.018, y as f32 * 0.018);
+        2100.0 + 3800.0 * eyot_noise::picture::fbm(x, y, 4, 3)
+    });
+    w.grid.cell_x_m = 150.0;
+    w.grid.cell_y_m = 150.0;
+    w.sea_level_m = -1000.0;
+    w
+}
+
+/// The shares of the land's classes, and the mean colours of a tenth of the land each, from the lowest to the highest.
+fn tenths(w: &World, looks: &Looks) -> Vec<[f32; 3]> {
+    let colours = terrain_colours(w, looks).unwrap();
+    let height = w.get("height").unwrap();
+    let mut order: Vec<(f32, [f32; 3])> = height.iter().zip(colours).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = |part: &[(f32, [f32; 3])]| {
+        std::array::from_fn(|k| part.iter().map(|(_, c)| c[k]).sum::<f32>() / part.len() as f32)
+    };
+    order.chunks(order.len().div_ceil(10)).map(mean).collect()
+}
+
+/// Bare noise is woods and meadows at its foot, stone higher up and snow on top: most of it is not of one colour, and no green shouts.
+#[test]
+fn bare_mountains_are_green_grey_and_white() {
+    let w = mountains(128);
+    let [low, middle, high] = [0, 6, 9].map(|i| tenths(&w, &Looks::default())[i]);
+    let sum = |c: [f32; 3]| c[0] + c[1] + c[2];
+    assert!(low[1] > low[0] && low[1] > 1.3 * low[2], "the foot is not green: {low:?}");
+    assert!(low[1] < 1.6 * low[0], "the green is not muted: {low:?}");
+    assert!(middle[0] >= 0.95 * middle[1] && sum(middle) > sum(low), "no stone: {middle:?}");
+    assert!(high[2] > 0.9 * high[0] && sum(high) > 2.0 * sum(middle), "no snow: {high:?}");
+    // Each class has its place, none all of it.
+    let strip = Strip::whole(&w);
+    let cover = Cover::new([150.0; 2], 0.0, -1000.0, 5, &Looks::default());
+    let mut shares = [0.0; Class::ALL.len()];
+    for i in 0..128 * 128 {
+        let weights = cover.weights(&strip, i % 128, i / 128);
+        assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-4 && weights.iter().all(|w| (0.0..=1.0).contains(w)));
+        shares.iter_mut().zip(weights).for_each(|(s, w)| *s += w / (128.0 * 128.0));
+    }
+    assert!(shares.iter().all(|s| *s < 0.5), "{shares:?}");
+    for class in [Class::Forest, Class::Grass, Class::Scree, Class::Rock, Class::Snow] {
+        assert!(shares[class as usize] > 0.02, "{class:?}: {shares:?}");
+    }
+    assert!(shares[Class::SeaFloor as usize] + shares[Class::Sand as usize] < 0.01, "{shares:?}");
+}
+
+/// Each palette, line, season and ramp changes the picture in its own way.
+#[test]
+fn looks_are_a_choice() {
+    let w = mountains(64);
+    let top = |looks: &Looks| tenths(&w, looks)[9].iter().sum::<f32>();
+    let plain = Looks::default();
+    let deep = Looks { snow_line_m: Some(200.0), ..plain.clone() };
+    let none = Looks { snow_line_m: Some(9000.0), ..plain.clone() };
+    assert!(tenths(&w, &deep)[3][2] > 2.0 * tenths(&w, &plain)[3][2], "the snow line does nothing");
+    assert!(top(&none) < 0.8 * top(&plain), "the snow line does nothing");
+    let bare = tenths(&w, &Looks { tree_line_m: Some(-500.0), ..plain.clone() })[1];
+    let woods = tenths(&w, &Looks { tree_line_m: Some(5000.0), snow_line_m: Some(9000.0), ..plain.clone() })[1];
+    assert!(bare.iter().sum::<f32>() > 1.3 * woods.iter().sum::<f32>(), "{bare:?}, {woods:?}");
+    let season = |season| terrain_colours(&w, &Looks { season, ..plain.clone() }).unwrap();
+    let palette = |palette| terrain_colours(&w, &Looks { palette, ..plain.clone() }).unwrap();
+    let all = [
+        season(Season::Spring),
+        season(Season::Autumn),
+        season(Season::Winter),
+        palette(Palette::Temperate),
+        palette(Palette::Tropical),
+        palette(Palette::Alpine),
+        palette(Palette::Desert),
+        palette(Palette::Arctic),
+        palette(Palette::Volcanic),
+    ];
+    for (i, a) in all.iter().enumerate() {
+        for b in &all[..i] {
+            let differ = a.iter().zip(b).filter(|(a, b)| (0..3).any(|k| (a[k] - b[k]).abs() > 0.01)).count();
+            assert!(differ * 5 > a.len(), "{differ} of {} cells differ", a.len());
+        }
+    }
+    let ramp = vec![(0.0, [0.5, 0.0, 0.0]), (3000.0, [0.0, 0.0, 0.5])];
+    let [low, .., high] = tenths(&w, &Looks { ramp, ..plain })[..] else { panic!() };
+    assert!(
+        low[0] > 3.0 * low[1] && low[0] > low[2] && high[2] > high[0] && high[2] > 3.0 * high[1],
+        "{low:?} {high:?}"
+    );
+}
+
+/// A low islet on a reef: sand at the water, palms in the middle, and nothing under it but pale sea floor and reef.
+#[test]
+fn islets_are_sand_with_palms() {
+    let mut w = world(80, 80, |x, y| 3.2 - 0.012 * ((x as f32 - 40.0).powi(2) + (y as f32 - 40.0).powi(2)));
+    w.put(&known::LIMESTONE, Field::from_fn(80, 80, |_, _| 5.0)).unwrap();
+    let strip = Strip::whole(&w);
+    let looks = Looks::default().resolved(|layer| w.get(layer).is_some());
+    assert_eq!(looks.palette, Palette::Tropical);
+    let cover = Cover::new([10.0; 2], -30.0, 0.0, 5, &looks);
+    let height = w.get("height").unwrap();
+    let (mut shore, mut middle) = ([0.0; 3], [0.0; 3]);
+    for i in 0..80 * 80 {
+        let (x, y) = (i % 80, i / 80);
+        let s = cover.weights(&strip, x, y);
+        let sand = s[Class::Sand as usize] + s[Class::WetSand as usize];
+        let of = match height.get(x, y) {
+            0.3..1.2 => &mut shore,
+            2.4..4.0 => &mut middle,
+            _ => continue,
+        };
+        let palms = s[Class::Forest as usize] + s[Class::Shrub as usize] + s[Class::Grass as usize];
+        of.iter_mut().zip([sand, palms, 1.0]).for_each(|(o, v)| *o += v);
+    }
+    assert!(shore[0] > 0.75 * shore[2], "{shore:?}");
+    assert!(middle[1] > 0.3 * middle[2], "{middle:?}");
+}
+
+/// What a strip of rows says of its middle is what the whole says.
+#[test]
+fn ground_is_the_same_in_a_window() {
+    let w = mountains(48);
+    let height = w.get("height").unwrap();
+    let rows = |from: usize, to: usize| (from..to).flat_map(|y| height.row(y).to_vec()).collect::<Vec<f32>>();
+    let cover = Cover::new([150.0; 2], 0.0, -1000.0, 5, &Looks::default());
+    let mut layers: [Option<Vec<f32>>; LAYERS.len()] = Default::default();
+    layers[0] = Some(rows(20 - HALO, 23 + HALO));
+    let (part, whole) = (Strip::new(48, 20 - HALO, layers), Strip::whole(&w));
+    for i in 0..3 * 48 {
+        let (x, y) = (i % 48, 20 + i / 48);
+        assert_eq!(cover.weights(&part, x, y), cover.weights(&whole, x, y));
+        assert_eq!(cover.colour(&part, x, y), cover.colour(&whole, x, y));
+    }
+}
+
+#[test]
+fn maps_have_the_size_that_is_asked_for() {
+    let w = world(30, 20, |x, y| (x * y) as f32);
+    for (size, wide, high) in [(100, 100, 67), (15, 15, 10), (30, 30, 20)] {
+        let o = MapOptions { size: Some(size), legend: false, ..MapOptions::default() };
+        let map = layer_map(&w, "height", &o).unwrap();
+        assert_eq!((map.width, map.height), (wide, high));
+    }
+}
+
 #[test]
 fn a_mirrored_world_gives_a_mirrored_relief() {
     let n = 64;
@@ -103,7 +298,7 @@ fn no_grid_is_too_small_and_no_world_too_flat() {
                 world.sea_level_m = level;
                 world.ensure(&known::WATER, 0.0);
                 world.ensure(&known::LIMESTONE, 1.0);
-                assert_eq!(terrain_colours(&world).unwrap().len(), w * h);
+                assert_eq!(terrain_colours(&world, &Looks::default()).unwrap().len(), w * h);
                 for setting in [Setting::Auto, Setting::Block, Setting::OpenSea] {
                     let o = ViewOptions { setting, ..small() };
                     assert_eq!(perspective(&world, &o).unwrap().pixels.len(), 96 * 54);
@@ -134,9 +329,9 @@ fn odd_values_and_odd_options_are_survived() {
             elevation_deg: Some(x),
             distance: Some(x),
             field_of_view_deg: x,
-            target: [x, x],
+            target: Some([x, x]),
             target_height: Some(x),
-            vertical_exaggeration: Some(x),
+            vertical_exaggeration: x,
             sun_azimuth_deg: x,
             sun_elevation_deg: x,
             haze: x,
@@ -176,7 +371,7 @@ fn a_missing_layer_is_an_error_that_lists_the_others() {
     let empty = World::new(w.grid, 1);
     assert!(matches!(perspective(&empty, &small()), Err(Error::NoLayer { .. })));
     assert!(matches!(relief(&empty, &ReliefOptions::default()), Err(Error::NoLayer { .. })));
-    assert!(matches!(terrain_colours(&empty), Err(Error::NoLayer { .. })));
+    assert!(matches!(terrain_colours(&empty, &Looks::default()), Err(Error::NoLayer { .. })));
 }
 
 #[test]
@@ -240,7 +435,7 @@ fn pictures_give_their_bytes() {
 fn aridity_turns_green_land_into_desert() {
     let mut w = world(64, 64, |x, y| 900.0 + 60.0 * ((x * x + 3 * y) % 97) as f32 / 97.0 + 4.0 * y as f32);
     let reds = |w: &World| {
-        let colours = terrain_colours(w).unwrap();
+        let colours = terrain_colours(w, &Looks::default()).unwrap();
         colours.iter().filter(|c| c[0] > 1.2 * c[1]).count()
     };
     let none = reds(&w);

@@ -32,17 +32,18 @@ impl Trial {
         }
         self.told = true;
         let seconds = self.time.as_secs_f64() / self.steps as f64 * (left + after.steps) as f64;
+        let rough = after.others;
         let timed = self.steps;
-        (seconds >= LONG).then_some(Event::Long { seconds, timed, at_least: after.others })
+        (seconds >= LONG).then_some(Event::Long { seconds, timed, rough })
     }
 }
 
 /// The simulations after one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct After {
-    /// Steps of those with the same processes.
+    /// Their steps.
     steps: u64,
-    /// Whether there are some with others.
+    /// Whether some have other processes.
     others: bool,
 }
 
@@ -55,8 +56,10 @@ impl After {
         let mut after = Self::default();
         for step in steps.iter().filter(|s| s.enabled && s.number > number) {
             match &step.work {
-                Work::Simulate(w) if names(w) == names(work) => after.steps += w.steps,
-                Work::Simulate(_) => after.others = true,
+                Work::Simulate(w) => {
+                    after.steps += w.steps;
+                    after.others |= names(w) != names(work);
+                }
                 Work::Generate(_) => {}
             }
         }

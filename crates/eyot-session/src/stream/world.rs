@@ -47,7 +47,9 @@ impl<'a> StreamedWorld<'a> {
             + layers.len()
             + exported
                 .filter(|name| {
-                    eyot_recipe::MATERIALS.contains(&name.as_str()) || layers.iter().any(|l| l.spec.name == **name)
+                    eyot_recipe::MATERIALS.contains(&name.as_str())
+                        || eyot_recipe::GROUND.contains(&name.as_str())
+                        || layers.iter().any(|l| l.spec.name == **name)
                 })
                 .count();
         Ok(Self {

@@ -159,7 +159,7 @@ fn nothing_shows_through_the_ground() {
     let Some((gpu, mut r)) = ready() else { return };
     // Rough land, seen from close by so that levels of all kinds meet, and from above so that no sky is in the picture.
     let rough = |x: usize, y: usize| ((x * 7919 + y * 104_729) % 97) as f32 * 3.0;
-    let o = ViewOptions { vertical_exaggeration: Some(1.0), ..options(160, 120) };
+    let o = ViewOptions { vertical_exaggeration: 1.0, ..options(160, 120) };
     for (w, h) in [(700, 500), (1500, 1100)] {
         let world = world(w, h, 10.0, rough);
         let scene = Scene::from_world(&gpu, &r, &world, &o).unwrap();
@@ -186,7 +186,7 @@ fn nothing_shows_through_the_ground() {
 fn distances_are_those_of_the_surface() {
     let Some((gpu, mut r)) = ready() else { return };
     let flat = world(300, 200, 10.0, |_, _| 40.0);
-    let o = ViewOptions { vertical_exaggeration: Some(1.0), ..options(64, 48) };
+    let o = ViewOptions { vertical_exaggeration: 1.0, ..options(64, 48) };
     let scene = Scene::from_world(&gpu, &r, &flat, &o).unwrap();
     let camera = Camera::looking([1500.0, 1000.0, 640.0], [1500.1, 1000.0, 0.0], 50.0);
     let far = r.distances(&gpu, &scene, &camera, [64, 48]).unwrap().take(&gpu).unwrap();
@@ -224,7 +224,7 @@ fn waves_and_rivers_move_and_land_does_not() {
 #[test]
 fn an_update_is_as_good_as_a_new_scene() {
     let Some((gpu, mut r)) = ready() else { return };
-    let o = ViewOptions { sea_clarity_m: Some(20.0), vertical_exaggeration: Some(1.0), ..options(160, 90) };
+    let o = ViewOptions { sea_clarity_m: Some(20.0), vertical_exaggeration: 1.0, ..options(160, 90) };
     let before = island(80);
     let mut after = before.clone();
     let field = after.get("height").unwrap();

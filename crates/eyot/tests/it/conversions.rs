@@ -599,6 +599,12 @@ fn meshes_and_presets_meet_the_limit_on_memory_with_all_that_they_take() {
     refused("a.glb", &ConvertOptions::default());
     refused("a.obj", &ConvertOptions::default());
     refused("blender", &ConvertOptions { preset: Some(eyot::Preset::Blender), ..ConvertOptions::default() });
+    // Rasters are written in bands of rows, beside what was read.
+    let small = Limits { max_bytes: 900 << 10, ..limits };
+    let npy = f.path().join("run.npy");
+    go(&f.path().join("run"), &npy, &ConvertOptions::default());
+    let e = convert(&npy, &f.path().join("a.zarr"), &ConvertOptions::default(), &small).unwrap_err().to_string();
+    assert!(e.contains("a.zarr") && e.contains("too large"), "{e}");
     // In as much as it asks for, it works.
     let enough = Limits { max_bytes: 40 << 20, ..Limits::default() };
     convert(&f.path().join("run"), &f.path().join("a.glb"), &ConvertOptions::default(), &enough).unwrap();

@@ -430,10 +430,10 @@ fn a_run_knows_whether_it_is_seen_from_above() {
         let record = Some(Record { every: 2, max_bytes: 1 << 30 });
         let options = RunOptions { out: Some(out.clone()), record, ..RunOptions::default() };
         Run::start(recipe, options).unwrap().join().unwrap();
-        let recorded = Timeline::open(&out, &Limits::default()).unwrap().is_from_above().unwrap();
-        assert_eq!(eyot::store::open(&out, &Limits::default()).unwrap().from_above, recorded);
+        let recorded = Timeline::open(&out, &Limits::default()).unwrap().view().unwrap();
+        assert_eq!(eyot::store::open(&out, &Limits::default()).unwrap().view, recorded);
         recorded
     };
-    assert!(seen("map", &[]));
-    assert!(!seen("view", &["view.from_above=false"]));
+    assert!(seen("map", &[]).from_above);
+    assert!(!seen("view", &["view.from_above=false"]).from_above);
 }

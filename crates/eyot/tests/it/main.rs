@@ -11,6 +11,7 @@ mod exports;
 mod film;
 mod fingerprints;
 mod former;
+mod holes;
 mod mountains;
 mod own_rules;
 mod partial;

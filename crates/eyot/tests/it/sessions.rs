@@ -270,7 +270,7 @@ fn announced(steps: u64, milliseconds: u64) -> (Vec<(f64, u64, bool)>, u64) {
     .unwrap();
     while s.advance(Budget::Piece).unwrap() == Status::Working {}
     let long = |e: Event| match e {
-        Event::Long { seconds, timed, at_least } => Some((seconds, timed, at_least)),
+        Event::Long { seconds, timed, rough } => Some((seconds, timed, rough)),
         _ => None,
     };
     (s.events().into_iter().filter_map(long).collect(), s.into_outcome().unwrap().fingerprint)
@@ -281,8 +281,8 @@ fn a_run_that_will_take_minutes_says_so_early_and_once() {
     // Two looks at the clock a step: half a second each, three hundred steps.
     let (told, slow) = announced(300, 500);
     assert_eq!(told.len(), 1, "{told:?}");
-    let (seconds, timed, at_least) = told[0];
-    assert!(timed <= 2 && !at_least, "{told:?}");
+    let (seconds, timed, rough) = told[0];
+    assert!(timed <= 2 && !rough, "{told:?}");
     assert!((seconds - 0.5 * (300 - 1 - timed) as f64).abs() < 1e-6, "{told:?}");
     let (told, quick) = announced(300, 1);
     assert!(told.is_empty(), "{told:?}");
