@@ -12,6 +12,7 @@ pub mod mutate;
 mod network;
 mod rasters;
 mod recipes;
+mod states;
 mod stores;
 mod timelines;
 mod worlds;
@@ -47,6 +48,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "zarr", run: stores::read, seeds: stores::seeds, words: stores::WORDS },
     Target { name: "checkpoint", run: worlds::read, seeds: worlds::seeds, words: worlds::WORDS },
     Target { name: "component", run: components::read, seeds: components::seeds, words: &[] },
+    Target { name: "state", run: states::read, seeds: states::seeds, words: &[] },
     Target { name: "timeline", run: timelines::read, seeds: timelines::seeds, words: timelines::WORDS },
     Target { name: "recipe", run: recipes::read, seeds: recipes::seeds, words: recipes::WORDS },
     Target { name: "set", run: recipes::read_flags, seeds: recipes::flags, words: recipes::WORDS },
@@ -54,6 +56,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "orders", run: network::read_order, seeds: network::orders, words: network::WORDS },
     Target { name: "expression", run: expressions::read, seeds: expressions::seeds, words: expressions::WORDS },
 ];
+
+pub use states::{field_by_field, loaded};
 
 /// The target of a name.
 pub fn target(name: &str) -> Option<&'static Target> {

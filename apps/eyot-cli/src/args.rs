@@ -102,6 +102,9 @@ pub(crate) struct Run {
     /// Start over where a stopped run lies in the folder
     #[arg(long)]
     pub(crate) restart: bool,
+    /// Overwrite files in the folder that are not of a former run
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Give the commands of an earlier run again at the same steps: its run.json
     #[arg(long, value_name = "FILE")]
     pub(crate) replay: Option<PathBuf>,
@@ -345,6 +348,9 @@ for the results, nor at --replay.")]
 pub(crate) struct Check {
     /// A recipe file, or the name of a built-in recipe
     pub(crate) recipe: String,
+    /// Print the recipe that is in force: every key with its value, defaults and --set among them
+    #[arg(long)]
+    pub(crate) effective: bool,
     #[command(flatten)]
     pub(crate) change: Change,
     #[command(flatten)]
@@ -376,7 +382,8 @@ pub(crate) enum CiteFormat {
 
 #[derive(Args)]
 pub(crate) struct Describe {
-    /// A generator, a process, or a table: recipe, grid, generate, simulate, export, view
+    /// A generator, a process, a table (recipe, grid, step, generate, simulate, schedule, layer, rule, export, view), expressions
+    /// or layers
     pub(crate) name: String,
     /// As JSON
     #[arg(long)]
@@ -481,9 +488,16 @@ impl Look {
 pub(crate) struct Stats {
     /// Folder of a run, or a height map
     pub(crate) from: PathBuf,
+    /// Area that must drain through a cell to make it a channel; without it 600 cells of a map of 512 x 512, on finer and coarser grids
+    /// the same share of the map. The drainage density follows it, so compare maps with one area
+    #[arg(long, value_name = "M2", value_parser = area)]
+    pub(crate) channel_area: Option<f64>,
     /// As JSON
     #[arg(long)]
     pub(crate) json: bool,
+    /// As a table of two columns, measure and value
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) csv: bool,
 }
 
 #[derive(Args)]
@@ -539,6 +553,9 @@ pub(crate) struct Convert {
     /// Which row of an output without header comes first: north or south [default: north; for unity south]
     #[arg(long, value_name = "ROW", value_parser = row_order)]
     pub(crate) rows: Option<RowOrder>,
+    /// Overwrite what is there already
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Memory that the conversion may use, such as 8G or 500M
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) max_memory: Option<u64>,
@@ -674,6 +691,13 @@ fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(s) if (0.0..=1e9).contains(&s) => Ok(s),
         _ => Err("write seconds from 0 to 1e9".to_owned()),
+    }
+}
+
+fn area(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(m2) if m2 > 0.0 && m2 <= 1e18 => Ok(m2),
+        _ => Err("write an area in m2, above 0: 1e6 is a square kilometre".to_owned()),
     }
 }
 

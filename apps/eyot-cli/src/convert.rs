@@ -26,6 +26,7 @@ pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {
         cell_m: args.cell,
         preset: args.preset,
         size: args.size,
+        force: args.force,
     };
     let done =
         run(&args.from, &args.to, &options, &recipe_cmd::limits(args.max_memory)).map_err(|e| report::run(&e))?;

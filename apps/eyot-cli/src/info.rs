@@ -13,7 +13,12 @@ pub(crate) fn list(args: &List) -> Result<(), Failure> {
     let recipes: Vec<(String, String)> = eyot::RECIPES.iter().map(|r| (r.name.to_owned(), r.about())).collect();
     let generators: Vec<(String, String)> = registry.generator_names().map(|n| (n.to_owned(), summary(n))).collect();
     let processes: Vec<(String, String)> = registry.process_names().map(|n| (n.to_owned(), summary(n))).collect();
-    let groups = [("recipes", recipes), ("generators", generators), ("processes", processes)];
+    let layers = eyot::describe("layers", &registry).map(|d| d.parameters).unwrap_or_default();
+    let layers: Vec<(String, String)> = layers
+        .into_iter()
+        .map(|l| (l.name, l.meaning.split_once('.').map_or(String::new(), |(what, _)| format!("{what} ({})", l.unit))))
+        .collect();
+    let groups = [("recipes", recipes), ("generators", generators), ("processes", processes), ("layers", layers)];
     if args.json {
         let object: serde_json::Map<String, serde_json::Value> = groups
             .iter()
@@ -27,7 +32,8 @@ pub(crate) fn list(args: &List) -> Result<(), Failure> {
         let heading = match group {
             "recipes" => "Recipes (eyot run NAME, eyot new MINE --from NAME)",
             "generators" => "Generators (generate = \"NAME\", eyot describe NAME)",
-            _ => "Processes (simulate = [\"NAME\"], eyot describe NAME)",
+            "processes" => "Processes (simulate = [\"NAME\"], eyot describe NAME)",
+            _ => "Layers (eyot describe layers)",
         };
         print::line(heading)?;
         for (name, about) in all {

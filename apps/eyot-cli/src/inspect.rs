@@ -3,9 +3,11 @@
 use crate::args::{Bench, Measured, Render, Stats};
 use crate::wording::CommandLine;
 use crate::{Failure, print, report};
+use eyot::analyse::TerrainOptions;
 use eyot::remedy::Worded;
 use eyot::store::Subject;
-use eyot::{EngineChoice, EngineOptions, Limits, View, ViewRequest, store};
+use eyot::view::ViewRequest;
+use eyot::{EngineChoice, EngineOptions, Limits, View, store};
 use eyot_bench::{cpu, gpu};
 use serde_json::Value;
 use std::path::Path;
@@ -50,7 +52,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     let limits = Limits::default();
     if subject == Subject::View {
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
-        let drawn = eyot::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
+        let drawn = eyot::view::draw_view(&opened.world, &request, &out, &limits).map_err(|e| report::run(&e))?;
         drawn.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
         if opened.world.components.contains(eyot::process::COLONIES) {
             print::note(
@@ -93,9 +95,13 @@ pub(crate) fn known(opened: &store::Opened, from: &Path, flag: &str, layer: &str
 /// Prints statistics of a run or a height map.
 pub(crate) fn stats(args: &Stats) -> Result<(), Failure> {
     let opened = open(&args.from)?;
-    let stats = store::stats(&opened, &Limits::default()).map_err(|e| report::run(&e))?;
+    let options = TerrainOptions { channel_area_m2: args.channel_area, ..TerrainOptions::default() };
+    let stats = store::stats(&opened, &options, &Limits::default()).map_err(|e| report::run(&e))?;
     if args.json {
         return print::line(&format!("{stats:#}"));
+    }
+    if args.csv {
+        return print::line(store::stats_csv(&stats).trim_end());
     }
     let g = &opened.world.grid;
     print::line(&format!(

@@ -60,6 +60,9 @@ impl Bars {
                 self.title = format!("{number}. {name}");
                 self.end_step();
             }
+            Event::Long { seconds, timed, at_least } => {
+                self.say(&format!("  {}", announcement(*seconds, *timed, *at_least)))
+            }
             Event::Progress(p) => {
                 let title = self.title.clone();
                 let speed = match (p.steps_per_s, p.eta_s) {
@@ -92,7 +95,7 @@ impl Bars {
                 let step = self.step.get_or_insert_with(|| {
                     self.all.insert(0, bar("{prefix:<20!} {bar:20.cyan/black} {pos}/{len} {msg}", p.total))
                 });
-                step.set_prefix(title);
+                step.set_prefix(print::clean(&title).into_owned());
                 step.set_length(p.total);
                 step.set_position(p.step);
                 step.set_message(speed);
@@ -156,6 +159,19 @@ impl Drop for Bars {
     }
 }
 
+/// How long a run will take.
+fn announcement(seconds: f64, timed: u64, at_least: bool) -> String {
+    let about = match seconds {
+        s if s < 90.0 * 60.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    };
+    let how = if at_least { "at least" } else { "about" };
+    let steps = if timed == 1 { "step" } else { "steps" };
+    format!(
+        "this will take {how} {about}, by the first {timed} {steps}; Ctrl-C keeps what is done, --size makes it smaller"
+    )
+}
+
 pub(crate) fn bar(template: &str, length: u64) -> ProgressBar {
     // A template that does not parse would be a slip in this file; the plain bar shows as much.
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
@@ -172,5 +188,16 @@ pub(crate) fn time(seconds: f64) -> String {
         s if s < 60.0 => format!("{s:.1} s"),
         s if s < 3600.0 => format!("{:.0} min {:02.0} s", (s / 60.0).floor(), s % 60.0),
         s => format!("{:.0} h {:02.0} min", (s / 3600.0).floor(), (s % 3600.0) / 60.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::announcement;
+
+    #[test]
+    fn long_runs_are_announced_in_minutes_or_hours() {
+        assert!(announcement(437.0, 3, false).starts_with("this will take about 7 min, by the first 3 steps"));
+        assert!(announcement(9000.0, 1, true).starts_with("this will take at least 2.5 h, by the first 1 step;"));
     }
 }

@@ -1,6 +1,7 @@
 //! `new`, `check` and `cite`: recipe files.
 
 use crate::args::{Change, Check, Cite, CiteFormat, New};
+use crate::wording::CommandLine;
 use crate::{Failure, print, report};
 use eyot::{Limits, Overrides, Preset, Recipe, RecipeSource, Registry, RunOptions, Work};
 use std::io::Write;
@@ -48,6 +49,9 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
     let options =
         RunOptions { limits: limits(args.change.max_memory), stream: args.shape.stream, ..RunOptions::default() };
     eyot::Run::check(&recipe, &options).map_err(|e| report::run(&e))?;
+    if args.effective {
+        return print::line(recipe.effective_toml().trim_end());
+    }
     let g = recipe.grid;
     let (w_m, h_m) = g.extent_m();
     let mut text = format!(
@@ -70,7 +74,12 @@ pub(crate) fn check(args: &Check) -> Result<(), Failure> {
         let off = if step.enabled { "" } else { " (switched off)" };
         text += &format!("  {}. {}: {what}{off}\n", step.number, step.name);
     }
-    print::line(&(text + "the recipe is sound"))
+    let doubts = recipe.doubts();
+    if doubts.is_empty() {
+        return print::line(&(text + "the recipe is sound"));
+    }
+    doubts.iter().for_each(|d| text += &format!("  doubt: {}\n", d.worded(&CommandLine)));
+    print::line(&(text + "the recipe can be run"))
 }
 
 /// Says what a recipe rests on.

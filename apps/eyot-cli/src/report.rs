@@ -2,6 +2,7 @@
 
 use crate::Failure;
 use crate::excerpt::{clipped, excerpt};
+use crate::print::clean;
 use crate::wording::CommandLine;
 use eyot::remedy::Worded;
 use eyot::{Problems, RunError, Source};
@@ -24,12 +25,12 @@ pub(crate) fn install() {
 
 /// Prints a report to the standard error.
 pub(crate) fn show(report: &Report) {
-    crate::print::note(format!("{report:?}").trim_end());
+    crate::print::drawn(format!("{report:?}").trim_end());
 }
 
 /// One sentence and a remedy, without a place.
 pub(crate) fn plain(message: &str, help: Option<String>) -> Report {
-    Report::new(One { message: message.to_owned(), help, label: None, source: None })
+    Report::new(One::new(message, help))
 }
 
 /// Wrong usage.
@@ -46,18 +47,18 @@ pub(crate) fn recipe(problems: &Problems) -> Failure {
             let place = d.span.as_ref().and_then(|s| Some((s, problems.source(s)?)));
             let (label, source) = place
                 .map(|(s, source)| {
-                    let (text, at, column) = excerpt(&source.text, s.start..s.end);
+                    let (text, at, column) = excerpt(&clean(&source.text), s.start..s.end);
                     let label = match column {
                         Some(c) => format!("{} (column {c} of a long line)", d.label),
                         None => d.label.clone(),
                     };
-                    let label = LabeledSpan::new(Some(label), at.start, at.len());
-                    (label, NamedSource::new(source_name(source), text).with_language("TOML"))
+                    let label = LabeledSpan::new(Some(clean(&label).into_owned()), at.start, at.len());
+                    (label, NamedSource::new(clean(source_name(source)), text).with_language("TOML"))
                 })
                 .unzip();
             let message = clipped(&d.message.worded(&CommandLine), LONGEST_MESSAGE).into_owned();
             let help = d.help.as_ref().map(|h| clipped(&h.worded(&CommandLine), LONGEST_MESSAGE).into_owned());
-            One { message, help, label, source }
+            One { label, source, ..One::new(&message, help) }
         })
         .collect();
     let name = problems.sources.first().map_or("the recipe", source_name);
@@ -66,8 +67,8 @@ pub(crate) fn recipe(problems: &Problems) -> Failure {
         n if problems.more == 0 => format!("{name} cannot be run: {n} problems"),
         n => format!("{name} cannot be run: {n} problems and more"),
     };
-    all.extend(problems.rest().map(|message| One { message, help: None, label: None, source: None }));
-    Failure::Usage(Report::new(Many { message, all }))
+    all.extend(problems.rest().map(|message| One::new(&message, None)));
+    Failure::Usage(Report::new(Many { message: clean(&message).into_owned(), all }))
 }
 
 /// The file, or the flag that a text was given with.
@@ -85,12 +86,20 @@ pub(crate) fn run(e: &RunError) -> Failure {
     }
 }
 
+/// What is shown of a mistake, [`clean`].
 #[derive(Debug)]
 struct One {
     message: String,
     help: Option<String>,
     label: Option<LabeledSpan>,
     source: Option<NamedSource<String>>,
+}
+
+impl One {
+    fn new(message: &str, help: Option<String>) -> Self {
+        let help = help.map(|h| clean(&h).into_owned());
+        Self { message: clean(message).into_owned(), help, label: None, source: None }
+    }
 }
 
 impl fmt::Display for One {

@@ -23,6 +23,7 @@ pub(crate) fn run(args: &Run) -> Result<(), Failure> {
         limits: recipe_cmd::limits(args.change.max_memory),
         stream: args.shape.stream,
         restart: args.restart,
+        force: args.force,
         replay,
         ..options(&args.work)?
     };

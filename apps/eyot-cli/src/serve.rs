@@ -45,6 +45,9 @@ pub(crate) struct Serve {
     /// Start over where a stopped run lies in the folder
     #[arg(long)]
     restart: bool,
+    /// Overwrite files in the folder that are not of a former run
+    #[arg(long, conflicts_with = "resume")]
+    force: bool,
     /// Continue the stopped run in the folder, as `eyot resume` does
     #[arg(long, conflicts_with_all = ["restart", "seed", "size", "set"])]
     resume: bool,
@@ -125,7 +128,7 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
         (Some(name), out) => {
             let recipe = recipe_cmd::read(name, &args.change, &[])?;
             let out = out.clone().unwrap_or_else(|| folder_name(name));
-            let run = RunOptions { out: Some(out.clone()), restart: args.restart, ..run };
+            let run = RunOptions { out: Some(out.clone()), restart: args.restart, force: args.force, ..run };
             (Serving::start(recipe, run, serve, &host).map_err(|e| report::run(&e))?, out)
         }
         // The command line asks for one of both.

@@ -28,6 +28,7 @@ use std::time::{Duration, Instant};
 /// What to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum BenchSubject {
     /// Hydraulic erosion: one step of all its rules.
     Hydraulic,

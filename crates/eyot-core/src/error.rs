@@ -1,5 +1,6 @@
 //! Errors of the core and of everything that builds on it.
 
+use crate::layer::known;
 use crate::remedy;
 use crate::remedy::{Remedy, Worded};
 use std::time::Duration;
@@ -85,6 +86,14 @@ pub enum Error {
         y: usize,
         /// The step or process after which it was found.
         after: String,
+    },
+    /// A step number or a level of the sea that no world can have.
+    #[error("after step {step} the sea would stand at {sea_level_m:.1} m; a world goes up to step {}, with its sea from {} to {} m", crate::world::MAX_STEP, known::HEIGHT.range.0, known::HEIGHT.range.1)]
+    Clock {
+        /// Steps done.
+        step: u64,
+        /// Level of the sea, m.
+        sea_level_m: f64,
     },
     /// Something cannot be done on a part of a grid.
     #[error("a window of the grid: {0}")]

@@ -126,6 +126,13 @@ pub mod known {
     /// Solid ground: bedrock, loose material and reef limestone together.
     pub const HEIGHT: LayerSpec =
         LayerSpec::new("height", "m", "Height of the solid ground, reef limestone included", (-12000.0, 12000.0));
+    /// Cells of which an imported height map knows nothing.
+    pub const MISSING: LayerSpec = LayerSpec::new(
+        "missing",
+        "1",
+        "1 where the imported height map has no value, and heights are only filled in from around",
+        (0.0, 1.0),
+    );
     /// Standing and flowing fresh water.
     pub const WATER: LayerSpec =
         LayerSpec::new("water", "m", "Depth of fresh water on the ground", (0.0, 12000.0)).empty_outside();

@@ -49,4 +49,4 @@ pub use limits::Limits;
 pub use names::intern;
 pub use remedy::Remedy;
 pub use stopwatch::Stopwatch;
-pub use world::{CoordinateSystem, Fingerprint, Georeference, World};
+pub use world::{CoordinateSystem, Fingerprint, Georeference, MAX_STEP, World, check_clock};

@@ -45,6 +45,8 @@ pub enum Setting {
     Drape,
     /// The engine that computes.
     Engine,
+    /// Whether files are overwritten that are not of a former run.
+    Force,
     /// Pictures a second.
     Fps,
     /// Pictures of a film.
@@ -106,6 +108,7 @@ impl Setting {
             Self::Cell => "cell",
             Self::Drape => "drape",
             Self::Engine => "engine",
+            Self::Force => "force",
             Self::Fps => "fps",
             Self::Frames => "frames",
             Self::InputRange => "input_range",

@@ -11,7 +11,7 @@ use crate::control::Control;
 use crate::engine::{Ahead, Borrowed, Engine, EngineError, Saved};
 use crate::error::{Error, Result};
 use crate::plan::Plan;
-use crate::process::{ActionInstance, Locality, Moment, Scheduled, Span, may_fail};
+use crate::process::{ActionInstance, Locality, Moment, Scheduled, Span, clock_after, may_fail};
 use crate::world::World;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -88,8 +88,8 @@ impl<P: AsRef<[Scheduled]>> Simulation<P> {
     /// to its end the world must be left alone; [`Engine::fall_back`] gives it up, with this simulation.
     ///
     /// # Errors
-    /// If a parameter does not fit the world, the steps look further than a window's halo ([`reach`]) or memory would exceed the limits
-    /// (before the first step), on a request to stop
+    /// If a parameter does not fit the world, the steps look further than a window's halo ([`reach`]), memory would exceed the limits
+    /// or the clock of the world its bounds (before the first step), on a request to stop
     /// (the world is then in the state after some whole step; `world.step` tells which), if a value that is not finite turns up,
     /// and if the engine's device fails: the world is then what it was when it was last downloaded.
     pub fn advance(
@@ -152,6 +152,7 @@ impl<P: AsRef<[Scheduled]>> Simulation<P> {
         }
         prepare(engine, world, processes)?;
         check_window(world, processes, span)?;
+        clock_after(processes, Moment::of(world), span)?;
         for (instance, s) in self.instances.iter_mut().zip(processes) {
             if let (None, Some(action)) = (&instance, s.process.action()) {
                 *instance = Some(action.instantiate(world)?);

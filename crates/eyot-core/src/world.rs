@@ -5,9 +5,23 @@ use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::field::Field;
 use crate::grid::{BoundaryCondition, Grid};
-use crate::layer::{Centering, Layer, LayerSpec};
+use crate::layer::{Centering, Layer, LayerSpec, known};
 use crate::ledger::Ledger;
 use serde::{Deserialize, Serialize};
+
+/// Steps that a world can have done: far more than any recipe can ask for, and few enough for exact arithmetic with them.
+pub const MAX_STEP: u64 = 1 << 48;
+
+/// Checks the clock of a world. What engines come to, what checkpoints are written with and what readers accept meets these bounds
+/// and no others, so that whatever is written can be read.
+///
+/// # Errors
+/// [`Error::Clock`] beyond [`MAX_STEP`], or if the sea is not within the range of heights.
+pub fn check_clock(step: u64, sea_level_m: f64) -> Result<()> {
+    let (low, high) = known::HEIGHT.range;
+    let sound = step <= MAX_STEP && (f64::from(low)..=f64::from(high)).contains(&sea_level_m);
+    if sound { Ok(()) } else { Err(Error::Clock { step, sea_level_m }) }
+}
 
 /// Where on Earth (or elsewhere) a grid lies; kept from an imported file to the exported one.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -39,6 +53,7 @@ impl Georeference {
 /// A coordinate system that no EPSG code says, or not all of it, as a file had it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum CoordinateSystem {
     /// The keys of a GeoTIFF (OGC 19-008r4).
     GeoKeys {

@@ -1,6 +1,7 @@
 //! From one file format to another, and to the files of a preset.
 
 use crate::error::ExportError;
+use crate::estimate;
 use crate::files::{self, Job, Layer};
 use crate::import::read_raster;
 use crate::open;
@@ -9,6 +10,7 @@ use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
 use eyot_io::Source;
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
+use eyot_recipe::memory::check_bytes;
 use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, What};
 use serde_json::{Map, Value};
 use std::cell::RefCell;
@@ -37,6 +39,8 @@ pub struct ConvertOptions {
     pub preset: Option<Preset>,
     /// Vertices along each side for presets that resample.
     pub size: Option<u32>,
+    /// Overwrite what is there already. Nothing tells the output of a former conversion from other files.
+    pub force: bool,
 }
 
 impl ConvertOptions {
@@ -68,7 +72,8 @@ pub struct Converted {
 /// these `kinds`.
 ///
 /// # Errors
-/// If the input cannot be read, the output's format is not known, an option cannot apply, or the output cannot be written.
+/// If the input cannot be read, the output's format is not known, an option cannot apply, or the output cannot be written, or is
+/// there already and may not be overwritten.
 pub fn convert(
     input: &Path,
     output: &Path,
@@ -87,6 +92,9 @@ pub fn convert(
         Conversion { input, output, from: Input::of(input)?, to: Output::of(output, options)?, options, limits, kinds };
     if let Some(message) = job.misplaced() {
         return Err(ExportError::input(message));
+    }
+    if options.preset.is_none() {
+        job.check_free([output.to_owned(), beside(output)])?;
     }
     if job.from == Input::Run { job.run() } else { job.file() }
 }
@@ -174,11 +182,40 @@ struct Conversion<'a> {
     kinds: &'a ComponentKinds,
 }
 
+/// The description beside a file without a header.
+fn beside(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".json");
+    name.into()
+}
+
 impl Conversion<'_> {
+    /// Fails if one of these files is there already, unless it may be overwritten.
+    fn check_free(&self, files: impl IntoIterator<Item = PathBuf>) -> Result<(), ExportError> {
+        match files.into_iter().find(|f| !self.options.force && f.symlink_metadata().is_ok()) {
+            Some(there) => Err(ExportError::refused(
+                format!("`{}` is there already; nothing was written", there.display()),
+                remedy!["choose another name, or overwrite it with ", Setting::Force],
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Fails if a raster of this size cannot be written within the limit beside so many bytes that are held.
+    fn check_rows(&self, held: u128, width: usize, height: usize) -> Result<(), ExportError> {
+        let bytes = held + estimate::rows(width, height);
+        let help = remedy!["convert fewer cells, or raise the limit with ", Setting::MaxMemory];
+        check_bytes(&format!("`{}`", self.output.display()), bytes, self.limits, help).map_err(ExportError::file)
+    }
+
     /// From a file: where the output is a raster, no step in between could change anything.
     fn file(&self) -> Result<Converted, ExportError> {
         let (rasters, mut notes) = self.read()?;
         let first = &rasters.0[0];
+        if matches!(self.to, Output::Raster(_) | Output::Preset(Preset::Gis)) {
+            let held = |r: &Raster| (r.field.bytes() + r.missing.as_ref().map_or(0, Vec::len)) as u128;
+            self.check_rows(rasters.0.iter().map(held).sum(), first.field.width(), first.field.height())?;
+        }
         match (self.to, self.to.together()) {
             (Output::Raster(_), Some(format)) => {
                 let attributes = io::store_attributes(self.input).map_err(ExportError::input)?;
@@ -270,6 +307,8 @@ impl Conversion<'_> {
         for name in &names {
             world.layer(name).map_err(ExportError::input)?;
         }
+        let held: usize = world.layers().iter().map(|l| l.field.bytes()).sum();
+        self.check_rows((held + world.components.bytes()) as u128, world.grid.width, world.grid.height)?;
         let layers = names.iter().filter_map(|name| Source::layer(&world, name));
         match (self.to, self.to.together()) {
             (Output::Raster(_), Some(format)) => {
@@ -315,6 +354,14 @@ impl Conversion<'_> {
             let message = "less than 2 x 2 cells, which make no triangle; convert it to a raster such as .tif";
             return Err(ExportError::input(format!("`{}` has {message}", self.input.display())));
         }
+        if preset.is_some() {
+            let files = export.files().into_iter().map(|f| self.output.join(f));
+            self.check_free(files.flat_map(|f| [beside(&f), f]))?;
+        }
+        let what = format!("`{}`", self.output.display());
+        let bytes = estimate::export(&world.grid, &export, self.limits);
+        let help = remedy!["convert fewer cells, or raise the limit with ", Setting::MaxMemory];
+        estimate::check(&what, world, bytes, self.limits, help).map_err(ExportError::file)?;
         let made = preset.is_some() && !self.output.exists();
         if preset.is_some() {
             std::fs::create_dir_all(self.output)

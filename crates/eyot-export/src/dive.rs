@@ -22,8 +22,9 @@ const SAND: [f32; 3] = [118.0, 104.0, 78.0];
 const ROCK: [f32; 3] = [66.0, 54.0, 42.0];
 const TURF: [f32; 3] = [46.0, 50.0, 22.0];
 const CUT: [f32; 3] = [52.0, 46.0, 37.0];
-/// Depth of a band on the sides of a block, m.
+/// Depth of a band on the sides of a block, m; more where there would be more than [`MOST_BANDS`].
 const BAND_M: f32 = 5.0;
+const MOST_BANDS: f32 = 200.0;
 /// Plots up to this side are overlooked from one place, m.
 const OVERLOOKED_M: f32 = 25.0;
 /// What a diver on a larger one sees, m: further out there is only water.
@@ -38,6 +39,12 @@ const DETAILS: [(f32, Detail); 3] = [
     (18.0, Detail { solid_m: 0.25, open_m: 0.06, per_radius: 5.0, rounds: 1 }),
     (f32::INFINITY, Detail { solid_m: 0.1, open_m: 0.03, per_radius: 8.0, rounds: 1 }),
 ];
+
+/// Bytes that the diver's picture takes of a sea floor without corals, which every reef is asked for.
+pub(crate) fn least_bytes() -> u128 {
+    let camera = Camera::looking([0.0, -1.0, 1.0], [0.0; 3], 48.0);
+    mesh_view_bytes(0, 0, &MeshViewOptions::new(camera, DIVE, Some(WATER)))
+}
 
 /// A picture to be made.
 struct Shot {
@@ -372,10 +379,11 @@ impl Floor {
     /// maps.
     fn wall(&mut self, edge: &[usize], sea_level: f32, foot: f32, out: [f32; 3]) {
         let top = edge.iter().map(|&n| self.positions[n][1]).fold(foot, f32::max);
-        let band = |z: f32| ((sea_level - z) / BAND_M).floor() as i32;
+        let each = BAND_M.max((top - foot) / MOST_BANDS);
+        let band = |z: f32| ((sea_level - z) / each).floor() as i32;
         for band in band(top)..=band(foot) {
             let first = self.positions.len() as u32;
-            let [upper, lower] = [band, band + 1].map(|n| sea_level - n as f32 * BAND_M);
+            let [upper, lower] = [band, band + 1].map(|n| sea_level - n as f32 * each);
             let shade = if band % 2 == 0 { 1.0 } else { 0.82 };
             let light = daylight(SHOWN_DEPTH * (sea_level - upper));
             let colour = bytes(std::array::from_fn(|i| shade * light[i] * CUT[i]));

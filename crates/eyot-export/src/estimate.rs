@@ -1,5 +1,6 @@
 //! How much memory the files of a run need, so that it is refused before the work and not in it.
 
+use crate::dive;
 use crate::pictures::{self, Subject};
 use eyot_core::remedy::Remedy;
 use eyot_core::{Grid, Limits, Result, World};
@@ -58,8 +59,16 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
         (Some(_), _) => 16 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
         (None, What::Terrain) => mesh(),
         (None, What::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
+        // The pixels; how many colonies there will be, nobody knows yet.
+        (None, What::Dive) => dive::least_bytes(),
         _ => 0,
     }
+}
+
+/// Bytes that writers of rasters hold: the rows of a band with their compressed form. The shards of a Zarr store are the tallest.
+pub fn rows(width: usize, height: usize) -> u128 {
+    const ROWS: usize = 3 * 512;
+    4 * width as u128 * ROWS.min(3 * height) as u128
 }
 
 /// Checks that `bytes` fit beside a world that is there.

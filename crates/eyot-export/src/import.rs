@@ -10,7 +10,8 @@
 //! Linear interpolation.
 //!
 //! # Layers
-//! Cells without a value are filled from their neighbours. A grid that is taken `from` a file keeps its place on Earth.
+//! Cells without a value (the number that marks them, or the mask inside a GeoTIFF) are filled from their neighbours. Where a height
+//! map is imported, the layer `missing` keeps them, and exports leave them empty. A grid that is taken `from` a file keeps its place on Earth.
 //! Heights that the file says are feet become metres; other units stay as they are.
 
 use eyot_core::process::{Entry, Generator, Site};
@@ -42,9 +43,13 @@ pub struct Import {
     /// and height. Default: all of it.
     #[schemars(inner(range(min = 0.0, max = 1e8)), extend("unit" = "m"))]
     pub window: Option<[f64; 4]>,
-    /// Number in the file that marks missing cells, which are filled from their neighbours. Default: what the file says.
+    /// Number in the file that marks missing cells. Default: what the file says. Missing cells are filled from their neighbours, and
+    /// stay marked: the layer `missing` is 1 there, and exports of layers as GeoTIFF and Zarr leave them empty.
     #[schemars(extend("unit" = "1"))]
     pub nodata: Option<f64>,
+    /// Band of a TIFF that has several, from 1. Default: the only one.
+    #[schemars(range(min = 1, max = 65535), extend("unit" = "1"))]
+    pub band: Option<u32>,
     /// Array of a Zarr store or channel of an EXR. Default: the height, or the only one.
     pub channel: Option<String>,
     /// Columns and rows of a file without header. Default: what the JSON file beside it says, or a square.
@@ -78,7 +83,54 @@ impl Generator for Import {
     /// Reads the file: nothing less tells whether a run could, and a run may come to it after hours.
     fn check(&self, grid: &Grid) -> Result<()> {
         let raster = self.read(grid)?;
+        if let Some((mark, cells)) = raster.suspect().filter(|(mark, _)| mark.abs() >= io::BEYOND_ALL) {
+            let reason = format!(
+                "{cells} cells hold {mark:e}, which is no height; if it marks missing cells, add nodata = {mark:e}"
+            );
+            return Err(Error::BadParameter { owner: "import".into(), field: "nodata".into(), reason });
+        }
         self.cells(&raster).map(drop)
+    }
+
+    fn missing(&self, grid: &Grid) -> Result<Option<Field>> {
+        let raster = self.read(grid)?;
+        let Some(missing) = &raster.missing else { return Ok(None) };
+        let (width, height) = (raster.field.width(), raster.field.height());
+        let marks = Field::from_fn(width, height, |x, y| f32::from(u8::from(missing[y * width + x])));
+        let mut marks = match self.window {
+            Some(_) => resample_window(&marks, self.cells(&raster)?, grid),
+            None => resample(&marks, grid),
+        };
+        // A cell that is mostly made up is missing.
+        marks.map_in_place(|share| if share >= 0.5 { 1.0 } else { 0.0 });
+        let any = marks.iter().any(|m| m > 0.0);
+        Ok(any.then_some(marks))
+    }
+
+    fn doubts(&self, grid: &Grid) -> Vec<Remedy> {
+        let Ok(raster) = self.read(grid) else { return Vec::new() };
+        let mut all = Vec::new();
+        if raster.missing.is_some() {
+            let cells = raster.filled();
+            all.push(
+                format!(
+                    "{cells} cells of `{}` have no value: they are filled in, and exports leave them empty",
+                    self.file
+                )
+                .into(),
+            );
+        }
+        if let Some((mark, cells)) = raster.suspect() {
+            all.push(
+                format!(
+                    "{cells} cells of `{}` hold {mark}, which usually marks missing cells and is taken for a height here; if it does, \
+                     add nodata = {mark}",
+                    self.file
+                )
+                .into(),
+            );
+        }
+        all
     }
 
     fn bytes_per_cell(&self, _grid: &Grid) -> usize {
@@ -128,6 +180,7 @@ impl Import {
             low_m: self.low_m,
             high_m: self.high_m,
             nodata: self.nodata,
+            band: self.band.map(|b| b as usize),
             layer: self.channel.clone(),
             size: self.columns_rows.map(|[w, h]| (w as usize, h as usize)),
             sample: numbers.map(|n| n.0),
@@ -203,17 +256,15 @@ impl Resolver for Files {
                 } else {
                     e.to_string()
                 };
-                Err(Refusal::new(
-                    format!("cannot read `{}`: {reason}", path.display()),
-                    "file names are relative to the recipe's folder",
-                ))
+                let help = eyot_recipe::fs::name_help(file);
+                Err(Refusal::new(format!("cannot read `{}`: {reason}", path.display()), help))
             }
         }
     }
 
     fn raster(&self, located: &str, limits: &Limits) -> std::result::Result<RasterInfo, Refusal> {
-        // Only size and place count here, so a picture need not say which heights its greys are.
-        let any_heights = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), ..ReadOptions::default() };
+        // Only size and place count here, so a picture need not say which heights its greys are, nor a file which band.
+        let any_heights = ReadOptions { low_m: Some(0.0), high_m: Some(1.0), band: Some(1), ..ReadOptions::default() };
         let raster = read_raster(located, &any_heights, limits).map_err(|reason| {
             Refusal::new(reason, "it must be a height map: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, R16 or R32")
         })?;

@@ -8,6 +8,7 @@ use eyot_core::remedy::{Action, Remedy, Setting};
 use eyot_core::{Boundary, ComponentKinds, Grid, Limits, World};
 use eyot_io::run_folder::{CHECKPOINT_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_io::{self as io, ReadOptions, checkpoint};
+use eyot_recipe::keys::NO_SEA_M;
 use eyot_recipe::seen_from_above;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -85,7 +86,7 @@ pub fn of_raster(mut raster: io::Raster, path: &Path, limits: &Limits) -> Result
     world.georeference = raster.georeference;
     world.put(&known::HEIGHT, raster.field).map_err(ExportError::input)?;
     // A bare height map has no sea: far below everything.
-    world.sea_level_m = f64::from(known::HEIGHT.range.0);
+    world.sea_level_m = NO_SEA_M;
     Ok(Opened { world, file: path.to_owned(), has_sea: false, from_above: false, engines: Vec::new(), notes })
 }
 
@@ -113,6 +114,15 @@ pub fn notes(raster: &io::Raster, holes_stay: bool) -> Vec<Remedy> {
     if raster.missing.is_some() {
         let fate = if holes_stay { "stay without one" } else { "were filled from their neighbours" };
         notes.push(format!("{} cells without a value {fate}", raster.filled()).into());
+    }
+    if let Some((mark, cells)) = raster.suspect() {
+        notes.push(remedy![
+            format!("{cells} cells hold {mark}, which usually marks missing cells; if it does here, say so with "),
+            Setting::Nodata,
+            " (",
+            Action::Converter,
+            ")",
+        ]);
     }
     if raster.rounded_by > 0.0 {
         let by = raster.rounded_by;
@@ -145,7 +155,7 @@ fn streamed(folder: &Path, limits: &Limits, kinds: &ComponentKinds) -> Option<Re
     };
     let opened = open(&folder.join(name), limits, kinds).map(|mut opened| {
         opened.world.sea_level_m = report["sea_level_m"].as_f64().unwrap_or_default();
-        opened.has_sea = true;
+        opened.has_sea = opened.world.sea_level_m > NO_SEA_M;
         opened.from_above = seen_from_above(&report["recipe"], &report["set"]);
         opened.engines = engines(&report["engines"]);
         opened.notes.push(format!("the run was streamed; this is its export `{name}`").into());
@@ -162,7 +172,8 @@ fn saved(file: &Path, limits: &Limits, kinds: &ComponentKinds) -> Result<Opened,
     }
     let engines = engines(&saved.state["engines"]);
     let from_above = seen_from_above(&json!(saved.recipe_toml), &saved.state["overrides"]["set"]);
-    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea: true, from_above, engines, notes })
+    let has_sea = saved.world.sea_level_m > NO_SEA_M;
+    Ok(Opened { world: saved.world, file: file.to_owned(), has_sea, from_above, engines, notes })
 }
 
 fn engines(list: &Value) -> Vec<String> {

@@ -7,6 +7,7 @@ use crate::{corals, estimate};
 use eyot_core::Error;
 use eyot_core::remedy::Remedy;
 use eyot_io::run_folder::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, WORLD_FILE};
+use eyot_io::storage::Folder;
 use eyot_io::{self as io, Origin, checkpoint};
 use eyot_recipe::Export;
 use eyot_session::{Event, Results, RunError};
@@ -41,7 +42,7 @@ impl Outputs<'_> {
         let Results { recipe, state, world, limits, control, .. } = *self.results;
         let mut written = Vec::new();
         let mut unmade: Vec<Remedy> = Vec::new();
-        let former = former_outputs(self.out);
+        let former = eyot_session::former_outputs(&Folder::new(self.out));
         self.replace_world(&mut written)?;
         for (i, export) in recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
             let files: Vec<PathBuf> = export.files().iter().map(|f| self.out.join(f)).collect();
@@ -71,14 +72,16 @@ impl Outputs<'_> {
             }
         }
         let path = self.begin(self.out.join(REPORT_FILE), &mut written).map_err(RunError::from)?;
-        let report = self.report(&written);
+        let stale = self.stale(former, &written);
+        let report = self.report(&written, &stale);
         let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
         text.push('\n');
         write_text(&path, &text).map_err(RunError::file)?;
+        self.check_there(&written)?;
         if state.streamed {
             self.remove(CHECKPOINT_FILE)?;
         }
-        self.warn_of(former, &written);
+        self.warn_of(&stale);
         if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(Remedy::joined(unmade, "; "))) }
     }
 
@@ -99,14 +102,15 @@ impl Outputs<'_> {
         std::fs::rename(&checkpoint, &path).map_err(|source| RunError::Folder { path: self.out.to_owned(), source })
     }
 
-    /// Files of an earlier run that this one did not write are still there: they belong to the user, but no longer to the
-    /// land in this folder.
-    fn warn_of(&self, former: Vec<String>, written: &[PathBuf]) {
-        let stale: Vec<String> = former
-            .into_iter()
-            .filter(|name| !written.iter().any(|p| p.ends_with(name)) && self.out.join(name).exists())
-            .map(|name| format!("`{name}`"))
-            .collect();
+    /// Files of earlier runs that this one did not write and that are still there.
+    fn stale(&self, former: Vec<String>, written: &[PathBuf]) -> Vec<String> {
+        let is_stale = |name: &String| !written.iter().any(|p| p.ends_with(name)) && self.out.join(name).exists();
+        former.into_iter().filter(is_stale).collect()
+    }
+
+    /// Such files belong to the user, but no longer to the land in this folder.
+    fn warn_of(&self, stale: &[String]) {
+        let stale: Vec<String> = stale.iter().map(|name| format!("`{name}`")).collect();
         if !stale.is_empty() {
             let (files, they) = if stale.len() == 1 { ("file", "it shows") } else { ("files", "they show") };
             let message = format!(
@@ -126,8 +130,20 @@ impl Outputs<'_> {
         }
     }
 
+    /// Whoever reads the report must find what it lists.
+    fn check_there(&self, written: &[PathBuf]) -> Result<(), RunError> {
+        (self.results.in_place)()?;
+        match written.iter().find(|path| !path.exists()) {
+            Some(path) => {
+                Err(RunError::File(format!("`{}` was removed while the run wrote others", path.display()).into()))
+            }
+            None => Ok(()),
+        }
+    }
+
     fn begin(&self, path: PathBuf, written: &mut Vec<PathBuf>) -> Result<PathBuf, ExportError> {
         self.results.control.check().map_err(ExportError::stopped)?;
+        (self.results.in_place)().map_err(ExportError::file)?;
         (self.results.tell)(Event::Writing { path: path.clone() });
         written.push(path.clone());
         Ok(path)
@@ -164,7 +180,7 @@ impl Outputs<'_> {
         write(&mut job, export).map_err(RunError::from)
     }
 
-    fn report(&self, written: &[PathBuf]) -> Value {
+    fn report(&self, written: &[PathBuf], stale: &[String]) -> Value {
         let Results { recipe, state, world, .. } = *self.results;
         let names: Vec<String> =
             written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
@@ -184,11 +200,14 @@ impl Outputs<'_> {
             "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
             "ledger": world.ledger,
             "outputs": names,
+            // So that a later run knows them from files of others.
+            "earlier_outputs": stale,
             "set": recipe.overrides.set,
             "size_flag": recipe.overrides.size,
             "journal": state.journal,
             "recipe_file": recipe.source.name,
             "recipe": recipe.source.text,
+            "effective": recipe.effective(),
             // The only place of all results that differs between two runs.
             "timing": {
                 "seconds": state.seconds,
@@ -198,14 +217,6 @@ impl Outputs<'_> {
             },
         })
     }
-}
-
-/// The files that the report of an earlier run in this folder lists.
-fn former_outputs(out: &Path) -> Vec<String> {
-    let report = std::fs::read(out.join(REPORT_FILE)).ok().and_then(|t| serde_json::from_slice::<Value>(&t).ok());
-    let names = report.as_ref().and_then(|r| r["outputs"].as_array());
-    let plain = |name: &&str| Path::new(name).file_name().is_some_and(|n| n == *name);
-    names.into_iter().flatten().filter_map(Value::as_str).filter(plain).map(str::to_owned).collect()
 }
 
 fn stopped(e: Error) -> RunError {

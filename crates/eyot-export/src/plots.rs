@@ -132,8 +132,10 @@ fn scale_length(side: f32) -> f32 {
 pub(crate) fn cover(story: &Story<'_>) -> Drawing {
     let curves = &story.curves;
     let months = curves.iter().map(|c| c.cover.len()).max().unwrap_or(0).max(2);
-    let most = curves.iter().flat_map(|c| c.cover.iter().copied()).fold(0.01, f64::max);
-    let step = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5].into_iter().find(|s| most / s <= 6.0).unwrap_or(1.0);
+    // A census comes from a file: whatever it claims to cover, the scale has seven lines at most.
+    let most = curves.iter().flat_map(|c| c.cover.iter().copied()).filter(|c| c.is_finite()).fold(0.01, f64::max);
+    let step = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5].into_iter().find(|s| most / s <= 6.0);
+    let step = step.unwrap_or_else(|| (most / 6.0).ceil());
     let top = (most / step).ceil() * step;
     let width = WIDTH - LEFT - RIGHT;
     let (bottom, low) = (TOP + COVER, TOP + COVER + GAP + BLEACHED);
@@ -227,6 +229,11 @@ mod tests {
         assert!(chart.contains(">40 %<") && !chart.contains(">50 %<"));
         // Hot months in both parts, grids, curves with their legend, the bleached.
         assert_eq!(chart.matches("<polyline").count(), 2 + 5 + 3 + 2 * 2 + 1);
+        let wild = |cover| Story { title: "", curves: vec![curve("x", cover)], bleached: vec![], hot: vec![] };
+        for cover_of in [1.0, 3.0, 1e9, 1e300, f64::INFINITY, f64::NAN, -1e9] {
+            let drawing = cover(&wild(vec![cover_of, 0.5]));
+            assert!(drawing.shapes.len() < 40, "{} shapes for {cover_of}", drawing.shapes.len());
+        }
         let picture = cover(&story).picture();
         assert_eq!((picture.width, picture.height), (2000, 2 * (TOP + COVER + GAP + BLEACHED + 66.0) as usize));
         assert!(picture.pixels.contains(&[1, 2, 3]) && picture.pixels.contains(&PALE));

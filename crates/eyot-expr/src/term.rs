@@ -160,6 +160,7 @@ impl<R: Real, C: Cell<R>> Cell<R> for Moved<'_, C> {
 
 /// Why a parameter cannot differ from cell to cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Obstacle {
     /// It acts on matter between two cells, which would see different values of it.
     Between,

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// The way of the camera.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FilmPath {
     /// Once around the land.
     Orbit,

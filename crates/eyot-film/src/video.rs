@@ -13,6 +13,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(30);
 
 /// Which video is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Video {
     /// None.
     None,

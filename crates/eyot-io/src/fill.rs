@@ -47,9 +47,14 @@ impl Missing {
             // Values of `f32` files are often given with digits that name another `f64`.
             && (number == nodata || (number.is_nan() && nodata.is_nan()) || number as f32 == nodata as f32)
         {
-            let (width, height) = self.size;
-            self.marks.get_or_insert_with(|| vec![false; width * height])[y * width + x] = true;
+            self.mark(x, y);
         }
+    }
+
+    /// Marks the cell.
+    pub(crate) fn mark(&mut self, x: usize, y: usize) {
+        let (width, height) = self.size;
+        self.marks.get_or_insert_with(|| vec![false; width * height])[y * width + x] = true;
     }
 
     /// Fills what was marked and returns the marks.

@@ -11,6 +11,7 @@ use std::path::Path;
 
 /// Formats that a layer can be written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum RasterFormat {
     /// 16-bit grey PNG; the scale is kept in text chunks.
     Png16,

@@ -1,4 +1,4 @@
-//! TIFF and GeoTIFF, in: one band of any number type.
+//! TIFF and GeoTIFF, in: one band of any number type, and the mask beside it.
 
 use crate::error::{Error, Result};
 use crate::fill::fill;
@@ -14,6 +14,11 @@ use std::path::Path;
 use tiff_reader::{Ifd, OpenOptions, ParseBudgets, RasterLayout, TagValue, TiffFile};
 
 const GDAL_NODATA: u16 = 42113;
+/// What a directory holds, in bits; this one is a mask.
+const NEW_SUBFILE_TYPE: u16 = 254;
+const OF_TRANSPARENCY: u32 = 4;
+/// Rows of a mask that are decoded at a time.
+const MASK_ROWS: usize = 512;
 /// Length units of projected coordinates, GeoKey 3076; metres if absent.
 const PROJECTED_LINEAR_UNITS: u16 = 3076;
 /// The same of heights.
@@ -39,11 +44,12 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     };
     let ifd = ifd.map_err(|e| broken(path, e))?;
     let layout = ifd.raster_layout().map_err(|e| broken(path, e))?;
-    check(path, ifd, &layout, file_bytes, limits)?;
+    check(path, ifd, &layout, file_bytes, options.band, limits)?;
 
     let nodata = options.nodata.or_else(|| nodata_of(ifd));
     let Metadata { name, mut unit, meaning, tags, scale, offset } = metadata(ifd);
-    let (mut field, mut missing, rounded_by) = decode(path, tiff, ifd, &layout, nodata)?;
+    let (mut field, mut missing, rounded_by) = decode(path, tiff, ifd, &layout, nodata, options.band.unwrap_or(1) - 1)?;
+    mark_masked(path, tiff, &layout, &mut missing)?;
     let (factor, offset) = (scale.unwrap_or(1.0), offset.unwrap_or(0.0));
     if (factor, offset) != (1.0, 0.0) {
         // Missing cells, too: they are filled from the others.
@@ -97,8 +103,7 @@ fn metadata(ifd: &Ifd) -> Metadata {
 
 fn open_options(limits: &Limits) -> OpenOptions {
     OpenOptions {
-        // A few rows of tiles; each is needed for one window only.
-        block_cache_bytes: 64 << 20,
+        block_cache_bytes: cache_bytes(limits) as usize,
         parse_budgets: ParseBudgets {
             // A DEM has one image, its overviews and perhaps masks.
             max_ifds: 64,
@@ -114,7 +119,14 @@ fn open_options(limits: &Limits) -> OpenOptions {
 }
 
 /// Refuses images that are too large, have no data for their size, or more than one band.
-fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits: &Limits) -> Result<()> {
+fn check(
+    path: &Path,
+    ifd: &Ifd,
+    layout: &RasterLayout,
+    file_bytes: u64,
+    band: Option<usize>,
+    limits: &Limits,
+) -> Result<()> {
     let (width, height) = (layout.width, layout.height);
     let field = check_size(path, width, height, limits)?;
     let cells = width as u128 * height as u128;
@@ -122,21 +134,53 @@ fn check(path: &Path, ifd: &Ifd, layout: &RasterLayout, file_bytes: u64, limits:
     let fill = 7 * cells;
     let image = cells * layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
     limits.check_bytes("the decoded image", image + fill + field).map_err(Error::beyond(path))?;
-    if layout.samples_per_pixel != 1 {
-        let problem = format!("the file has {} bands or colours, heights need one", layout.samples_per_pixel);
-        return Err(Error::format(path, problem, "extract one, for example with gdal_translate -b 1"));
+    let pixel = layout.bytes_per_sample as u128 * layout.samples_per_pixel as u128;
+    let bands = layout.samples_per_pixel;
+    match band {
+        Some(band) if !(1..=bands).contains(&band) => {
+            let problem = format!("the file has no band {band}");
+            return Err(Error::format(path, problem, format!("choose one from 1 to {bands}")));
+        }
+        None if bands != 1 => {
+            let problem = format!("the file has {bands} bands or colours, heights need one");
+            let remedy = "say which with `band` in the step that imports it, or extract one, for example with gdal_translate -b 1";
+            return Err(Error::format(path, problem, remedy));
+        }
+        _ => {}
     }
     // One block is decoded at a time; a hostile header can ask for a huge one in a tiny image.
     let block = match (ifd.tile_width(), ifd.tile_height()) {
         (Some(w), Some(h)) if ifd.is_tiled() => u128::from(w) * u128::from(h),
         _ => width as u128 * (u128::from(ifd.rows_per_strip()).min(height as u128)),
-    } * layout.bytes_per_sample as u128;
+    } * pixel;
     let most = image.max(64 << 20);
     if block > most {
         let problem = format!("blocks of {block} bytes for an image of {image}");
         return Err(Error::format(path, problem, "it is damaged: copy or download it again"));
     }
+    // What lies beside the values while they are read: a block as it is stored and unpacked, those that are kept, and the rows that are
+    // handed over at a time.
+    let kept = u128::from(cache_bytes(limits)).min(image);
+    let rows = rows_at_once(ifd, height) as u128 * width as u128 * pixel;
+    let held = field + fill + 2 * block + kept + rows;
+    limits.check_bytes("the image with what it takes to read it", held).map_err(Error::beyond(path))?;
     check_compression(path, width, height, image, file_bytes)
+}
+
+/// Bytes of unpacked blocks that are kept for the next rows.
+fn cache_bytes(limits: &Limits) -> u64 {
+    // A few rows of tiles; each is needed for one window only.
+    (64 << 20).min(limits.max_bytes / 16)
+}
+
+/// Rows that are handed over at a time: whole blocks, so that the second copy of the values stays small.
+fn rows_at_once(ifd: &Ifd, height: usize) -> usize {
+    let block = match ifd.tile_height() {
+        Some(h) if ifd.is_tiled() => h as usize,
+        _ => ifd.rows_per_strip() as usize,
+    };
+    let block = block.clamp(1, height.max(1));
+    (block * 128usize.div_ceil(block)).min(height.max(1))
 }
 
 /// The values, which cells are missing (`None` if none is), and how far the values were rounded.
@@ -146,18 +190,13 @@ fn decode(
     ifd: &Ifd,
     layout: &RasterLayout,
     nodata: Option<f64>,
+    band: usize,
 ) -> Result<(Field, Option<Vec<bool>>, f64)> {
     let (width, height) = (layout.width, layout.height);
     let mut field = Field::new(width, height, 0.0);
     let mut missing: Option<Vec<bool>> = None;
     let mut narrowed = Narrowed::default();
-    // Windows of whole blocks keep the second copy of the data small.
-    let rows_at_once = match ifd.tile_height() {
-        Some(h) if ifd.is_tiled() => h as usize,
-        _ => ifd.rows_per_strip() as usize,
-    }
-    .clamp(1, height);
-    let rows_at_once = rows_at_once * 128usize.div_ceil(rows_at_once);
+    let rows_at_once = rows_at_once(ifd, height);
     let f32_samples = (layout.sample_format, layout.bits_per_sample) == (3, 32);
     let mut top = 0;
     while top < height {
@@ -165,7 +204,8 @@ fn decode(
         // One arm a number type: the value as f32, and whether it is the nodata value in the file's own type.
         macro_rules! window {
             ($t:ty) => {{
-                let window = tiff.read_window_from_ifd::<$t>(ifd, top, 0, rows, width).map_err(|e| broken(path, e))?;
+                let window = tiff.read_band_window_from_ifd::<$t>(ifd, band, top, 0, rows, width);
+                let window = window.map_err(|e| broken(path, e))?;
                 for (i, &v) in window.iter().enumerate() {
                     let (x, y) = (i % width, top + i / width);
                     if nodata.is_some_and(|n| is_missing(v as f64, n, f32_samples)) {
@@ -202,6 +242,44 @@ fn decode(
         mark_unwritten(ifd, width, height, &mut missing);
     }
     Ok((field, missing, narrowed.by()))
+}
+
+/// Marks the cells that the mask inside the file leaves out: a directory of its own, of the image's size, where 0 is outside.
+fn mark_masked(path: &Path, tiff: &TiffFile, layout: &RasterLayout, missing: &mut Option<Vec<bool>>) -> Result<()> {
+    let (width, height) = (layout.width, layout.height);
+    let is_mask = |ifd: &&Ifd| {
+        let kind = match ifd.tag(NEW_SUBFILE_TYPE).map(|t| &t.value) {
+            Some(TagValue::Long(v)) => v.first().copied().unwrap_or(0),
+            Some(TagValue::Short(v)) => u32::from(v.first().copied().unwrap_or(0)),
+            _ => 0,
+        };
+        // Masks of overviews are smaller.
+        kind & OF_TRANSPARENCY != 0
+            && ifd.raster_layout().is_ok_and(|l| {
+                (l.width, l.height, l.samples_per_pixel, l.sample_format) == (width, height, 1, 1)
+                    && l.bits_per_sample <= 8
+            })
+    };
+    let Some(mask) = tiff.ifds().iter().find(is_mask) else { return Ok(()) };
+    // A header may say anything of the mask as well.
+    let block = match (mask.tile_width(), mask.tile_height()) {
+        (Some(w), Some(h)) if mask.is_tiled() => u128::from(w) * u128::from(h),
+        _ => width as u128 * u128::from(mask.rows_per_strip()).min(height as u128),
+    };
+    let cells = width as u128 * height as u128;
+    if block > cells.max(64 << 20) {
+        let problem = format!("blocks of {block} cells for a mask of {cells}");
+        return Err(Error::format(path, problem, "it is damaged: copy or download it again"));
+    }
+    // Rows of a band at a time, for a mask is as large as the image.
+    for top in (0..height).step_by(MASK_ROWS) {
+        let rows = MASK_ROWS.min(height - top);
+        let window = tiff.read_window_from_ifd::<u8>(mask, top, 0, rows, width).map_err(|e| broken(path, e))?;
+        for (i, _) in window.iter().enumerate().filter(|(_, inside)| **inside == 0) {
+            missing.get_or_insert_with(|| vec![false; width * height])[top * width + i] = true;
+        }
+    }
+    Ok(())
 }
 
 /// Marks the blocks that a sparse file leaves out: they stand for nodata, while the decoder gives zeros.

@@ -7,8 +7,8 @@ use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
 use crate::raster::check_size;
 use crate::storage::{ReadSeek, Storage};
+use eyot_core::check_clock;
 use eyot_core::component::{Decoder, Encoder};
-use eyot_core::layer::known;
 use eyot_core::{Centering, Layer, LayerSpec, Ledger, Limits, World};
 use eyot_core::{Component, ComponentKinds, Components, Georeference, GhostFill, Grid};
 use serde::{Deserialize, Serialize};
@@ -28,9 +28,15 @@ const PREFIX_BYTES: usize = 8 + 4 + 8;
 const MAX_HEADER_BYTES: u64 = 256 << 20;
 /// Bytes of a component's name or kind.
 const MAX_NAME: usize = 256;
+/// Of what is in memory already.
+const UNLIMITED: Limits = Limits {
+    max_cells: u64::MAX,
+    max_bytes: u64::MAX,
+    max_vertices: u64::MAX,
+    max_layers: usize::MAX,
+    max_steps: u64::MAX,
+};
 const AGAIN: &str = "run the recipe again";
-/// Far more steps than any recipe can ask for, and few enough for exact arithmetic with them.
-pub(crate) const MAX_STEP: u64 = 1 << 48;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Head {
@@ -141,6 +147,9 @@ impl Head {
             state: state.clone(),
         };
         let fault = |problem: String| Error::format(path, problem, "it was not written, the former one is unharmed");
+        // By the bounds that readers check, but for limits on memory, which are each reader's own.
+        check_clock(head.step, head.sea_level_m).map_err(|e| fault(e.to_string()))?;
+        head.check(path, &UNLIMITED)?;
         let text = serde_json::to_vec(&head).map_err(|e| fault(e.to_string()))?;
         // A head that cannot be read back is worse than none, so try.
         match serde_json::from_slice::<Self>(&text) {
@@ -160,11 +169,7 @@ impl Head {
             let problem = format!("it has {} layers, the limit is {}", self.layers.len(), limits.max_layers);
             return Err(Error::format(path, problem, "raise the limit"));
         }
-        let (low, high) = known::HEIGHT.range;
-        if self.step > MAX_STEP || !(f64::from(low)..=f64::from(high)).contains(&self.sea_level_m) {
-            let problem = format!("no run comes to step {} with the sea at {} m", self.step, self.sea_level_m);
-            return Err(damaged(path, &problem));
-        }
+        check_clock(self.step, self.sea_level_m).map_err(|e| damaged(path, &e.to_string()))?;
         for (i, l) in self.layers.iter().enumerate() {
             // Names become parts of file names, which must not leave their folder.
             if !LayerSpec::is_name(&l.name) {

@@ -97,7 +97,7 @@ pub use origin::Origin;
 pub use parquet::write_parquet;
 pub use ply::write_scene_ply;
 pub use png_write::write_rgb_png;
-pub use raster::{Numbers, Raster, ReadOptions, is_zarr, layer_names, read_raster};
+pub use raster::{BEYOND_ALL, Numbers, Raster, ReadOptions, is_zarr, layer_names, read_raster};
 pub use rows::Rows;
 pub use sample::{ByteOrder, RowOrder, Sample};
 pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};

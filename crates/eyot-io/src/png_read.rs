@@ -43,6 +43,10 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
         for (x, (v, s)) in row.iter_mut().zip(samples.chunks_exact(wide * channels)).enumerate() {
             let number = if wide == 2 { f64::from(u16::from_be_bytes([s[0], s[1]])) } else { f64::from(s[0]) };
             missing.look_at(x, y, number);
+            // What cannot be seen has no height; whatever can be seen a little has one.
+            if channels == 2 && s[wide..].iter().all(|alpha| *alpha == 0) {
+                missing.mark(x, y);
+            }
             *v = meaning.value(number);
         }
     };

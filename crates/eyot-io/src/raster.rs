@@ -21,6 +21,11 @@ const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Keyword under which files of floats keep [`Raster::scale`].
 pub(crate) const SCALE_TAG: &str = "scale_of_16_bits";
 
+/// Numbers that files of heights use for missing cells.
+const USUAL_MARKS: [f32; 6] = [-9999.0, -99999.0, -32768.0, -32767.0, 32767.0, 65535.0];
+/// No number of any landscape, whatever its unit.
+pub const BEYOND_ALL: f32 = 1e30;
+
 /// What the numbers in a file are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Numbers {
@@ -86,6 +91,15 @@ impl Raster {
     /// How many cells have been filled from their neighbours.
     pub fn filled(&self) -> usize {
         self.missing.iter().flatten().filter(|&&m| m).count()
+    }
+
+    /// A number at either end of the values that usually marks missing cells, and how many cells hold it; for files that do not say
+    /// so of themselves. Of values in the file's own unit: before [`Raster::to_metres`].
+    pub fn suspect(&self) -> Option<(f32, usize)> {
+        let (low, high) = self.field.min_max();
+        let marks = |v: &f32| USUAL_MARKS.contains(v) || v.abs() >= BEYOND_ALL;
+        let mark = [low, high].into_iter().find(marks)?;
+        Some((mark, self.field.iter().filter(|v| *v == mark).count()))
     }
 
     /// Turns heights in feet into metres. True if there was something to do.
@@ -170,6 +184,8 @@ pub struct ReadOptions {
     pub bare_numbers: bool,
     /// Number in the file that marks missing cells; by default what the file says.
     pub nodata: Option<f64>,
+    /// Which band of a TIFF that has several, from 1.
+    pub band: Option<usize>,
     /// Which array of a Zarr store or channel of an EXR; by default the height, or the only one.
     pub layer: Option<String>,
     /// Columns and rows of a headerless file; by default what the file beside it says, or a square.
@@ -196,23 +212,23 @@ pub fn layer_names(path: &Path) -> Result<Vec<String>> {
         return if zarr::is_node(path) { zarr::names(path) } else { Ok(Vec::new()) };
     }
     let mut start = [0; 4];
-    let mut file = File::open(path).map_err(Error::io(path, "read"))?;
+    let mut file = open_ordinary(path)?;
     match file.read_exact(&mut start) {
         Ok(()) if start == EXR => exr_read::names(path, file),
         _ => Ok(Vec::new()),
     }
 }
 
-/// Reads a raster. The format is told from the content: TIFF and GeoTIFF (one band of any integer or floating type), grey
+/// Reads a raster. The format is told from the content: TIFF and GeoTIFF (one band, or `options.band`, of any integer or floating type), grey
 /// PNG of up to 16 bits, OpenEXR, NPY and Zarr v3 (a folder); and, as they have nothing that could tell, headerless files
 /// by the JSON file beside them, by their extension (`.r32`, `.r16`, `.raw`) or by `options.sample`.
 ///
-/// Missing cells (the file's nodata value or `options.nodata`) are filled smoothly from their neighbours and counted.
+/// Missing cells (the file's nodata value or `options.nodata`, and what the mask inside a TIFF leaves out) are filled smoothly from their neighbours and counted.
 /// Rasters that are stored from south to north or from east to west are turned over, together with their georeference.
 ///
 /// # Errors
 /// If the file cannot be read, is of no known format, broken, truncated, larger than `limits`, has several bands or
-/// colours, no valid cell at all, or a value that is not finite and not marked as missing; the message names the file,
+/// colours and none is chosen, no valid cell at all, or a value that is not finite and not marked as missing; the message names the file,
 /// the problem and the remedy. Sizes are checked before anything of that size is allocated.
 pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
     let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
@@ -226,10 +242,7 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         }
         return Err(Error::format(path, "this is a folder", "give the name of a file in it"));
     }
-    if !metadata.is_file() {
-        return Err(Error::format(path, "this is no ordinary file", "copy its content to a file first"));
-    }
-    let mut file = File::open(path).map_err(Error::io(path, "read"))?;
+    let mut file = open_ordinary(path)?;
     if metadata.len() == 0 {
         return Err(Error::format(path, "the file is empty", "copy, download or export it again"));
     }
@@ -250,6 +263,15 @@ pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Resul
         _ => Err(unknown(path, &start)),
     }?;
     checked(path, raster)
+}
+
+/// Opens a file, and nothing else: a pipe could wait for ever, a device give bytes without end.
+fn open_ordinary(path: &Path) -> Result<File> {
+    let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
+    if !metadata.is_file() {
+        return Err(Error::format(path, "this is no ordinary file", "copy its content to a file first"));
+    }
+    File::open(path).map_err(Error::io(path, "read"))
 }
 
 /// Checks the size of a field before it is made. Rows are padded for the engine, by up to 80 values each, which is what

@@ -16,6 +16,7 @@ pub struct Client {
 
 /// What ended a connection.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Gone {
     /// A close, with its code and reason.
     #[error("closed with {0}: {1}")]

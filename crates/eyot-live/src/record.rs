@@ -42,6 +42,7 @@ pub struct Record {
 
 /// What a record says.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Body {
     /// The first record of every connection.
     Hello(Hello),
@@ -86,6 +87,7 @@ pub enum Body {
 
 /// What a client may ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Order {
     /// Wait after the present step.
     Pause,
@@ -97,6 +99,7 @@ pub enum Order {
 
 /// Why individuals are listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Why {
     /// They are all there are, or a part of all.
     All,
@@ -108,6 +111,7 @@ pub enum Why {
 
 /// Whether the run works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Status {
     /// It does steps.
     #[default]
@@ -122,6 +126,7 @@ pub enum Status {
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Ending {
     /// With the last step of its recipe.
     Done,

@@ -62,6 +62,7 @@ impl Default for Options {
 
 /// Why a server cannot begin.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// Other machines could connect, and nobody asked for that.
     #[error("{0} is no address of this machine alone: other machines could watch the run")]
@@ -78,6 +79,7 @@ pub enum Error {
 
 /// What a server tells its owner.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Notice {
     /// A client has connected.
     Joined {

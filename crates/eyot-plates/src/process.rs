@@ -113,6 +113,10 @@ impl Process for Drift {
         vec![HEIGHT.changed(0.0), PLATE.changed(0.0), CRUST.changed(0.0), CRUST_AGE.changed(0.0)]
     }
 
+    fn makes_ground(&self) -> bool {
+        true
+    }
+
     fn check(&self, grid: &Grid) -> Result<()> {
         check(&self.parameters, grid)
     }

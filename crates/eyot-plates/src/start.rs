@@ -9,6 +9,7 @@ use eyot_core::rng::mix64;
 
 /// What a world of plates begins with.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Start<'a> {
     /// Continents from noise.
     Noise,

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, ENOUGH, alternatives, nearest};
 use crate::node::{Kind, Node};
+use eyot_core::process::LIKE;
 use serde_json::Value;
 
 /// Checks a table against the schema of a parameter struct.
@@ -26,6 +27,9 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
         }
         match properties.and_then(|p| p.get(&key.name)) {
             Some(property) => check(property, value, &format!("{owner}.{}", key.name), property, out),
+            None if schema["additionalProperties"].is_object() && value.get(LIKE).is_some() => {
+                check(&schema["additionalProperties"], value, &format!("{owner}.{}", key.name), schema, out);
+            }
             None => {
                 let known =
                     properties.into_iter().flat_map(|p| p.keys().map(String::as_str)).chain(elsewhere.iter().copied());
@@ -34,6 +38,10 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
                         Some(property) => format!("did you mean `{n}`? {}", meaning_line(property)),
                         None => format!("did you mean `{n}`?"),
                     },
+                    None if schema["additionalProperties"].is_object() => {
+                        let keys = keys_help(schema, elsewhere);
+                        format!("{keys}; a new one says whose values it takes: {LIKE} = \"NAME\"")
+                    }
                     None => keys_help(schema, elsewhere),
                 };
                 let message = format!("`{owner}` has no key `{}`", key.name);

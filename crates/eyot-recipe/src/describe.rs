@@ -3,11 +3,13 @@
 use crate::check::{expects, shown};
 use crate::diagnostic::{alternatives, nearest};
 use crate::keys;
+use crate::layers;
 use crate::registry::Registry;
 use eyot_core::process::{Entry, Process, schema_of};
 use eyot_core::remedy::{Action, Neutral, Wording};
 use eyot_expr::ParameterizedProcess;
 use eyot_expr::functions::{FUNCTIONS, NAMES};
+use schemars::Schema;
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt;
@@ -75,12 +77,13 @@ pub struct Description {
     pub sources: Vec<String>,
 }
 
-/// Describes a generator, a process, or one of the recipe's own tables (`grid`, `layer`, `export`, `view` and
-/// others).
+/// Describes a generator, a process, one of the recipe's own tables (`grid`, `step`, `layer`, `export`, `view` and others), or the
+/// `layers` that come with Eyot.
 ///
 /// # Errors
 /// If there is nothing of that name; the text suggests one.
 pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> {
+    let name = name.trim_matches(['[', ']']);
     if let Some(e) = registry.generator(name) {
         return Ok(from_schema(name, "generator", &(e.schema)().to_value(), &(e.defaults)(), e.about, e.cites));
     }
@@ -97,6 +100,8 @@ pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> 
         return Ok(description);
     }
     let table = match name {
+        "layers" => return Ok(layers::describe(registry)),
+        "step" => return Ok(step()),
         "recipe" => schema_of::<keys::Document>(),
         "grid" => schema_of::<keys::Grid>(),
         "generate" => schema_of::<keys::Generate>(),
@@ -111,7 +116,9 @@ pub fn describe(name: &str, registry: &Registry) -> Result<Description, String> 
             let tables = [
                 "recipe",
                 "grid",
+                "step",
                 "layer",
+                "layers",
                 "rule",
                 "expressions",
                 "generate",
@@ -171,6 +178,21 @@ fn from_schema(
     }
 }
 
+/// Both kinds of `[[step]]`.
+fn step() -> Description {
+    let table = |name, schema: Schema| from_schema(name, "table", &schema.to_value(), &Value::Null, "", &[]);
+    let mut all = table("step", schema_of::<keys::Generate>());
+    let simulate = table("step", schema_of::<keys::Simulate>());
+    all.summary = "A step of the recipe: it either generates or simulates.".to_owned();
+    all.details = "With `generate = \"NAME\"` a generator makes or changes a layer, and its parameters stand beside the keys of the \
+                   step. With `simulate = [\"NAME\"]` processes act `steps` times, each with a table of its own: \
+                   `hydraulic.rain = 0.002`."
+        .to_owned();
+    let more = simulate.parameters.into_iter().filter(|p| p.name == "simulate" || p.name == "steps");
+    all.parameters.extend(more.collect::<Vec<_>>());
+    all
+}
+
 /// The names and functions of expressions.
 fn expressions() -> Description {
     let one = |name: String, meaning: &str, unit: &str, takes: &str| ParameterInfo {
@@ -220,7 +242,7 @@ fn one_line(text: &str) -> String {
 }
 
 /// A default that came from an `f32` with the digits that a person wrote.
-fn tidy(value: &Value) -> Value {
+pub(crate) fn tidy(value: &Value) -> Value {
     match value {
         Value::Number(n) if n.is_f64() => shown(value).parse::<f64>().ok().map_or_else(|| value.clone(), Value::from),
         Value::Array(a) => a.iter().map(tidy).collect(),

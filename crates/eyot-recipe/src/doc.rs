@@ -6,7 +6,7 @@ use crate::keys::{self, Cells, Export, Lengths, View};
 use crate::node::{Kind, Node};
 use crate::recipe::RecipeSource;
 use crate::toml_text;
-use eyot_core::process::{Parameters, schema_of};
+use eyot_core::process::{Parameters, over, schema_of};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -50,7 +50,8 @@ pub struct RecipeDoc {
     pub about: String,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Level of the sea at the start, m.
+    /// Level of the sea at the start, m; [`keys::NO_SEA_M`] for land without a sea.
+    #[serde(deserialize_with = "keys::level")]
     pub sea_level: f64,
     /// The grid.
     pub grid: keys::Grid,
@@ -184,7 +185,9 @@ impl RecipeDoc {
         if !out.is_empty() {
             return Err(fail(out));
         }
-        serde_json::from_value(doc.to_json()).map_err(|e| fail(vec![Diagnostic::whole(e.to_string())]))
+        let usual = serde_json::to_value(Self::default()).unwrap_or_default();
+        let all = over(&usual, doc.to_json()).and_then(|all| serde_json::from_value(all).map_err(|e| e.to_string()));
+        all.map_err(|e| fail(vec![Diagnostic::whole(e)]))
     }
 
     /// The document as TOML; keys with their usual values are left out.
@@ -238,7 +241,7 @@ fn unusual<T: Serialize + Default>(value: &T) -> Map<String, Value> {
 }
 
 /// By way of the text, in which numbers of single precision have no digits that are only noise.
-fn written<T: Serialize>(value: &T) -> Map<String, Value> {
+pub(crate) fn written<T: Serialize>(value: &T) -> Map<String, Value> {
     let text = serde_json::to_string(value).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
 }

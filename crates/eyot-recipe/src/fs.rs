@@ -37,6 +37,12 @@ impl RecipeSource {
         };
         let known = builtin::RECIPES.iter().map(|r| r.name);
         let meta = std::fs::metadata(path).map_err(|e| {
+            if let Some(there) = beside(path) {
+                return fail(
+                    format!("cannot read the recipe `{name}`: {e}"),
+                    format!("did you mean `{there}`?").into(),
+                );
+            }
             let guess = path.file_stem().and_then(|s| s.to_str()).and_then(|s| nearest(s, known.clone()));
             let help = match guess {
                 Some(n) => {
@@ -86,13 +92,13 @@ impl RecipeSource {
 /// If there is no such file, or it is no text, or longer than 4 MiB.
 pub fn text(file: &str, folder: &Path) -> Result<String, Refusal> {
     let path = folder.join(file);
-    let fail = |reason: &str, help: &'static str| {
-        Err(Refusal::new(format!("cannot read `{}`: {reason}", path.display()), help))
+    let fail = |reason: &str, help: &str| {
+        Err(Refusal::new(format!("cannot read `{}`: {reason}", path.display()), help.to_owned()))
     };
     let meta = match std::fs::metadata(&path) {
         Ok(meta) => meta,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-            return fail("there is no such file", "file names are relative to the recipe's folder");
+            return fail("there is no such file", &name_help(file));
         }
         Err(e) => return fail(&e.to_string(), "check its name and its permissions"),
     };
@@ -115,6 +121,29 @@ pub fn text(file: &str, folder: &Path) -> Result<String, Refusal> {
             fail(&reason, "save it as text in UTF-8")
         }
     }
+}
+
+/// What to do about a file that a recipe names and that is not there.
+pub fn name_help(file: &str) -> String {
+    if file.contains(char::is_control) {
+        return "the name holds a control character: in double quotes a backslash begins an escape, so write / between folders"
+            .to_owned();
+    }
+    if file.contains('\\') && !cfg!(windows) {
+        return format!("folders are divided by /: write \"{}\"", file.replace('\\', "/"));
+    }
+    "file names are relative to the recipe's folder".to_owned()
+}
+
+/// The recipe file in the same folder whose name is most like that of one that is not there.
+fn beside(path: &Path) -> Option<String> {
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let wanted = path.file_stem()?.to_str()?;
+    let names = std::fs::read_dir(parent).ok()?.filter_map(|e| e.ok()?.file_name().into_string().ok());
+    let mut stems: Vec<String> = names.filter_map(|name| Some(name.strip_suffix(".toml")?.to_owned())).collect();
+    stems.sort();
+    let found = format!("{}.toml", nearest(wanted, stems.iter().map(String::as_str))?);
+    Some(path.with_file_name(found).display().to_string())
 }
 
 #[cfg(test)]

@@ -3,8 +3,10 @@
 use crate::export::former_formats;
 use crate::merge::Merge;
 use eyot_core::BoundaryCondition;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use eyot_core::layer::known;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 /// The head of a recipe.
@@ -18,9 +20,35 @@ pub struct Document {
     /// Seed of all random numbers. The same recipe with the same seed gives the same bytes.
     #[schemars(extend("unit" = "1"))]
     pub seed: u64,
-    /// Level of the sea at the start, in the datum of the height.
-    #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
+    /// Level of the sea at the start, in the datum of the height; "none" for land without a sea.
+    #[serde(deserialize_with = "level")]
+    #[schemars(schema_with = "level_schema", extend("unit" = "m"))]
     pub sea_level: f64,
+}
+
+/// The level that `sea_level = "none"` stands for, m: the lowest height that there can be.
+pub const NO_SEA_M: f64 = -12_000.0;
+
+/// A level of the sea, or the word for none.
+pub(crate) fn level<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Level {
+        Metres(f64),
+        Word(String),
+    }
+    match Level::deserialize(from)? {
+        Level::Metres(level) => Ok(level),
+        Level::Word(word) if word == "none" => Ok(NO_SEA_M),
+        Level::Word(word) => {
+            Err(D::Error::custom(format!("a level of the sea is a number or \"none\", not \"{word}\"")))
+        }
+    }
+}
+
+fn level_schema(_: &mut SchemaGenerator) -> Schema {
+    let (low, high) = known::HEIGHT.range;
+    json_schema!({ "anyOf": [{ "type": "number", "minimum": low, "maximum": high }, { "type": "string", "const": "none" }] })
 }
 
 /// `256` or `[256, 128]`.

@@ -36,6 +36,8 @@ mod cite;
 mod describe;
 mod diagnostic;
 mod doc;
+mod doubts;
+mod effective;
 mod export;
 #[cfg(feature = "fs")]
 pub mod fs;

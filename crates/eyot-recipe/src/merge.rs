@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 /// A way to put the new values `b` on the old values `h`; `a` is the step's `amount`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Merge {
     /// `h + a b`
     #[default]

@@ -1,6 +1,7 @@
 //! A parsed document in which every key and value knows its place.
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, alternatives};
+use eyot_core::process::LIKE;
 use serde_json::{Number, Value};
 use toml::de::{DeTable, DeValue};
 
@@ -54,9 +55,11 @@ impl Node {
                 let span = e.span().unwrap_or(0..0);
                 let span = Span { source, start: span.start.min(text.len()), end: span.end.min(text.len()) };
                 let help = if e.message().contains("duplicate key") {
-                    "each key may appear once in a table; remove one of them"
+                    "each key may appear once in a table; remove one of them".to_owned()
+                } else if let Some(help) = slip(text, span.start) {
+                    help
                 } else {
-                    "recipes are TOML: `key = value` lines, text in quotes, tables in [brackets]"
+                    "recipes are TOML: `key = value` lines, text in quotes, tables in [brackets]".to_owned()
                 };
                 Diagnostic::at(span, format!("not valid TOML: {}", e.message()), "here").help(help)
             })
@@ -121,25 +124,86 @@ impl Node {
         }
     }
 
-    /// Puts a value at a path of keys; tables on the way are made, tables that meet are united.
-    pub(crate) fn put(&mut self, key: &Key, value: Node) {
+    /// Puts a value at a path of keys; tables on the way are made, tables that meet are united, and a table that meets a list of
+    /// tables with names changes those that it names.
+    ///
+    /// # Errors
+    /// If it names one that is not in such a list and does not say what that is like.
+    pub(crate) fn put(&mut self, key: &Key, value: Node) -> Result<(), Diagnostic> {
         if !matches!(self.kind, Kind::Table(_)) {
             self.kind = Kind::Table(Vec::new());
         }
-        let Kind::Table(entries) = &mut self.kind else { return };
-        match entries.iter_mut().find(|(k, _)| k.name == key.name) {
-            Some((_, old)) if matches!((&old.kind, &value.kind), (Kind::Table(_), Kind::Table(_))) => {
-                if let Kind::Table(new) = value.kind {
-                    new.into_iter().for_each(|(k, v)| old.put(&k, v));
-                }
+        let Kind::Table(entries) = &mut self.kind else { return Ok(()) };
+        let Some((k, old)) = entries.iter_mut().find(|(k, _)| k.name == key.name) else {
+            entries.push((key.clone(), value));
+            return Ok(());
+        };
+        match (&mut old.kind, value.kind) {
+            (Kind::Table(_), Kind::Table(new)) => new.into_iter().try_for_each(|(k, v)| old.put(&k, v)),
+            (Kind::Array(list), Kind::Table(new)) if list.iter().any(|e| e.name().is_some()) => {
+                new.into_iter().try_for_each(|(name, v)| change_named(list, key, &name, v))
             }
-            Some((k, old)) => {
+            (_, kind) => {
                 k.span = key.span.clone();
-                *old = value;
+                *old = Node { span: value.span, kind };
+                Ok(())
             }
-            None => entries.push((key.clone(), value)),
         }
     }
+
+    /// The text `name` of a table.
+    fn name(&self) -> Option<&str> {
+        self.get("name").and_then(Self::text)
+    }
+}
+
+/// Changes the table of that name in a list, or adds it.
+fn change_named(list: &mut Vec<Node>, of: &Key, name: &Key, value: Node) -> Result<(), Diagnostic> {
+    let span = name.span.clone();
+    if let Some(element) = list.iter_mut().find(|e| e.name() == Some(name.name.as_str())) {
+        let Kind::Table(new) = value.kind else {
+            let message = format!("`{}.{}` must be a table, not {}", of.name, name.name, value.describe());
+            return Err(Diagnostic::at(span, message, "here"));
+        };
+        return new.into_iter().try_for_each(|(k, v)| element.put(&k, v));
+    }
+    if value.get(LIKE).is_none() {
+        let known: Vec<&str> = list.iter().filter_map(Node::name).collect();
+        let help = format!(
+            "the recipe lists {}; another one says whose values it takes: {LIKE} = \"NAME\"",
+            alternatives(known)
+        );
+        return Err(
+            Diagnostic::at(span.clone(), format!("`{}` has no `{}`", of.name, name.name), "not there").help(help)
+        );
+    }
+    let mut new = Node { span, kind: value.kind };
+    let text = Node { span: name.span.clone(), kind: Kind::Text(name.name.clone()) };
+    new.put(&Key { span: name.span.clone(), name: "name".to_owned() }, text)?;
+    list.push(new);
+    Ok(())
+}
+
+/// What was most likely meant on the line of a mistake: a number with a decimal comma, or a path with backslashes.
+fn slip(text: &str, at: usize) -> Option<String> {
+    // What surprises a parser is often the end of the line before.
+    let at = text.floor_char_boundary(at);
+    let before = text[..at].strip_suffix('\n').unwrap_or(&text[..at]);
+    let start = before.rfind('\n').map_or(0, |i| i + 1);
+    let line = text[start..].lines().next()?;
+    let (_, value) = line.split_once('=')?;
+    let value = value.split('#').next().unwrap_or_default().trim();
+    let digits = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
+    if let Some((whole, part)) = value.split_once(',')
+        && digits(whole.trim_start_matches(['-', '+']))
+        && digits(part)
+    {
+        return Some(format!("numbers have a decimal point: write {whole}.{part}"));
+    }
+    let path = value.strip_prefix('"')?.trim_end_matches('"');
+    path.contains('\\').then(|| {
+        format!("in double quotes a backslash begins an escape; write the path as \"{}\"", path.replace('\\', "/"))
+    })
 }
 
 fn table_of(table: &DeTable<'_>, source: usize) -> Kind {

@@ -10,7 +10,7 @@ use crate::set;
 use crate::texts;
 use crate::validate::{rules, terms};
 use eyot_core::Grid;
-use eyot_core::process::schema_of;
+use eyot_core::process::{over, schema_of};
 use eyot_core::remedy;
 use eyot_core::remedy::Remedy;
 use eyot_expr::ParseError;
@@ -73,7 +73,10 @@ pub fn apply(
                 }
                 // A number takes the place of an expression.
                 u.terms = u.terms.without(&key);
-                u.parameters[key] = value;
+                // What a table does not name stays as it is now, and not as it usually is.
+                let now = u.in_force();
+                let refuse = |e: String| fail(vec![Diagnostic::whole(format!("{}.{key}: {e}", u.actor.name()))]);
+                u.parameters[&key] = over(&now[&key], value).map_err(refuse)?;
             }
         }
     }

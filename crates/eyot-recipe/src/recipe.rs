@@ -7,7 +7,7 @@ use crate::keys::{Export, Preset, View};
 use crate::merge::Merge;
 use crate::registry::Registry;
 use crate::validate;
-use eyot_core::process::{Entry, Generator, Process, Scheduled};
+use eyot_core::process::{Entry, Generator, Process, Scheduled, over};
 use eyot_core::{Georeference, Grid, Limits};
 use eyot_expr::{ExprProcess, ParameterizedProcess, Scope, Terms, TextRule};
 use serde::{Deserialize, Serialize};
@@ -71,6 +71,8 @@ pub struct Recipe {
     pub overrides: Overrides,
     /// Text files that it names.
     pub texts: Texts,
+    /// The document after its changes.
+    pub(crate) document: Value,
 }
 
 /// One `[[step]]`.
@@ -222,6 +224,14 @@ impl Actor {
         }
     }
 
+    /// Its parameters if a recipe gives none.
+    pub fn defaults(&self) -> Value {
+        match self {
+            Self::Process(entry) => (entry.defaults)(),
+            Self::Rule(rule) => rule.parameters.iter().map(|(name, value)| (name.clone(), json!(value))).collect(),
+        }
+    }
+
     /// The process; parameters that are missing have their defaults.
     pub fn make(&self, parameters: &Value) -> Result<Box<dyn Process>, serde_json::Error> {
         match self {
@@ -236,6 +246,12 @@ impl Actor {
 }
 
 impl ProcessUse {
+    /// All its parameters: those that are given and the defaults of the others. In place of an expression stands the default.
+    pub fn in_force(&self) -> Value {
+        // What a recipe was checked with fits together.
+        over(&self.actor.defaults(), self.parameters.clone()).unwrap_or_else(|_| self.parameters.clone())
+    }
+
     /// The process with its parameters.
     pub fn make(&self) -> Result<Box<dyn Process>, serde_json::Error> {
         match self.actor {

@@ -78,14 +78,13 @@ fn place(doc: &mut Node, key: &Key, value: &Node, registry: &Registry) -> Result
                 grid.retain(|(k, _)| !(given("cell") && k.name == "extent_m" || given("extent_m") && k.name == "cell"));
             }
         }
-        doc.put(key, value.clone());
-        return Ok(());
+        return doc.put(key, value.clone());
     }
     if registry.process(name).is_some() || declares(doc, name) {
         let mut found = false;
         for step in steps_mut(doc) {
             if simulates(step, name) {
-                step.put(key, value.clone());
+                step.put(key, value.clone())?;
                 found = true;
             }
         }
@@ -155,8 +154,7 @@ fn into_table(target: &mut Node, key: &Key, value: &Node) -> Result<(), Diagnost
         )
         .help(help));
     }
-    value.entries().iter().for_each(|(k, v)| target.put(k, v.clone()));
-    Ok(())
+    value.entries().iter().try_for_each(|(k, v)| target.put(k, v.clone()))
 }
 
 fn nobody(key: &Key, verb: &str, doc: &mut Node) -> Diagnostic {

@@ -32,12 +32,16 @@ pub(crate) fn inline(value: &Value) -> String {
     }
 }
 
-/// The entries of a table, one a line; inner tables become dotted keys.
+/// The entries of a table, one a line; inner tables become dotted keys, and each table of a list has a line.
 pub(crate) fn lines(out: &mut String, before: &str, entries: &Map<String, Value>) {
     for (name, value) in entries.iter().filter(|(_, v)| !v.is_null()) {
         let path = format!("{before}{}", key(name));
         match value {
             Value::Object(inner) if inner.values().any(|v| !v.is_null()) => lines(out, &format!("{path}."), inner),
+            Value::Array(tables) if tables.iter().any(Value::is_object) => {
+                let tables: String = tables.iter().map(|t| format!("    {},\n", inline(t))).collect();
+                let _ = writeln!(out, "{path} = [\n{tables}]");
+            }
             _ => {
                 let _ = writeln!(out, "{path} = {}", inline(value));
             }

@@ -105,6 +105,7 @@ pub struct Corals {
 /// Where the temperature of the sea comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Sea {
     /// Years as at Chumbe, Zanzibar, 1997 to 2010; one like 1998 at equal intervals.
     #[default]

@@ -2,6 +2,7 @@
 
 /// A colour map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum ColourMap {
     /// Dark blue over green to yellow; even steps to the eye.
     Viridis,

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Which engine a run wants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum EngineChoice {
     /// A graphics card if there is one that can do it, else the processor.
     Auto,

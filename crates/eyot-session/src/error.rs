@@ -168,6 +168,9 @@ impl RunError {
                  are too strong for the grid: lower them, or report it if they are all within their ranges".into()
             }
             Self::Step { source: Core::Limit { remedy, .. }, .. } => remedy.clone(),
+            Self::Step { source: Core::Clock { .. }, .. } => {
+                "do fewer steps, or let the sea rise or fall less in each; the last checkpoint is sound".into()
+            }
             Self::Step { source: Core::BadParameter { owner, .. } | Core::BadFile { owner, .. }, .. } => {
                 remedy![Action::Describe(owner.clone()), " explains its parameters"]
             },

@@ -114,6 +114,15 @@ pub enum Event {
     },
     /// How far the run is.
     Progress(Progress),
+    /// The simulations that are left will take minutes, by the first steps of the one under way. Told once a simulation at most.
+    Long {
+        /// Time that is expected from now on, s: of this simulation, and of those after it by the pace of this one.
+        seconds: f64,
+        /// Steps that were timed.
+        timed: u64,
+        /// Whether later simulations have other processes, whose pace is not known yet: then only this one counts.
+        at_least: bool,
+    },
     /// The run waits for a command.
     Paused {
         /// Number of the recipe's step, from 1.

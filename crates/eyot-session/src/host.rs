@@ -110,6 +110,8 @@ pub struct Results<'a> {
     pub state: &'a State,
     /// Where the session's own files lie.
     pub folder: Option<PathBuf>,
+    /// Fails if something else is in that place by now: what was written is then not there.
+    pub in_place: &'a dyn Fn() -> Result<(), RunError>,
     /// Upper bounds on what writing may use.
     pub limits: &'a Limits,
     /// Raised on a request to stop.
@@ -178,6 +180,11 @@ impl Host {
         let registry = registry.clone();
         let (engines, events) = (Arc::new(Processor), Events::queue());
         Self { registry, clock, engines, events, storage: None, outputs: None, branches: None }
+    }
+
+    /// Fails if the storage's place was moved, removed or replaced.
+    pub(crate) fn in_place(&self) -> Result<(), RunError> {
+        self.storage.as_ref().map_or(Ok(()), |s| s.check()).map_err(RunError::file)
     }
 
     /// The same with a place for checkpoints and the recording.

@@ -26,7 +26,7 @@ pub use engines::{EngineChoice, EngineOptions, Engines, OpenEngine, Opened, Proc
 pub use error::{RunError, shell_word};
 pub use event::{Command, Event, JournalEntry, Progress};
 pub use eyot_io::timeline::Record;
-pub use files::{CHECKPOINT_FILE, REPORT_FILE, TIMELINE_STORE, WORLD_FILE};
+pub use files::{CHECKPOINT_FILE, REPORT_FILE, TIMELINE_STORE, WORLD_FILE, former_outputs};
 pub use host::{Branches, Clock, Events, Host, NewBranch, Outputs, Results};
 pub use run::{Handle, Remote, Run, RunOptions};
 pub use session::{Budget, Outcome, Session, SessionOptions, Status};

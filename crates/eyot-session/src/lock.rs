@@ -76,8 +76,11 @@ fn foreign(path: &Path) -> RunError {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // Nothing depends on the file being gone: without its owner it locks nothing.
-        let _ = std::fs::remove_file(&self.path);
+        // Nothing depends on the file being gone: without its owner it locks nothing. Where the folder has been replaced, the
+        // lock in it is that of another run.
+        if same_file(&self.file, &self.path) {
+            let _ = std::fs::remove_file(&self.path);
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::one;
 use eyot_core::process::Scheduled;
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic};
 use eyot_land::simulate::reef::{Light, Limit, Reef};
-use eyot_land::simulate::{Seabed, Thermal, Wetness};
+use eyot_land::simulate::{Motu, Seabed, Thermal, Wetness};
 
 /// Name and processes of each.
 pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
@@ -21,6 +21,7 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         // So many stages that the engine cuts the step into several chains.
         ("reef, 23 stages", vec![one(Reef { years_per_step: 10.0, diffusivity: 30.0, ..Default::default() })]),
         ("reef in light", vec![one(Reef { limit: Limit::Light, light: Light::Saturating, ..Default::default() })]),
+        ("motu", vec![one(Motu { wind: 140.0, open_sea: 3.0, ..Default::default() })]),
         ("wetness", vec![one(Wetness::default())]),
         (
             "all",

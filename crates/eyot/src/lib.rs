@@ -129,8 +129,6 @@ pub mod view {
     pub use eyot_film::{Drawn, ViewRequest, draw_view};
 }
 
-#[cfg(feature = "film")]
-pub use eyot_film::{Drawn, ViewRequest, draw_view};
 pub use registry::{Registry, component_kinds};
 #[cfg(feature = "run")]
 pub use run::{Run, host};

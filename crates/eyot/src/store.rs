@@ -41,12 +41,12 @@ pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, li
 /// Statistics of a world's terrain, and of its climate if it has one.
 ///
 /// # Errors
-/// If the world has no height, or one that cannot be measured within the limits.
-pub fn stats(opened: &Opened, limits: &Limits) -> Result<Value, RunError> {
+/// If the world has no height, or one that cannot be measured within the limits, or an option is out of its range.
+pub fn stats(opened: &Opened, options: &analyse::TerrainOptions, limits: &Limits) -> Result<Value, RunError> {
     let world = &opened.world;
     let height = &world.layer("height").map_err(RunError::input)?.field;
     let sea = opened.has_sea.then_some(world.sea_level_m);
-    let stats = analyse::terrain_stats(height, &world.grid, sea, &analyse::TerrainOptions::default(), limits);
+    let stats = analyse::terrain_stats(height, &world.grid, sea, options, limits);
     let fault = |e: serde_json::Error| RunError::Fault(e.to_string());
     let mut all = serde_json::to_value(stats.map_err(RunError::file)?).map_err(fault)?;
     if let Some(planet) = eyot_climate::stats::planet(world) {
@@ -56,4 +56,30 @@ pub fn stats(opened: &Opened, limits: &Limits) -> Result<Value, RunError> {
         all["plates"] = serde_json::to_value(plates).map_err(fault)?;
     }
     Ok(all)
+}
+
+/// Statistics as a table of two columns, `measure,value`: a row each, with the names of nested ones joined by dots and the places of
+/// lists counted from 1. What a world does not have is an empty value.
+pub fn stats_csv(stats: &Value) -> String {
+    fn rows(name: &str, value: &Value, out: &mut String) {
+        let under = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
+        match value {
+            Value::Object(map) => map.iter().for_each(|(key, v)| rows(&under(key), v, out)),
+            Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| rows(&under(&(i + 1).to_string()), v, out)),
+            Value::Null => *out += &format!("{},\n", quoted(name)),
+            Value::String(text) => *out += &format!("{},{}\n", quoted(name), quoted(text)),
+            number => *out += &format!("{},{number}\n", quoted(name)),
+        }
+    }
+    /// As RFC 4180 asks where a text has a comma, a quote or a line's end.
+    fn quoted(text: &str) -> String {
+        if text.contains([',', '"', '\n', '\r']) {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        } else {
+            text.to_owned()
+        }
+    }
+    let mut out = "measure,value\n".to_owned();
+    rows("", stats, &mut out);
+    out
 }

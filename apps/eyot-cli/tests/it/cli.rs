@@ -21,12 +21,25 @@ fn a_run_from_recipe_to_picture() {
     let f = folder.path();
     std::fs::write(f.join("small.toml"), SMALL).unwrap();
     said(f, &["check", "small.toml"], 0, &["the recipe is sound"]);
+    let effective = said(f, &["check", "small.toml", "--effective", "--set", "hill.height=300"], 0, &["height = 300"]);
+    std::fs::write(f.join("all.toml"), effective).unwrap();
+    said(f, &["check", "all.toml"], 0, &["the recipe is sound"]);
+    let bare = "[grid]\nsize = 24\n[[step]]\nsimulate = \"hydraulic\"\n";
+    std::fs::write(f.join("bare.toml"), bare).unwrap();
+    let doubted = said(f, &["check", "bare.toml"], 0, &["no step before it makes the layer `height`"]);
+    assert!(!doubted.contains("sound"), "{doubted}");
     let text = said(f, &["run", "small.toml", "--set", "hill.height=300", "--seed", "4", "--threads", "1"], 0, &[]);
     assert!(text.contains("writing small/height.r32") && text.contains("fingerprint"), "{text}");
     assert_eq!(said(f, &["run", "small.toml", "--out", "quiet", "--quiet"], 0, &[]), "");
     said(f, &["stats", "small"], 0, &["24 x 24 cells"]);
     let stats: serde_json::Value = json(f, &["stats", "small", "--json"]);
     assert!(stats.is_object());
+    // Cells of 20 m: what makes a channel is an area that can be set, and is printed.
+    assert_eq!(json(f, &["stats", "small", "--json", "--channel-area", "8000"])["channel_area_m2"], 8000.0);
+    let table = said(f, &["stats", "small", "--csv", "--channel-area", "8000"], 0, &[]);
+    assert!(table.starts_with("measure,value\ncells,576\n") && table.contains("\nchannel_area_m2,8000.0\n"), "{table}");
+    assert!(table.contains("\nlandforms.peak,") && table.lines().all(|l| l.split(',').count() == 2), "{table}");
+    said(f, &["stats", "small", "--channel-area", "-1"], 2, &["an area in m2, above 0"]);
     said(f, &["render", "small", "--size", "64x48", "--azimuth", "-30"], 0, &[]);
     said(f, &["render", "small", "--layer", "height", "--out", "map.png"], 0, &[]);
     assert!(f.join("small/render.png").is_file() && f.join("map.png").is_file());
@@ -83,6 +96,9 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["new", "a", "--from", "iland"], "did you mean --from island?"),
         (&["new", ".."], "is no name of a file"),
         (&["describe", "conne"], "did you mean `cone`?"),
+        (&["run", "small.tml"], "did you mean `small.toml`?"),
+        (&["check", "smal"], "did you mean `small.toml`?"),
+        (&["check", "small.toml", "--set", "hill.height=0,5"], "write 0.5"),
         (&["render", "nothere"], "height map"),
         (&["render", "."], "holds no run"),
         (&["render", "noise.tif"], "noise.tif"),
@@ -198,6 +214,12 @@ fn words_are_printed_and_parse() {
     let here = Path::new(".");
     said(here, &["list"], 0, &["island"]);
     said(here, &["describe", "cone"], 0, &["unit m"]);
+    said(here, &["describe", "step"], 0, &["simulate", "generate", "mask"]);
+    said(here, &["describe", "[[export]]"], 0, &["prefix"]);
+    said(here, &["describe", "layers"], 0, &["sediment", "Changed by `hydraulic`"]);
+    for table in ["grid", "view", "layer", "recipe"] {
+        said(here, &["describe", table], 0, &["(table)"]);
+    }
     for args in [&["list", "--json"][..], &["describe", "cone", "--json"], &["schema"]] {
         let value: serde_json::Value = json(here, args);
         assert!(value.is_object());
@@ -330,8 +352,16 @@ fn remedies_fit_and_refusals_say_so() {
     assert!(!said(f, &["stats", "nan.npy"], 2, &["--nodata"]).contains("give the --out folder"));
     said(f, &["convert", "huge.npy", "a.tif"], 2, &["do not fit the 32 bits"]);
     std::fs::create_dir(f.join("plain.zarr")).unwrap();
-    assert!(!said(f, &["convert", "good.npy", "plain.zarr"], 1, &["holds no zarr.json"]).contains("other files"));
+    said(f, &["convert", "good.npy", "plain.zarr"], 2, &["is there already", "--force"]);
+    let forced = ["convert", "good.npy", "plain.zarr", "--force"];
+    assert!(!said(f, &forced, 1, &["holds no zarr.json"]).contains("other files"));
     said(f, &["convert", "good.npy", "a.tif", "--cell", "5"], 0, &[]);
+    let before = std::fs::read(f.join("a.tif")).unwrap();
+    said(f, &["convert", "good.npy", "a.tif", "--cell", "7"], 2, &["`a.tif` is there already; nothing was written"]);
+    assert!(std::fs::read(f.join("a.tif")).unwrap() == before);
+    said(f, &["convert", "good.npy", "a.tif", "--cell", "7", "--force"], 0, &[]);
+    std::fs::write(f.join("a.r32.json"), "mine").unwrap();
+    said(f, &["convert", "good.npy", "a.r32"], 2, &["`a.r32.json` is there already"]);
     said(f, &["convert", "good.npy", "a.tif", "--from-range", "0,1"], 2, &["leave out --from-range"]);
     for name in ["a.zarr", "x.TIF", "x.glb"] {
         said(f, &["convert", "good.npy", name, "--preset", "unity"], 2, &["would be a folder", "another name"]);
@@ -451,4 +481,57 @@ fn statistics_of_a_planet_are_tables() {
     let belts = &lines[zonal + 1..zonal + 14];
     assert!(belts.iter().all(|l| l.len() == belts[0].len()), "{belts:#?}");
     assert!(belts[12].contains("-82.500"), "{belts:#?}");
+}
+
+/// A recipe or a file of somebody else must not steer the terminal of whoever looks at it.
+#[test]
+fn escape_sequences_in_names_do_not_reach_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    let wild = "\\u001b]0;owned\\u0007\\u009b31m";
+    let text = SMALL.replace("\"Small\"", &format!("\"a{wild}b\"")).replace("\"hill\"", &format!("\"c{wild}d\""));
+    std::fs::write(f.join("wild.toml"), &text).unwrap();
+    let raw = "\u{1b}[2J";
+    std::fs::write(f.join("raw.toml"), format!("{SMALL}# {raw}\nheihgt{raw} = 3 # {raw}\n")).unwrap();
+    std::fs::write(f.join("odd.toml"), SMALL.replace("height = 200.0", "height = \"\\u001b[2J\"")).unwrap();
+    let runs: [&[&str]; 5] = [
+        &["run", "wild.toml", "--out", "out"],
+        &["check", "wild.toml"],
+        &["check", "raw.toml"],
+        &["check", "odd.toml"],
+        &["stats", "out"],
+    ];
+    for args in runs {
+        let o = eyot(f, args).output().unwrap();
+        for bytes in [&o.stdout, &o.stderr] {
+            let said = String::from_utf8_lossy(bytes);
+            assert!(!said.contains(['\u{1b}', '\u{7}', '\u{9b}']), "{args:?}: {said:?}");
+        }
+    }
+}
+
+#[test]
+fn a_prefix_that_is_too_long_for_a_file_name_is_refused_by_the_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    let with =
+        |n: usize| SMALL.replace("format = \"r32\"", &format!("format = \"r32\"\nprefix = \"{}\"", "p".repeat(n)));
+    std::fs::write(f.join("long.toml"), with(250)).unwrap();
+    said(f, &["check", "long.toml"], 2, &["a file name of 260 bytes", "shorter `prefix`"]);
+    std::fs::write(f.join("good.toml"), with(230)).unwrap();
+    said(f, &["check", "good.toml"], 0, &[]);
+    said(f, &["run", "good.toml", "--out", "out"], 0, &[]);
+}
+
+/// Hours of work must not end in a refusal that could be foreseen.
+#[test]
+fn the_check_refuses_what_a_run_would_refuse_at_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    std::fs::write(f.join("a.toml"), "[grid]\nsize = 6000\n[[step]]\ngenerate = \"cone\"\nheight = 300.0\n").unwrap();
+    // One layer of 137 MiB fits, its pictures do not.
+    let tight = ["check", "a.toml", "--max-memory", "1500M"];
+    said(f, &tight, 0, &[]);
+    said(f, &[&tight[..], &["--stream", "never"]].concat(), 2, &["in one piece, with its files,"]);
+    said(f, &["check", "reef", "--max-memory", "80M"], 2, &["dive.png"]);
 }

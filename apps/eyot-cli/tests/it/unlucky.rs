@@ -275,7 +275,8 @@ fn what_an_earlier_run_left_is_named_and_stays() {
     // A report may say anything; only names in this folder count.
     std::fs::write(f.join("kept"), "").unwrap();
     std::fs::write(f.join("out/run.json"), r#"{ "outputs": ["../kept", "/etc/passwd", 3] }"#).unwrap();
-    assert!(!said(f, &args, 0, &[]).contains("earlier run"));
+    let forced = [&args[..], &["--force"]].concat();
+    assert!(!said(f, &forced, 0, &[]).contains("earlier run"));
     // Quiet is quiet.
     assert_eq!(said(f, &[&other[..], &["--quiet"]].concat(), 0, &[]), "");
 }
@@ -296,4 +297,33 @@ fn an_export_that_values_do_not_fit_costs_only_itself() {
     assert!(!std::fs::read_to_string(f.join("out/run.json")).unwrap().contains("height.r16"));
     said(f, &["resume", "out"], 2, &["is finished"]);
     said(f, &["convert", "out", "out/height.r16"], 0, &[]);
+}
+
+/// What lies in the folder and is of no run was put there by somebody.
+#[test]
+fn files_of_others_in_the_folder_are_not_overwritten() {
+    let folder = place();
+    let f = folder.path();
+    std::fs::create_dir(f.join("out")).unwrap();
+    std::fs::write(f.join("out/height.r32"), "mine").unwrap();
+    let args = ["run", "a.toml", "--out", "out", "--set", "rain.steps=1", "--set", "view.enabled=false"];
+    said(f, &args, 2, &["would overwrite `height.r32` in `out`, which is not of a former run", "--force", "--out"]);
+    assert_eq!(std::fs::read(f.join("out/height.r32")).unwrap(), b"mine");
+    assert_eq!(std::fs::read_dir(f.join("out")).unwrap().count(), 1, "something was begun");
+    // A report of another program, and a link, are no more ours.
+    std::fs::rename(f.join("out/height.r32"), f.join("out/run.json")).unwrap();
+    said(f, &args, 2, &["`run.json`"]);
+    std::fs::remove_file(f.join("out/run.json")).unwrap();
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(f.join("nowhere"), f.join("out/terrain.glb")).unwrap();
+        said(f, &args, 2, &["`terrain.glb`"]);
+        std::fs::remove_file(f.join("out/terrain.glb")).unwrap();
+    }
+    std::fs::write(f.join("out/height.r32"), "mine").unwrap();
+    said(f, &[&args[..], &["--force"]].concat(), 0, &[]);
+    // From here on everything is its own, also what one of two recipes leaves alone.
+    said(f, &[&args[..], &["--set", "export.2.enabled=false"]].concat(), 0, &["terrain.glb"]);
+    said(f, &[&args[..], &["--set", "export.2.enabled=false"]].concat(), 0, &["terrain.glb"]);
+    said(f, &args, 0, &[]);
 }

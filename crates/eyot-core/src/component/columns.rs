@@ -137,6 +137,8 @@ impl Columns {
     /// Takes up to `thickness_m` off the top of a cell, hands each piece to `taken`, top first, and returns how much it was.
     pub fn erode(&mut self, cell: usize, thickness_m: f32, mut taken: impl FnMut(Run)) -> f32 {
         let mut left = thickness_m;
+        // Summed, and not what was asked less what is left: that would be off by the rounding of the larger number.
+        let mut sum = 0.0;
         while left > 0.0
             && let Some(top) = self.top(cell)
         {
@@ -149,9 +151,10 @@ impl Columns {
                 self.set(cell, slot, Run { thickness_m: top.thickness_m - left, ..top });
             }
             left -= piece.thickness_m;
+            sum += f64::from(piece.thickness_m);
             taken(piece);
         }
-        thickness_m - left.max(0.0)
+        (sum as f32).min(thickness_m)
     }
 
     /// Gives the runs of a material another one, everywhere, and joins what has become the same.

@@ -1,5 +1,6 @@
 //! Parameters with a schema, and the lines of a registry.
 
+use super::partial::{over, place_defaults};
 use super::{Generator, Process};
 use crate::error::{Error, Result};
 use schemars::{JsonSchema, Schema};
@@ -41,33 +42,28 @@ pub fn schema_of<P: Parameters>() -> Schema {
         .with(|s| s.inline_subschemas = true)
         .into_generator()
         .into_root_schema_for::<P>();
-    // Parameters that several structs share stand in a struct of their own, whose defaults need not be those of `P`.
-    let defaults = defaults_of::<P>();
-    for (name, property) in schema.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten() {
-        if !defaults[name].is_null() {
-            property["default"] = defaults[name].clone();
-        }
-    }
+    // A struct that stands in several places need not have its own defaults there.
+    place_defaults(schema.get_mut("properties"), &defaults_of::<P>());
     schema
 }
 
-/// `P` from a table; what the table leaves out has the default of `P`.
+/// `P` from a table; what the table leaves out has the default that `P` has at that place, at any depth ([`over`]).
 ///
 /// Unknown keys are found here and not by `serde`, which cannot tell them where structs share parameters by `flatten`.
 ///
 /// # Errors
 /// If the table holds something else than the parameters of `P`.
 pub fn parameters_from<P: Parameters>(table: Value) -> Result<P, serde_json::Error> {
-    let (mut all, Value::Object(table)) = (defaults_of::<P>(), table) else {
+    let (usual, Value::Object(table)) = (defaults_of::<P>(), table) else {
         return P::deserialize(Value::Null);
     };
-    if let Some(all) = all.as_object_mut() {
-        if let Some(key) = table.keys().find(|k| !all.contains_key(*k)) {
-            let known: Vec<&str> = all.keys().map(String::as_str).collect();
-            return Err(serde::de::Error::custom(format!("unknown key `{key}`; there are {}", known.join(", "))));
-        }
-        all.extend(table);
+    if let Some(all) = usual.as_object()
+        && let Some(key) = table.keys().find(|k| !all.contains_key(*k))
+    {
+        let known: Vec<&str> = all.keys().map(String::as_str).collect();
+        return Err(serde::de::Error::custom(format!("unknown key `{key}`; there are {}", known.join(", "))));
     }
+    let all = over(&usual, Value::Object(table)).map_err(<serde_json::Error as serde::de::Error>::custom)?;
     serde_json::from_value(all)
 }
 
@@ -78,8 +74,11 @@ pub fn parameters_from<P: Parameters>(table: Value) -> Result<P, serde_json::Err
 /// # Errors
 /// The first such parameter, with its range and its default.
 pub fn check_ranges<P: Parameters>(owner: &str, parameters: &P) -> Result<()> {
-    let schema = schema_of::<P>();
-    let (values, defaults) = (serde_json::to_value(parameters).unwrap_or_default(), defaults_of::<P>());
+    within_ranges(owner, &schema_of::<P>(), &serde_json::to_value(parameters).unwrap_or_default(), &defaults_of::<P>())
+}
+
+/// As [`check_ranges`], compiled once for all structs.
+fn within_ranges(owner: &str, schema: &Schema, values: &Value, defaults: &Value) -> Result<()> {
     let Some(properties) = schema.get("properties").and_then(Value::as_object) else { return Ok(()) };
     for (field, rule) in properties {
         let (value, default) = (&values[field], &defaults[field]);

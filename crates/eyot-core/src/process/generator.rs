@@ -4,6 +4,7 @@ use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::field::Field;
 use crate::grid::{BoundaryCondition, Grid};
+use crate::remedy::Remedy;
 use crate::world::World;
 use std::ops::Range;
 
@@ -127,6 +128,20 @@ pub trait Generator: Send + Sync {
     /// [`Action::bytes_per_cell`](super::Action::bytes_per_cell). Most make their result row by row and hold nothing else.
     fn bytes_per_cell(&self, _grid: &Grid) -> usize {
         size_of::<f32>()
+    }
+
+    /// The cells whose values it could only fill in: 1 for each of them and 0 for the others; `None` if there are none. They are kept
+    /// with the world as the layer [`known::MISSING`](crate::layer::known::MISSING), which exports mark.
+    ///
+    /// # Errors
+    /// As [`Generator::generate`].
+    fn missing(&self, _grid: &Grid) -> Result<Option<Field>> {
+        Ok(None)
+    }
+
+    /// What it can do on this grid and most likely was not meant to, a sentence each with its remedy.
+    fn doubts(&self, _grid: &Grid) -> Vec<Remedy> {
+        Vec::new()
     }
 
     /// Layers that it looks at beside its base.

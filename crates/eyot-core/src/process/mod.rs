@@ -7,14 +7,16 @@ use crate::error::Result;
 use crate::grid::Grid;
 use crate::layer::LayerSpec;
 use crate::plan::Plan;
-use crate::world::World;
+use crate::world::{World, check_clock};
 use std::borrow::Cow;
 
 mod entry;
 mod generator;
+mod partial;
 
 pub use entry::{Entry, Parameters, check_ranges, defaults_of, parameters_from, schema_of};
 pub use generator::{Around, Generator, Reach, Site};
+pub use partial::{LIKE, are_named, over};
 
 /// Seconds of a year, the Julian one.
 pub const SECONDS_PER_YEAR: f64 = 365.25 * 86_400.0;
@@ -49,6 +51,7 @@ impl Moment {
 
 /// What a process does with a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Access {
     /// Looks at it and leaves it as it is.
     Read,
@@ -97,6 +100,11 @@ pub trait Process: Send + Sync {
     /// Adds passes that give the layer `name` of [`Process::layers`] its first values, where a constant will not do. They may
     /// read what is there before this process and the layers that it lists before this one.
     fn start(&self, _name: &str, _moment: &Moment, _plan: &mut Plan) {}
+
+    /// Whether it makes land where there is none, so that nothing before it needs to.
+    fn makes_ground(&self) -> bool {
+        false
+    }
 
     /// Layers that it reads and cannot make itself: something before it has to.
     fn needs(&self) -> Vec<&'static str> {
@@ -159,6 +167,7 @@ pub trait Process: Send + Sync {
 /// On a window of a grid it is given the halo's cells too. It changes those like the others, if it can, and the ledger by what
 /// happened inside the window alone ([`Domain::inside_columns`], [`Domain::inside_rows`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Locality {
     /// A cell depends on nothing but its place and what was there.
     Cell,
@@ -233,6 +242,22 @@ pub fn plan_step(processes: &[Scheduled], local_step: u64, moment: &mut Moment, 
         s.process.advance(moment);
     }
     moment.step += 1;
+}
+
+/// What a moment becomes in a span of steps, without doing any of them.
+///
+/// # Errors
+/// As [`check_clock`], for the first step after which it is beyond its bounds.
+pub fn clock_after(processes: &[Scheduled], mut moment: Moment, span: Span) -> Result<Moment> {
+    for step in span.from..span.from + span.steps {
+        for s in processes.iter().filter(|s| s.is_due(step)) {
+            moment.turn = step / s.every.max(1);
+            s.process.advance(&mut moment);
+        }
+        moment.step += 1;
+        check_clock(moment.step, moment.sea_level_m)?;
+    }
+    Ok(moment)
 }
 
 /// True if a process that is due in this step has an action.

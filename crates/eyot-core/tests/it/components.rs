@@ -185,6 +185,14 @@ proptest! {
 }
 
 #[test]
+fn a_thin_column_gives_no_more_than_it_has() {
+    let mut columns = Columns::new(1, 1, &Limits::default()).unwrap();
+    columns.deposit(0, Run { material: 0, thickness_m: 0.0059672487 }).unwrap();
+    assert_eq!(columns.erode(0, 16.84821, |_| ()), 0.0059672487);
+    assert_eq!(columns.thickness_m(0), 0.0);
+}
+
+#[test]
 fn columns_become_fewer_when_materials_become_the_same() {
     let mut columns = columns();
     columns.replace(2, 1);

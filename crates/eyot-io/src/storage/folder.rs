@@ -15,12 +15,26 @@ pub struct Folder {
     path: PathBuf,
     /// When the disk was last flushed by a thrifty writer, and the time that took.
     flushed: Mutex<Option<(Instant, Duration)>>,
+    /// The folder itself, whatever its name leads to by now.
+    held: Option<File>,
 }
 
 impl Folder {
     /// The folder at `path`, which need not exist before something is written.
     pub fn new(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into(), flushed: Mutex::new(None) }
+        Self { path: path.into(), flushed: Mutex::new(None), held: None }
+    }
+
+    /// The folder at `path`, which exists, and no other one: if it is moved away, or another one or a link to one takes its place,
+    /// nothing more is written. Where the system cannot tell folders apart, as [`Folder::new`].
+    ///
+    /// # Errors
+    /// If it cannot be opened.
+    pub fn held(path: impl Into<PathBuf>) -> Result<Self> {
+        let path = path.into();
+        let name = if path.as_os_str().is_empty() { Path::new(".") } else { &path };
+        let held = if cfg!(unix) { Some(File::open(name).map_err(Error::io(&path, "use the folder"))?) } else { None };
+        Ok(Self { held, ..Self::new(path) })
     }
 
     /// The folder around a file or folder, and the name that this has in it.
@@ -53,6 +67,17 @@ impl Storage for Folder {
         self.path(name)
     }
 
+    fn check(&self) -> Result<()> {
+        match &self.held {
+            Some(held) if !is_at(held, &self.path) => Err(Error::format(
+                &self.path,
+                "the folder was moved, removed or replaced while a run was writing to it",
+                "what the run had written is where the folder is now: continue it there",
+            )),
+            _ => Ok(()),
+        }
+    }
+
     fn open(&self, name: &str) -> io::Result<Blob> {
         let path = self.path(name);
         let metadata = fs::metadata(&path)?;
@@ -73,11 +98,13 @@ impl Storage for Folder {
     }
 
     fn make_group(&self, name: &str) -> Result<()> {
+        self.check()?;
         let path = self.path(name);
         fs::create_dir_all(&path).map_err(Error::io(&path, "make the folder"))
     }
 
     fn write(&self, name: &str, keep: Keep, fill: &mut Fill<'_>) -> Result<()> {
+        self.check()?;
         let path = self.path(name);
         match keep {
             Keep::Lasting => write_atomically(&path, |out| fill(out)),
@@ -92,11 +119,13 @@ impl Storage for Folder {
     }
 
     fn rename(&self, from: &str, to: &str) -> Result<()> {
+        self.check()?;
         let (from, to) = (self.path(from), self.path(to));
         fs::rename(from, &to).map_err(Error::io(&to, "rename to"))
     }
 
     fn remove(&self, name: &str) -> Result<()> {
+        self.check()?;
         let path = self.path(name);
         let removed = match fs::symlink_metadata(&path) {
             Ok(m) if m.is_dir() => fs::remove_dir_all(&path),
@@ -132,6 +161,22 @@ impl Storage for Folder {
     fn tidy(&self, name: &str) {
         remove_leftovers(&self.path(name));
     }
+}
+
+/// True if the name leads to this folder.
+#[cfg(unix)]
+fn is_at(held: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    match (held.metadata(), fs::metadata(path)) {
+        (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
+        _ => false,
+    }
+}
+
+#[cfg(not(unix))]
+fn is_at(_held: &File, path: &Path) -> bool {
+    path.is_dir()
 }
 
 fn write_file(path: &Path, fill: &mut Fill<'_>) -> Result<()> {

@@ -56,6 +56,14 @@ pub trait Storage: Send + Sync + fmt::Debug {
     /// What people may call a blob, for messages.
     fn place(&self, name: &str) -> PathBuf;
 
+    /// Finds out whether what is written still goes where it went at first.
+    ///
+    /// # Errors
+    /// If the place was moved, removed or replaced meanwhile.
+    fn check(&self) -> Result<()> {
+        Ok(())
+    }
+
     /// Opens a blob.
     ///
     /// # Errors

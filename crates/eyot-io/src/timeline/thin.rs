@@ -5,8 +5,8 @@
 
 use super::{Frame, HEADS, Timeline};
 use crate::error::{Error, Result};
-use crate::head::MAX_STEP;
 use crate::storage::{Folder, Keep, Storage, read_bytes, within};
+use eyot_core::MAX_STEP;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

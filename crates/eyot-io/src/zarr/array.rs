@@ -19,6 +19,12 @@ const MAX_RANK: usize = 8;
 const MAX_PIECE_BYTES: u128 = 1 << 30;
 /// Files of an array that are looked for; more would take minutes, whether they are there or not.
 const MAX_PIECES: u128 = 1 << 20;
+/// Bytes of values that are unpacked for any array, and for each byte that is wanted of a larger one: chunks may hold other times,
+/// too, a year of days or three of hours.
+const FREE_WORK_BYTES: u128 = 2 << 30;
+const MAX_WORK: u128 = 1024;
+/// Chunks within shards that are unpacked for any array; more must be no more than its rows and columns have values.
+const FREE_CHUNKS: u128 = 1 << 18;
 /// Pieces up to this size may be far larger than their array.
 const FREE_PIECE_BYTES: u128 = 32 << 20;
 /// Larger ones may hold this many times their part of the array.
@@ -158,15 +164,26 @@ impl Array {
         self.folder.join(self.key_of(at))
     }
 
-    /// Refuses arrays whose rows and columns lie in too many files.
+    /// Refuses arrays whose rows and columns lie in too many files, or in so many or so large chunks that unpacking them would take
+    /// far more work than there are values.
     pub(crate) fn check_pieces(&self) -> Result<()> {
-        let sizes = self.shape.iter().zip(&self.piece).rev().take(2);
-        let pieces: u128 = sizes.map(|(s, p)| u128::from(s.div_ceil(*p))).product();
-        if pieces <= MAX_PIECES {
-            return Ok(());
+        let sizes = || self.shape.iter().zip(&self.piece).rev().take(2);
+        let pieces: u128 = sizes().map(|(s, p)| u128::from(s.div_ceil(*p))).product();
+        if pieces > MAX_PIECES {
+            let problem =
+                format!("chunks of {:?} make {pieces} files of it, at most {MAX_PIECES} are read", self.piece);
+            return Err(Error::format(&self.folder, problem, "write it again with larger chunks or in shards"));
         }
-        let problem = format!("chunks of {:?} make {pieces} files of it, at most {MAX_PIECES} are read", self.piece);
-        Err(Error::format(&self.folder, problem, "write it again with larger chunks or in shards"))
+        let size = self.sample.bytes() as u128;
+        let wanted: u128 = sizes().map(|(s, _)| u128::from(*s)).product();
+        let work = pieces * self.piece.iter().map(|&n| u128::from(n)).product::<u128>() * size;
+        let chunks = pieces * self.codecs.chunks(&self.piece);
+        if work > FREE_WORK_BYTES.max(MAX_WORK * wanted * size) || chunks > FREE_CHUNKS.max(wanted) {
+            let problem = format!("{} MiB in {chunks} chunks would be unpacked for {wanted} values", work >> 20);
+            let remedy = "write it again in chunks of rows and columns, of one time each";
+            return Err(Error::format(&self.folder, problem, remedy));
+        }
+        Ok(())
     }
 
     /// Bytes of the file of a piece, 0 if it was never written.

@@ -73,6 +73,15 @@ impl Codec {
 }
 
 impl Codecs {
+    /// Chunks in a piece of this shape.
+    pub(super) fn chunks(&self, piece: &[u64]) -> u128 {
+        let within = |c: &Codec| match c {
+            Codec::Sharding(s) => piece.iter().zip(&s.chunk).map(|(p, c)| u128::from(p / c)).product(),
+            _ => 1,
+        };
+        self.chain.iter().map(within).max().unwrap_or(1)
+    }
+
     /// The bytes of the values of a piece.
     pub(super) fn decode(
         &self,

@@ -186,8 +186,8 @@ fn hostile_headers_are_refused_before_anything_is_allocated() {
         let e = attack(&|h| h["layers"][0]["name"] = json!(name));
         assert!(e.contains("a layer is called"), "{name}: {e}");
     }
-    assert!(attack(&|h| h["step"] = json!(1_000_000_000_000_000_000u64)).contains("no run comes to step"));
-    assert!(attack(&|h| h["sea_level_m"] = json!(1e308)).contains("with the sea at 1000"));
+    assert!(attack(&|h| h["step"] = json!(1_000_000_000_000_000_000u64)).contains("a world goes up to step"));
+    assert!(attack(&|h| h["sea_level_m"] = json!(1e308)).contains("the sea would stand at 1000"));
     // A length that no file has.
     let mut bytes = whole.clone();
     bytes[12..20].copy_from_slice(&u64::MAX.to_le_bytes());
@@ -203,4 +203,26 @@ fn numbers_that_json_cannot_carry_stop_the_save_and_leave_the_former_file() {
     world.ledger.add("water.rain", f64::NAN, "m3", "", 1);
     assert!(save(&path, &world, "", &Value::Null).unwrap_err().to_string().contains("former one is unharmed"));
     assert_eq!(std::fs::read(&path).unwrap(), before);
+}
+
+#[test]
+fn what_may_be_written_may_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, mut world) = saved(folder.path());
+    let before = std::fs::read(&path).unwrap();
+    let refuse = |change: fn(&mut World)| {
+        let mut bad = world.clone();
+        change(&mut bad);
+        let e = save(&path, &bad, "", &Value::Null).unwrap_err().to_string();
+        assert_eq!(std::fs::read(&path).unwrap(), before, "{e}");
+        e
+    };
+    assert!(refuse(|w| w.sea_level_m = 12000.1).contains("the sea would stand at 12000.1 m"));
+    assert!(refuse(|w| w.sea_level_m = f64::NAN).contains("the former one is unharmed"));
+    assert!(refuse(|w| w.step = eyot_core::MAX_STEP + 1).contains("281474976710657"));
+    let long = |w: &mut World| w.components.insert(&"n".repeat(300), Numbers(Vec::new()));
+    assert!(refuse(long).contains("a name that is too long"));
+    (world.step, world.sea_level_m) = (eyot_core::MAX_STEP, -12000.0);
+    save(&path, &world, "", &Value::Null).unwrap();
+    assert_eq!(load(&path, &Limits::default()).unwrap().world, world);
 }

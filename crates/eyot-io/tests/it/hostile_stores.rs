@@ -148,3 +148,42 @@ fn pipes_folders_and_loops_are_no_chunks() {
     std::os::unix::fs::symlink("0", &chunk).unwrap();
     assert!(open(&path).unwrap_err().to_string().contains("leads to itself"));
 }
+
+/// A megabyte of them would keep a processor busy for half a minute, a gigabyte for hours.
+#[test]
+fn chunks_that_hold_far_more_than_is_wanted_are_not_unpacked() {
+    let f = Fixture::new();
+    // Eight million times of each cell, of which the last is wanted.
+    let deep = |codecs: &Value| store(&f, json!([8_000_000, 32, 32]), json!([8_000_000, 1, 1]), codecs.clone(), None);
+    refused(&deep(&plain()), "31250 MiB in 1024 chunks would be unpacked for 1024 values");
+    // As many in one shard, in chunks of a value.
+    let side = json!([1024, 1024, 8]);
+    let path = store(&f, json!([1024, 1024, 8]), side, shards(json!([1, 1, 1]), &plain()), None);
+    refused(&path, "8388608 chunks would be unpacked for 8192 values");
+    // A year of days is usual.
+    assert!(read(&store(&f, json!([365, 64, 64]), json!([365, 16, 16]), plain(), None)).is_ok());
+    assert!(read(&store(&f, json!([64, 64]), json!([64, 64]), shards(json!([1, 1]), &plain()), None)).is_ok());
+}
+
+/// Opening one would wait for somebody to write to it.
+#[cfg(unix)]
+#[test]
+fn pipes_are_refused_before_they_are_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("f.npy");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    if !made.is_ok_and(|s| s.success()) {
+        return;
+    }
+    let (sender, done) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let limits = eyot_core::Limits::default();
+        let said = [
+            eyot_io::layer_names(&pipe).unwrap_err().to_string(),
+            read_raster(&pipe, &ReadOptions::default(), &limits).unwrap_err().to_string(),
+        ];
+        sender.send(said)
+    });
+    let said = done.recv_timeout(std::time::Duration::from_secs(20)).expect("it waits for the pipe");
+    assert!(said.iter().all(|s| s.contains("no ordinary file")), "{said:?}");
+}

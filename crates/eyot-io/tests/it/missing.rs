@@ -49,3 +49,57 @@ fn other_formats_hold_the_filled_values() {
     let back = through(&raster, &folder.path().join("a.npy"), RasterFormat::Npy);
     assert_eq!((back.missing, back.field), (None, raster.field));
 }
+
+/// What cannot be seen is no height: painters cut coasts out like this.
+#[test]
+fn transparent_cells_of_a_png_are_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    for wide in [1, 2] {
+        let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 3, 2);
+        encoder.set_color(png::ColorType::GrayscaleAlpha);
+        encoder.set_depth(if wide == 2 { png::BitDepth::Sixteen } else { png::BitDepth::Eight });
+        // A height and how much of it is seen, six times.
+        let cells = [(10, 255), (10, 0), (10, 1), (30, 255), (200, 0), (30, 128)];
+        let bytes: Vec<u8> = cells.iter().flat_map(|&(v, a)| [[v].repeat(wide), [a].repeat(wide)].concat()).collect();
+        encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
+        let options = ReadOptions { low_m: Some(0.0), high_m: Some(255.0), ..ReadOptions::default() };
+        let raster = read_raster(&path, &options, &Limits::default()).unwrap();
+        assert_eq!(raster.missing, Some(vec![false, true, false, false, true, false]));
+        assert!(raster.field.get(1, 1) < 31.0, "the value of a hidden cell counts");
+    }
+}
+
+/// A file that GDAL has written (`tests/gis/make.py`).
+fn foreign(name: &str, options: &ReadOptions) -> Result<Raster, String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gis").join(name);
+    read_raster(&path, options, &Limits::default()).map_err(|e| e.to_string())
+}
+
+#[test]
+fn a_mask_inside_the_file_marks_cells() {
+    let raster = foreign("masked.tif", &ReadOptions::default()).unwrap();
+    let corner: Vec<bool> = (0..120).map(|i| i % 12 < 3 && i / 12 < 2).collect();
+    assert_eq!(raster.missing, Some(corner));
+    assert_eq!((raster.field.get(3, 0), raster.suspect()), (115.0, None));
+}
+
+#[test]
+fn one_of_several_bands_is_read() {
+    let of = |band| foreign("bands.tif", &ReadOptions { band, ..ReadOptions::default() });
+    assert!(of(None).unwrap_err().contains("2 bands"));
+    assert!(of(Some(0)).is_err() && of(Some(3)).is_err());
+    assert_eq!(of(Some(1)).unwrap().field.min_max(), (7.0, 7.0));
+    assert_eq!(of(Some(2)).unwrap().field.min_max(), (100.0, 182.0));
+}
+
+#[test]
+fn numbers_that_usually_mark_missing_cells_are_suspect_until_they_do() {
+    let of = |name, nodata| foreign(name, &ReadOptions { nodata, ..ReadOptions::default() }).unwrap();
+    assert_eq!(of("untagged.tif", None).suspect(), Some((-9999.0, 6)));
+    assert_eq!(of("beyond.tif", None).suspect(), Some((f32::MIN, 6)));
+    for (name, mark) in [("untagged.tif", -9999.0), ("beyond.tif", -3.4028235e38)] {
+        let said = of(name, Some(mark));
+        assert_eq!((said.filled(), said.suspect()), (6, None), "{name}");
+    }
+}

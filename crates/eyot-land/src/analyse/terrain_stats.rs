@@ -31,9 +31,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TerrainOptions {
-    /// Area that must drain through a cell to make it a channel. Default: 600 cells, which lies between the 1 km2 at 30 m
-    /// and the 5 km2 at 90 m of the reference table. Smaller gives more and shorter first-order streams; the drainage
-    /// density follows it almost alone.
+    /// Area that must drain through a cell to make it a channel. Default: [`TerrainOptions::default_channel_area_m2`]. Smaller gives
+    /// more and shorter first-order streams; the drainage density follows it almost alone, so that only densities with
+    /// one area compare.
     #[schemars(extend("unit" = "m2"))]
     pub channel_area_m2: Option<f64>,
     /// Smallest area in the slope-area fit. Default: a fifth of the channel area. Too small lets hillslopes in, whose
@@ -64,6 +64,14 @@ impl Default for TerrainOptions {
 }
 
 impl TerrainOptions {
+    /// Area that makes a channel if none is given, m2: that of 600 cells if the map had 512 x 512 of them, so that a map on a finer or a
+    /// coarser grid keeps it; at least that of 10 cells.
+    ///
+    /// On maps of 512 cells it lies between the 1 km2 at 30 m and the 5 km2 at 90 m of the reference table.
+    pub fn default_channel_area_m2(grid: &Grid) -> f64 {
+        grid.cell_area_m2() * (grid.cells() as f64 * 600.0 / (512.0 * 512.0)).max(10.0)
+    }
+
     fn check(&self) -> Result<()> {
         let bad = |field: &str, reason: String| {
             Err(Error::BadParameter { owner: "terrain_stats".into(), field: field.into(), reason })
@@ -228,7 +236,7 @@ pub fn terrain_stats(
     let base = Base { closed_rims: true, sea_level_m, mask: None };
     let outlets = outlets(&height.to_vec(), grid, &base)?;
     let cell_area_m2 = grid.cell_area_m2();
-    let channel_area_m2 = options.channel_area_m2.unwrap_or(600.0 * cell_area_m2);
+    let channel_area_m2 = options.channel_area_m2.unwrap_or_else(|| TerrainOptions::default_channel_area_m2(grid));
     let mut stats = TerrainStats {
         cells: grid.cells() as u64,
         land_share: land_cells as f64 / grid.cells() as f64,
@@ -276,7 +284,8 @@ pub fn terrain_stats(
     stats.horton_bifurcation = ratios.map(|r| r.bifurcation);
     stats.horton_length = ratios.map(|r| r.length);
     stats.horton_area = ratios.map(|r| r.area);
-    let channels_m: f64 = water.streams.iter().map(|s| s.length_m).sum();
+    // An empty sum is -0.
+    let channels_m = water.streams.iter().fold(0.0, |sum, s| sum + s.length_m);
     stats.drainage_density_per_km = finite(1000.0 * channels_m / (land_cells as f64 * cell_area_m2));
     Ok(stats)
 }

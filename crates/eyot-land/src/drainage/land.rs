@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// How water goes from cell to cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum RoutingRule {
     /// To the steepest one of the eight neighbours.
     #[default]

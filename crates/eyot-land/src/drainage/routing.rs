@@ -28,6 +28,7 @@ pub struct Routing {
 
 /// How water crosses flats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FlatRule {
     /// Away from higher ground and towards the lower edge, so that it gathers in the middle.
     #[default]

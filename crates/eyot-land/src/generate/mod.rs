@@ -28,6 +28,7 @@ mod ridged;
 pub mod smooth;
 mod subdivide;
 mod terraces;
+mod volcanic_island;
 pub mod warp;
 pub mod worley;
 
@@ -50,6 +51,7 @@ pub use remap::Remap;
 pub use ridged::Ridged;
 pub use smooth::Smooth;
 pub use terraces::Terraces;
+pub use volcanic_island::VolcanicIsland;
 pub use warp::Warp;
 pub use worley::Worley;
 
@@ -101,6 +103,11 @@ pub const GENERATORS: &[Entry<dyn Generator>] = &[
     ),
     Entry::<dyn Generator>::generator::<Smooth>("smooth", about!("smooth.rs"), &[]),
     Entry::<dyn Generator>::generator::<Terraces>("terraces", about!("terraces.rs"), &[]),
+    Entry::<dyn Generator>::generator::<VolcanicIsland>(
+        "volcanic_island",
+        about!("volcanic_island/mod.rs"),
+        &["macdonald1983", "moore1989", "ramalho2013"],
+    ),
     Entry::<dyn Generator>::generator::<Warp>("warp", about!("warp.rs"), &["ebert2003"]),
     Entry::<dyn Generator>::generator::<Worley>("worley", about!("worley.rs"), &["worley1996"]),
 ];

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 /// How a curve runs from point to point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Curve {
     /// Straight.
     Linear,

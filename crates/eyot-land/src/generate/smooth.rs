@@ -34,6 +34,7 @@ const BAND: usize = 128;
 /// What smooths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Kernel {
     /// A Gaussian of any width, in metres or cells.
     #[default]

@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 /// How a layer is read between its cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Interpolation {
     /// From the nearest 2x2 cells.
     Linear,

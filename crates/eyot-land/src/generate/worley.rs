@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 /// Which distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Distance {
     /// To the nearest point: round pits, sharp ridges between them.
     F1,

@@ -29,6 +29,7 @@ use serde::{Deserialize, Serialize};
 /// What becomes of depressions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Depressions {
     /// They stay, as lakes.
     #[default]

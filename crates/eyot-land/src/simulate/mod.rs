@@ -4,6 +4,7 @@
 
 pub mod drainage;
 pub mod hydraulic;
+pub mod motu;
 pub mod reef;
 pub mod seabed;
 pub mod streampower;
@@ -15,6 +16,7 @@ use eyot_core::{Centering, LayerSpec, about};
 
 pub use drainage::Drainage;
 pub use hydraulic::Hydraulic;
+pub use motu::Motu;
 pub use reef::Reef;
 pub use seabed::Seabed;
 pub use streampower::Streampower;
@@ -27,6 +29,7 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Thermal>("thermal", about!("thermal.rs"), &["musgrave1989", "olsen2004"]),
     Entry::<dyn Process>::process::<Seabed>("seabed", about!("seabed.rs"), &[]),
     Entry::<dyn Process>::process::<Reef>("reef", about!("reef.rs"), &["bosscher1992", "darwin1842", "meyer2014"]),
+    Entry::<dyn Process>::process::<Motu>("motu", about!("motu.rs"), &["mclean1994", "kench2005"]),
     Entry::<dyn Process>::process::<Drainage>(
         "drainage",
         about!("drainage.rs"),

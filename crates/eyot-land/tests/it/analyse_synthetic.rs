@@ -276,3 +276,25 @@ fn sizes_that_differ_are_refused() {
         assert!(matches!(e, eyot_core::Error::Shape { .. }) && e.to_string().contains("48"), "{e}");
     }
 }
+
+/// What makes a channel is an area of the map, not a number of cells.
+#[test]
+fn coarse_and_fine_maps_of_a_land_have_channels_from_one_area_on() {
+    let of = |n: usize, options: &TerrainOptions| {
+        let g = Grid::new(n, n, 5120.0 / n as f64, Boundary::CLOSED, &Limits::default()).unwrap();
+        // Valleys 640 m apart that fall to the south.
+        let z = Field::from_fn(n, n, |x, y| {
+            let [x, y] = [x, y].map(|i| (i as f32 + 0.5) / n as f32);
+            400.0 - 300.0 * y + 160.0 * (x * 8.0 - (x * 8.0).round()).abs()
+        });
+        terrain_stats(&z, &g, None, options, &Limits::default()).unwrap()
+    };
+    let plain = TerrainOptions::default();
+    let (coarse, fine) = (of(64, &plain), of(256, &plain));
+    assert_eq!(coarse.channel_area_m2, 600.0 * 100.0);
+    assert_eq!(fine.channel_area_m2, 600.0 * 100.0);
+    let (a, b) = (coarse.drainage_density_per_km.unwrap(), fine.drainage_density_per_km.unwrap());
+    assert!(a > 0.5 && (a / b - 1.0).abs() < 0.25, "{a} and {b} per km");
+    let none = of(64, &TerrainOptions { channel_area_m2: Some(1e9), ..plain });
+    assert!(none.drainage_density_per_km.is_some_and(|d| d == 0.0 && d.is_sign_positive()), "no channel is 0, not -0");
+}

@@ -10,6 +10,8 @@
 //! | `mask_noise` | here, `generate_filters` | none: cut off at 0 and 1 | here | here | - | here |
 //! | `warp` | moves what is there (`generate_shapes`) | - | `generate_noise` | `generate_noise` | - | `generate_noise` |
 //!
+//! `volcanic_island` draws forms and not noise: `islands` holds its seeds against each other.
+//!
 //! The others compute what a formula says, cell by cell, and are held against it: [`BY_FORMULA`].
 use crate::common;
 
@@ -34,7 +36,7 @@ struct Case {
 }
 
 /// Generators without lots, and the tests that compare each with its formula.
-const BY_FORMULA: [(&str, &str, &str); 15] = [
+const BY_FORMULA: [(&str, &str, &str); 16] = [
     ("breach", include_str!("generate_drainage.rs"), "breach_cuts_within_its_bounds_and_fills_the_rest"),
     ("cone", include_str!("generate_shapes.rs"), "cone_is_the_formula"),
     ("constant", include_str!("generate_shapes.rs"), "ramp_and_constant"),
@@ -49,6 +51,7 @@ const BY_FORMULA: [(&str, &str, &str); 15] = [
     ("remap", include_str!("generate_filters.rs"), "curves_pass_through_their_points_and_never_overshoot"),
     ("smooth", include_str!("generate_shapes.rs"), "smoothing_one_cell_gives_a_round_gaussian"),
     ("terraces", include_str!("generate_filters.rs"), "terraces_are_level_and_keep_the_order"),
+    ("volcanic_island", include_str!("islands.rs"), "twelve_seeds_are_twelve_islands"),
     ("warp", include_str!("generate_shapes.rs"), "warp_moves_and_does_not_make"),
 ];
 

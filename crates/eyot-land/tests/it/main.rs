@@ -18,6 +18,8 @@ mod generate_sources;
 mod generate_windows;
 mod hydraulic_conservation;
 mod hydraulic_waves;
+mod islands;
+mod motu;
 mod reef;
 mod streampower;
 mod symmetry;

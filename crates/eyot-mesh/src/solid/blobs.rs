@@ -61,6 +61,7 @@ impl Primitive {
 
 /// What becomes of primitives that overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Blend {
     /// Their values add up; bodies swell.
     Sum,

@@ -42,6 +42,7 @@ use std::ops::Range;
 /// Which noise is summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Basis {
     /// Triangles: the same in all directions. One octave's standard deviation is 0.54 of the bound.
     #[default]
@@ -63,6 +64,7 @@ pub enum Basis {
 
 /// How octaves are put together.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Sum {
     /// Plain weighted sum, within -1..=1.
     Fbm,
@@ -240,32 +242,16 @@ struct Row<'a> {
     out: &'a mut [[f32; WIDTH]],
 }
 
-/// The constant choices of a row are parameters of its type, so that its loop contains no choice.
-struct Task<'a, K, const TORUS: bool, const SUM: u8, const WARPED: bool>(Row<'a>, PhantomData<K>);
-
-/// Values of the parameter `SUM`.
-const FBM: u8 = 0;
-const BILLOW: u8 = 1;
-const RIDGED: u8 = 2;
+/// The lattice is a parameter of the type, so that the long part of the loop contains no choice. How octaves are summed and whether
+/// the place is displaced is asked once a block: as parameters they would make six programs of each, for no gain in speed.
+struct Task<'a, K, const TORUS: bool>(Row<'a>, PhantomData<K>);
 
 impl<'a> Row<'a> {
     fn of<K: Kernel>(self, isa: Isa) {
-        if self.octave.wraps() { self.on::<K, true>(isa) } else { self.on::<K, false>(isa) }
-    }
-
-    fn on<K: Kernel, const TORUS: bool>(self, isa: Isa) {
-        match self.sum {
-            Sum::Fbm => self.go::<K, TORUS, FBM>(isa),
-            Sum::Billow => self.go::<K, TORUS, BILLOW>(isa),
-            Sum::Ridged(_) => self.go::<K, TORUS, RIDGED>(isa),
-        }
-    }
-
-    fn go<K: Kernel, const TORUS: bool, const SUM: u8>(self, isa: Isa) {
-        if self.shift.is_some() {
-            Task::<'a, K, TORUS, SUM, true>(self, PhantomData).go(isa);
+        if self.octave.wraps() {
+            Task::<'a, K, true>(self, PhantomData).go(isa);
         } else {
-            Task::<'a, K, TORUS, SUM, false>(self, PhantomData).go(isa);
+            Task::<'a, K, false>(self, PhantomData).go(isa);
         }
     }
 }
@@ -273,6 +259,7 @@ impl<'a> Row<'a> {
 /// What stays the same along a piece.
 #[derive(Clone, Copy)]
 struct Constants {
+    sum: Sum,
     per_metre: [[f32; 2]; 2],
     scale: f32,
     weight: f32,
@@ -281,35 +268,35 @@ struct Constants {
 
 /// Adds one octave to `sum`; the place is that of a block plus `ramp` plus a displacement.
 #[inline(always)]
-fn cell<R: Real, K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool>(
+fn cell<R: Real, K: Kernel, const TORUS: bool>(
     o: &Octave,
     place: [i64; 2],
     ramp: [R; 2],
-    shift: [R; 2],
+    shift: Option<[R; 2]>,
     c: Constants,
     memory: R,
     sum: R,
 ) -> (R, R) {
     let ((iu, fu), (iv, fv)) = (Octave::split(place[0]), Octave::split(place[1]));
     let (mut u, mut v) = (R::of(fu) + ramp[0], R::of(fv) + ramp[1]);
-    if WARPED {
-        u = u + (shift[0] * R::of(c.per_metre[0][0]) + shift[1] * R::of(c.per_metre[0][1]));
-        v = v + (shift[0] * R::of(c.per_metre[1][0]) + shift[1] * R::of(c.per_metre[1][1]));
+    if let Some([dx, dy]) = shift {
+        u = u + (dx * R::of(c.per_metre[0][0]) + dy * R::of(c.per_metre[0][1]));
+        v = v + (dx * R::of(c.per_metre[1][0]) + dy * R::of(c.per_metre[1][1]));
     }
     let n = K::at::<R, TORUS>(o, [iu, iv], u, v) * R::of(c.scale);
-    if SUM == RIDGED {
-        let edge = R::of(1.0) - n.abs();
-        let signal = edge * edge * memory;
-        let memory = (signal * R::of(c.sharpness)).clamp(R::of(0.0), R::of(1.0));
-        (sum + signal * R::of(c.weight), memory)
-    } else if SUM == BILLOW {
-        (sum + (n.abs() + n.abs() - R::of(1.0)) * R::of(c.weight), memory)
-    } else {
-        (sum + n, memory)
+    match c.sum {
+        Sum::Ridged(_) => {
+            let edge = R::of(1.0) - n.abs();
+            let signal = edge * edge * memory;
+            let memory = (signal * R::of(c.sharpness)).clamp(R::of(0.0), R::of(1.0));
+            (sum + signal * R::of(c.weight), memory)
+        }
+        Sum::Billow => (sum + (n.abs() + n.abs() - R::of(1.0)) * R::of(c.weight), memory),
+        Sum::Fbm => (sum + n, memory),
     }
 }
 
-impl<K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool> Task<'_, K, TORUS, SUM, WARPED> {
+impl<K: Kernel, const TORUS: bool> Task<'_, K, TORUS> {
     fn go(self, isa: Isa) {
         match isa {
             Isa::Scalar => self.one_by_one(),
@@ -326,7 +313,7 @@ impl<K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool> Task<'_, K
             Sum::Billow => (o.scale, 0.0),
             Sum::Ridged(sharpness) => (o.scale, sharpness),
         };
-        Constants { per_metre: o.per_metre, scale, weight: o.weight, sharpness }
+        Constants { sum: self.0.sum, per_metre: o.per_metre, scale, weight: o.weight, sharpness }
     }
 
     /// The reference: the same function, one cell at a time.
@@ -337,19 +324,15 @@ impl<K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool> Task<'_, K
         for (b, (memory, out)) in memory.iter_mut().zip(out).enumerate() {
             for lane in 0..WIDTH {
                 let ramp = o.stride.map(|s| lane as f32 * s);
-                let shift = match shift {
-                    Some([dx, dy]) => [dx[b][lane], dy[b][lane]],
-                    None => [0.0; 2],
-                };
-                (out[lane], memory[lane]) =
-                    cell::<f32, K, TORUS, SUM, WARPED>(o, place, ramp, shift, c, memory[lane], out[lane]);
+                let shift = shift.map(|[dx, dy]| [dx[b][lane], dy[b][lane]]);
+                (out[lane], memory[lane]) = cell::<f32, K, TORUS>(o, place, ramp, shift, c, memory[lane], out[lane]);
             }
             place = o.east(place, WIDTH as i64);
         }
     }
 }
 
-impl<K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool> LaneTask for Task<'_, K, TORUS, SUM, WARPED> {
+impl<K: Kernel, const TORUS: bool> LaneTask for Task<'_, K, TORUS> {
     type Out = ();
 
     #[inline(always)]
@@ -359,17 +342,15 @@ impl<K: Kernel, const TORUS: bool, const SUM: u8, const WARPED: bool> LaneTask f
         let mut place = o.place(x, y);
         let ramp = [L::index() * L::of(o.stride[0]), L::index() * L::of(o.stride[1])];
         for b in 0..out.len().min(memory.len()) {
+            // No closure: the compiler would not build it for the instruction set.
             let shift = match shift {
-                Some([dx, dy]) if WARPED => [L::from_array(dx[b]), L::from_array(dy[b])],
-                _ => [L::of(0.0); 2],
+                Some([dx, dy]) => Some([L::from_array(dx[b]), L::from_array(dy[b])]),
+                None => None,
             };
-            let weights = if SUM == RIDGED { L::from_array(memory[b]) } else { L::of(0.0) };
             let sum = L::from_array(out[b]);
-            let (sum, weights) = cell::<L, K, TORUS, SUM, WARPED>(o, place, ramp, shift, c, weights, sum);
+            let (sum, weights) = cell::<L, K, TORUS>(o, place, ramp, shift, c, L::from_array(memory[b]), sum);
             out[b] = sum.to_array();
-            if SUM == RIDGED {
-                memory[b] = weights.to_array();
-            }
+            memory[b] = weights.to_array();
             place = o.east(place, WIDTH as i64);
         }
     }

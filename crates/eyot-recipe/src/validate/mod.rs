@@ -9,13 +9,16 @@ use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
 use crate::registry::Registry;
 use crate::set;
-use eyot_core::process::{Parameters, schema_of};
+use eyot_core::process::{Parameters, parameters_from, schema_of};
 use eyot_core::remedy;
 use eyot_core::remedy::{Setting, Worded};
 use eyot_core::{Boundary, Error, Georeference, Grid, LayerSpec, Limits};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
+
+/// Bytes of a file name: 255 on every system, less what the description of a file adds to it.
+const MAX_FILE_NAME: usize = 250;
 
 /// Checks a document. Files whose texts are known already are not read.
 pub(crate) fn recipe(
@@ -58,6 +61,7 @@ pub(crate) fn recipe(
     exports.extend(v.presets(&overrides.presets, &exports));
     let view = doc.get("view").map(|n| v.keys_of::<View>(n, "view", &[])).unwrap_or_default();
     v.memory(&doc, grid, &steps, &exports, &view);
+    v.clock(&doc, grid, document.sea_level, &steps);
     let (out, texts) = (v.out, v.texts);
     if !out.is_empty() {
         return Err(Problems::new(sources, out));
@@ -72,9 +76,25 @@ pub(crate) fn recipe(
     if name.is_empty() {
         name = Path::new(&source.name).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned());
     }
-    Ok(Recipe { name, about, seed, grid, georeference, sea_level_m, steps, exports, view, source, overrides, texts })
+    let document = doc.to_json();
+    Ok(Recipe {
+        name,
+        about,
+        seed,
+        grid,
+        georeference,
+        sea_level_m,
+        steps,
+        exports,
+        view,
+        source,
+        overrides,
+        texts,
+        document,
+    })
 }
 
+mod clock;
 pub(crate) mod rules;
 mod steps;
 pub(crate) mod terms;
@@ -111,7 +131,7 @@ impl Validator<'_> {
             return T::default();
         }
         let own = without(node, elsewhere);
-        serde_json::from_value(own).unwrap_or_else(|e| {
+        parameters_from(own).unwrap_or_else(|e| {
             self.out.push(Diagnostic::at(node.span.clone(), format!("`{owner}`: {e}"), "here"));
             T::default()
         })
@@ -295,6 +315,12 @@ impl Validator<'_> {
                 );
             }
             self.export_keys(item, &export);
+            let longest = export.files().into_iter().max_by_key(String::len).filter(|f| f.len() > MAX_FILE_NAME);
+            if let Some(file) = longest {
+                let message = format!("a file name of {} bytes is too long: there can be {MAX_FILE_NAME}", file.len());
+                let help = "choose a shorter `prefix`";
+                self.out.push(Diagnostic::at(place("prefix"), message, "this prefix").help(help));
+            }
             for file in export.files().into_iter().filter(|_| export.enabled) {
                 if !files.insert(file.clone()) {
                     let message = format!("two exports would write `{file}`");

@@ -7,9 +7,10 @@ use crate::keys::{self, Names, Schedule};
 use crate::merge::Merge;
 use crate::node::{Kind, Node};
 use crate::recipe::{Actor, GenerateStep, ProcessUse, SimulateStep, Step, Work};
-use crate::registry::{DOCUMENT_KEYS, GENERATE_KEYS, SCHEDULE_KEYS, SIMULATE_KEYS};
+use crate::registry::{DOCUMENT_KEYS, GENERATE_KEYS, Registry, SCHEDULE_KEYS, SIMULATE_KEYS};
 use crate::texts;
 use eyot_core::LayerSpec;
+use eyot_core::layer::known;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use eyot_core::remedy;
 use eyot_core::remedy::{Action, Setting, Worded};
@@ -174,6 +175,11 @@ impl Validator<'_> {
         if keys.enabled && !self.layers.contains(&keys.layer) {
             self.layers.push(keys.layer.clone());
         }
+        let marks =
+            keys.enabled && keys.layer == known::HEIGHT.name && !self.layers.iter().any(|l| *l == known::MISSING.name);
+        if marks && self.grid.is_some_and(|g| generator.missing(&g).is_ok_and(|m| m.is_some())) {
+            self.layers.push(known::MISSING.name.into_owned());
+        }
         let merge = keys.merge.unwrap_or(if generator.is_filter() { Merge::Set } else { Merge::Add });
         let work = GenerateStep {
             entry,
@@ -199,6 +205,8 @@ impl Validator<'_> {
         if entry.is_none() {
             let help = if self.registry.process(name).is_some() {
                 format!("`{name}` is a process: write simulate = [\"{name}\"]")
+            } else if let Some(help) = value_of_another(self.registry, name) {
+                help
             } else {
                 suggestion(name, self.registry.generator_names().collect(), "eyot list")
             };
@@ -433,6 +441,24 @@ fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
     let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
     let help = remedy![Action::Describe(owner.to_owned()), " says what its parameters mean"];
     Diagnostic::at(span, e.sentence(), "this does not work").help(help)
+}
+
+/// What to write if `name` is no generator but one of the choices of a generator's parameter.
+fn value_of_another(registry: &Registry, name: &str) -> Option<String> {
+    let found: Vec<(&str, String)> = registry
+        .generators()
+        .iter()
+        .filter_map(|e| {
+            let schema = (e.schema)().to_value();
+            let takes = |p: &Value| check::choices(p).is_some_and(|all| all.contains(&name));
+            let key = schema["properties"].as_object()?.iter().find(|(_, p)| takes(p)).map(|(key, _)| key.clone())?;
+            Some((e.name, key))
+        })
+        .collect();
+    // Many generators take the bases of noise; this is the plain one.
+    let (first, key) = found.iter().find(|(generator, _)| *generator == "fbm").or(found.first())?;
+    let generators = alternatives(found.iter().map(|(generator, _)| *generator));
+    Some(format!("`{name}` is a value of `{key}` of {generators}: write generate = \"{first}\" and {key} = \"{name}\""))
 }
 
 fn suggestion(name: &str, known: Vec<&str>, command: &str) -> String {

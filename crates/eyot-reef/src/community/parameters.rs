@@ -301,6 +301,7 @@ pub struct HeatRules {
 /// What decides over bleaching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Stress {
     /// The mean excess over a threshold, with the limits of each species.
     #[default]

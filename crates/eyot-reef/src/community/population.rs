@@ -20,6 +20,8 @@ const ALGA: usize = 6;
 /// Bytes of an individual in version 2.
 const COLONY_BYTES: u64 = 8 + 1 + 4 + 4 * (7 + RAYS as u64);
 const ALGA_BYTES: u64 = 8 + 4 + 4 * 4;
+/// Far higher than any alga grows, m.
+const MAX_ALGA_M: f32 = 1e6;
 /// Whole numbers beyond this are not exact.
 const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
 
@@ -85,18 +87,24 @@ impl Population {
         if self.month.max(self.next_id) as f64 >= MAX_EXACT {
             return Err(format!("month {} and individual {}, which no reef comes to", self.month, self.next_id));
         }
+        // Dates before this month would all be made up for, one after the other.
+        if self.calendars.iter().any(|[next, shrunk]| *next < self.month as f64 || !(0.0..=1.0).contains(shrunk)) {
+            return Err(format!("disturbances before month {}, or at no interval", self.month));
+        }
         for (c, rays) in self.colonies.iter().zip(&self.rays) {
             let longest = rays.iter().copied().fold(0.0, f32::max);
             let sound = finite(rays)
-                && finite(&[c.x, c.y, c.radius, c.light, c.vigour, c.calcified_kg])
-                && (0.0..=1.0).contains(&c.bleaching)
+                && finite(&[c.x, c.y, c.radius, c.calcified_kg])
+                && [c.bleaching, c.light, c.vigour].iter().all(|share| (0.0..=1.0).contains(share))
                 && rays.iter().all(|r| *r >= 0.0)
                 && (mean(rays) - c.radius).abs() <= 1e-3 * longest;
             if !sound {
                 return Err(format!("colony {} is none", c.id));
             }
         }
-        match self.algae.iter().find(|a| !finite(&[a.x, a.y, a.radius, a.height]) || a.radius < 0.0) {
+        let sound =
+            |a: &Alga| finite(&[a.x, a.y]) && [a.radius, a.height].iter().all(|v| (0.0..=MAX_ALGA_M).contains(v));
+        match self.algae.iter().find(|a| !sound(a)) {
             Some(a) => Err(format!("alga {} is none", a.id)),
             None if self.turf.iter().any(|c| !(0.0..=1.0).contains(c)) => Err("turf beyond 0 to 1".into()),
             None => Ok(()),

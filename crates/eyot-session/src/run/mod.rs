@@ -5,7 +5,7 @@ mod streamed;
 
 use crate::error::RunError;
 use crate::event::{Command, Event};
-use crate::files::{REPORT_FILE, TIMELINE_STORE, unfinished};
+use crate::files::{REPORT_FILE, TIMELINE_STORE, check_free, unfinished};
 use crate::frames::{self, stopped};
 use crate::host::{Branches, Events, Host, NewBranch};
 use crate::lock::FolderLock;
@@ -110,13 +110,16 @@ impl Run {
     /// Starts a recipe on a thread of its own. Of the `host`, registry, clock, engines and outputs are used; the run sees to the rest.
     ///
     /// # Errors
-    /// If the folder cannot be used: another run works there, a stopped run is there and `restart` is not set, or the
-    /// system refuses. If the options ask for a streamed run, or one in one piece, and it cannot be.
+    /// If the folder cannot be used: another run works there, a stopped run is there and `restart` is not set, files that are not of
+    /// a former run would be overwritten and `force` is not set, or the system refuses. If the options ask for a streamed run, or one in one piece, and it cannot be.
     pub fn start(recipe: Recipe, options: RunOptions, host: &Host) -> Result<Handle, RunError> {
         let streamed = Self::check(&recipe, &options, &host.registry)?;
         let lock = options.out.as_deref().map(prepare_folder).transpose()?;
         if let Some(out) = &options.out {
             let storage = storage_of(out);
+            if !options.force {
+                check_free(&recipe, streamed, &*storage)?;
+            }
             while let Some(left) = unfinished(&*storage) {
                 if !options.restart {
                     return Err(RunError::Unfinished { folder: out.clone() });
@@ -199,6 +202,7 @@ fn launch(
         .thread_name(|i| format!("eyot-{i}"))
         .build()
         .map_err(|e| RunError::Threads { threads, reason: e.to_string() })?;
+    let held = options.out.as_deref().map(|out| Folder::held(out).map_err(RunError::file)).transpose()?;
     let (commands, inbox) = channel();
     let (outbox, events) = channel();
     for message in warnings {
@@ -208,7 +212,7 @@ fn launch(
     let last = Arc::new(Mutex::new(None));
     let host = Host {
         events: pass_on(outbox.clone(), last.clone()),
-        storage: options.out.as_deref().map(storage_of),
+        storage: held.map(|folder| Arc::new(folder) as Arc<dyn Storage>),
         outputs: host.outputs.clone().filter(|_| options.out.is_some()),
         branches: options.out.clone().map(|out| Arc::new(FolderBranches(out)) as Arc<dyn Branches>),
         ..host.clone()

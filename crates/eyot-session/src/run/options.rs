@@ -33,6 +33,8 @@ pub struct RunOptions {
     pub paused: bool,
     /// Whether a stopped run in the folder may be overwritten.
     pub restart: bool,
+    /// Whether files in the folder that are not of a former run are overwritten.
+    pub force: bool,
     /// Commands of an earlier run that are to be given again at the same steps.
     pub replay: Vec<JournalEntry>,
     /// How the run is recorded, if it is; a resumed run goes on with the recording in its folder without being told.
@@ -53,6 +55,7 @@ impl Default for RunOptions {
             engine: None,
             paused: false,
             restart: false,
+            force: false,
             replay: Vec::new(),
             record: None,
             watch: None,

@@ -130,6 +130,7 @@ impl Streamed {
                 clock: None,
                 state: &state,
                 folder: self.out.clone(),
+                in_place: &|| host.in_place(),
                 limits: &limits,
                 control: &control,
                 tell: &tell,
@@ -152,6 +153,7 @@ impl Streamed {
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
         let Some(out) = &self.out else { return Ok(()) };
+        self.host.in_place()?;
         let path = out.join(CHECKPOINT_FILE);
         self.state.seconds = self.seconds();
         let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;

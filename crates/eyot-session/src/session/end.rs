@@ -67,6 +67,7 @@ impl Session {
             clock: clock::of_run(&self.recipe, &self.state.journal, &self.host.registry),
             state: &state,
             folder: self.host.storage.as_ref().map(|s| s.place("")),
+            in_place: &|| self.host.in_place(),
             limits: &self.options.limits,
             control: &Control::new(self.cancel.clone(), &|_, _| {}),
             tell: &|event| self.tell(event),

@@ -3,9 +3,10 @@
 use super::{PROGRESS_TIME, Phase, Session, label, overall};
 use crate::error::RunError;
 use crate::event::{Event, Progress};
+use eyot_core::layer::known;
 use eyot_core::process::Site;
 use eyot_core::{Control, Error};
-use eyot_recipe::{GenerateStep, Step, layers};
+use eyot_recipe::{GenerateStep, Merge, Step, layers};
 use std::sync::Mutex;
 
 impl Session {
@@ -52,6 +53,10 @@ impl Session {
             Err(Error::Cancelled(_)) => return Ok(false),
             Err(e) => return Err(fail(e)),
         };
+        let missing = match work.layer == known::HEIGHT.name {
+            true => generator.missing(&site.grid).map_err(fail)?,
+            false => None,
+        };
         let grid = self.world.grid;
         if (new.width(), new.height()) != (grid.width, grid.height) {
             let found = new.width() * new.height();
@@ -67,6 +72,10 @@ impl Session {
         };
         let layer = self.world.layer_mut(&work.layer).map_err(fail)?;
         work.merge.apply(&mut layer.field, &new, work.amount, mask.as_ref());
+        if let Some(missing) = missing {
+            let marks = self.world.ensure(&known::MISSING, 0.0);
+            Merge::Max.apply(&mut marks.field, &missing, 1.0, None);
+        }
         self.world.check_finite(&label(step)).map_err(fail)?;
         self.show(1);
         self.did(1);

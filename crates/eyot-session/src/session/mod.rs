@@ -33,6 +33,7 @@ mod progress;
 mod recording;
 mod requests;
 mod simulate;
+mod trial;
 mod watching;
 
 use crate::engines::{EngineOptions, OpenEngine, Opened, processor};
@@ -311,7 +312,8 @@ impl Session {
             let now = self.engine.engine().kind();
             format!("{last} has simulated so far and {now} goes on: not to the bytes of a run in one piece")
         });
-        for message in warning.into_iter().chain(other.map(Remedy::from)) {
+        let doubts = if self.resumed { Vec::new() } else { self.recipe.doubts() };
+        for message in warning.into_iter().chain(other.map(Remedy::from)).chain(doubts) {
             self.tell(Event::Warning { message });
         }
         self.begin_recording();

@@ -51,6 +51,7 @@ impl Default for SessionOptions {
 /// How much a session may do before it returns. It does at least one piece of work: a chunk of steps, a generator, or the files of
 /// the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Budget {
     /// Pieces of work as long as the time is not over; chunks of steps fit into it once their speed is known.
     Time(Duration),
@@ -62,6 +63,7 @@ pub enum Budget {
 
 /// How a session stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Status {
     /// There is more to do.
     Working,

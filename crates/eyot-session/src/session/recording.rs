@@ -13,7 +13,7 @@ use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Worded};
 use eyot_io::Origin;
 use eyot_io::timeline::{self, Timeline};
-use eyot_recipe::ProcessUse;
+use eyot_recipe::{ProcessUse, Recipe, Step, Work};
 use serde_json::{Map, Value};
 use std::path::Path;
 
@@ -62,8 +62,11 @@ impl Session {
             self.checkpoint()?;
         }
         let last = timeline.frames().last().filter(|f| f.step == self.world.step);
-        let is_current = last.is_some()
-            && state_of(&timeline, timeline.frames().len() - 1).is_ok_and(|s| s.place() == self.state.place());
+        // A frame after the last step of a simulation is also one before the next, whichever of both a checkpoint says; written again,
+        // it would say the other.
+        let here = settled(&self.recipe, self.state.place());
+        let is_here = |s: &State| settled(&self.recipe, s.place()) == here;
+        let is_current = last.is_some() && state_of(&timeline, timeline.frames().len() - 1).is_ok_and(|s| is_here(&s));
         let clock = clock::of_run(&self.recipe, &self.state.journal, &self.host.registry);
         Ok(Some(Recorder { timeline, clock, is_current, warned: false }))
     }
@@ -185,6 +188,19 @@ impl Session {
             self.tell(Event::Warning { message: remedy![d.sentence(), "; an earlier frame took its place"] });
         }
     }
+}
+
+/// A place in a recipe, with all behind it that changes nothing more: the same for all places where the world is the same.
+fn settled(recipe: &Recipe, (mut step, mut done): (usize, u64)) -> (usize, u64) {
+    let is_over = |step: &Step, done: u64| match &step.work {
+        _ if !step.enabled => true,
+        Work::Simulate(work) => done >= work.steps,
+        Work::Generate(_) => false,
+    };
+    while recipe.steps.get(step).is_some_and(|s| is_over(s, done)) {
+        (step, done) = (step + 1, 0);
+    }
+    (step, done)
 }
 
 fn not_recorded() -> RunError {

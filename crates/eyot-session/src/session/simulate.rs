@@ -1,6 +1,7 @@
 //! The steps of a simulation, chunk by chunk.
 
 use super::device::{Failure, Layers};
+use super::trial::{After, Trial};
 use super::{CHUNK_TIME, Heard, Phase, Session, Turn, label, overall};
 use crate::error::RunError;
 use crate::event::{Event, JournalEntry, Progress};
@@ -22,6 +23,7 @@ pub(super) struct Simulation {
     chunk: u64,
     /// Steps per second lately.
     rate: f64,
+    trial: Trial,
     begun: Duration,
     /// The card's own time before this simulation, less what the engine had counted by then, s.
     card_seconds: f64,
@@ -71,8 +73,8 @@ impl Session {
         }
         let chunk = self.options.chunk.unwrap_or(1).max(1);
         let (uses, scheduled) = self.scheduled(step, work)?;
-        let stage = Stage::Between;
-        let simulation = Simulation { uses, scheduled, chunk, rate: 0.0, begun, card_seconds, stage };
+        let (trial, stage) = (Trial::default(), Stage::Between);
+        let simulation = Simulation { uses, scheduled, chunk, rate: 0.0, trial, begun, card_seconds, stage };
         self.phase = Phase::Simulating(Box::new(simulation));
         Ok(())
     }
@@ -179,6 +181,10 @@ impl Session {
         // An engine that does not hold the host's thread may be at work for longer than the host has time.
         let aim = if waited { CHUNK_TIME } else { self.chunk_time };
         self.measure(s, did, time, aim);
+        let left = work.steps - self.state.done;
+        if let Some(event) = s.trial.count(did, time, left, &After::of(&self.recipe.steps, step.number, work)) {
+            self.tell(event);
+        }
         let eta = (work.steps - self.state.done) as f64 / s.rate.max(1e-9);
         let (before, share) = overall(&self.recipe.steps, step.number);
         self.tell(Event::Progress(Progress {

@@ -25,6 +25,7 @@ const LARGE: usize = 1 << 26;
 
 /// Whether a run makes its world in one piece or streams it. Does not change a byte of the exports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stream {
     /// Streamed if the recipe allows it and the grid is large (more than 8192 x 8192 cells) or beyond the memory limit.
     #[default]

@@ -48,9 +48,13 @@ pub(crate) fn chosen(
         }
         // What does not fit was refused when the recipe was checked.
         (Stream::Auto | Stream::Never, Some(_)) => Ok(false),
+        // The check of the recipe was content with what it takes when it is streamed.
         (Stream::Never, None) => {
-            let peak = memory::working(steps, grid).map_err(fail)?;
-            limits.check_bytes("this recipe in one piece", peak.bytes).map(|()| false).map_err(fail)
+            let whole = memory::whole(steps, exports, view, grid, costs, limits).map_err(fail)?;
+            limits
+                .check_bytes("this recipe in one piece, with its files,", whole)
+                .map(|()| false)
+                .map_err(RunError::input)
         }
     }
 }

@@ -13,11 +13,14 @@ const LAND: &str = "name = \"Hill\"\nseed = 7\n[grid]\nsize = [40, 30]\ncell = 2
     [[step]]\ngenerate = \"ramp\"\nlayer = \"share\"\n[view]\nenabled = false\n";
 
 fn go(from: &Path, to: &Path, options: &ConvertOptions) -> Vec<String> {
+    // Most of these tests convert to one name again and again.
+    let options = &ConvertOptions { force: true, ..options.clone() };
     let done = convert(from, to, options, &Limits::default()).unwrap_or_else(|e| panic!("{from:?} -> {to:?}: {e}"));
     done.notes.iter().map(ToString::to_string).collect()
 }
 
 fn refused(from: &Path, to: &Path, options: &ConvertOptions) -> String {
+    let options = &ConvertOptions { force: true, ..options.clone() };
     match convert(from, to, options, &Limits::default()) {
         Err(RunError::File(message) | RunError::Input { reason: message, .. }) => message.to_string(),
         other => panic!("{from:?} -> {to:?}: {other:?}"),
@@ -573,4 +576,36 @@ fn names_of_layers_do_not_leave_the_folder() {
     write_rows(&at("a.npy"), &mut &heights(4, 4), &about, RasterFormat::Npy, &WriteOptions::default()).unwrap();
     let e = refused(&at("a.npy"), &at("deep/gis"), &ConvertOptions { preset: Some(Preset::Gis), ..plain() });
     assert!(e.contains("cannot name a file") && !at("deep").exists(), "{e}");
+}
+
+/// What a mesh takes while it is made is many times what it is.
+#[test]
+fn meshes_and_presets_meet_the_limit_on_memory_with_all_that_they_take() {
+    let f = tempfile::tempdir().unwrap();
+    let world = common::run(
+        common::recipe(
+            "[grid]\nsize = 256\n[[step]]\ngenerate = \"cone\"\nheight = 300.0\n[view]\nenabled = false\n",
+            &[],
+        ),
+        &f.path().join("run"),
+    );
+    assert_eq!(world.grid.cells(), 1 << 16);
+    let limits = Limits { max_bytes: 16 << 20, ..Limits::default() };
+    let refused = |to: &str, options: &ConvertOptions| {
+        let to = f.path().join(to);
+        let e = convert(&f.path().join("run"), &to, options, &limits).unwrap_err().to_string();
+        assert!(e.contains("too large") && !to.exists(), "{e}");
+    };
+    refused("a.glb", &ConvertOptions::default());
+    refused("a.obj", &ConvertOptions::default());
+    refused("blender", &ConvertOptions { preset: Some(eyot::Preset::Blender), ..ConvertOptions::default() });
+    // Rasters are written in bands of rows, beside what was read.
+    let small = Limits { max_bytes: 900 << 10, ..limits };
+    let npy = f.path().join("run.npy");
+    go(&f.path().join("run"), &npy, &ConvertOptions::default());
+    let e = convert(&npy, &f.path().join("a.zarr"), &ConvertOptions::default(), &small).unwrap_err().to_string();
+    assert!(e.contains("a.zarr") && e.contains("too large"), "{e}");
+    // In as much as it asks for, it works.
+    let enough = Limits { max_bytes: 40 << 20, ..Limits::default() };
+    convert(&f.path().join("run"), &f.path().join("a.glb"), &ConvertOptions::default(), &enough).unwrap();
 }

@@ -3,10 +3,8 @@
 use crate::common;
 
 use eyot::film::{FilmOptions, FilmPath, FilmProgress, Filmed, Subject, Video, film};
-use eyot::{
-    Boundary, Cancel, Control, Field, Grid, Limits, Record, Run, RunError, RunOptions, Timeline, View, ViewRequest,
-    World,
-};
+use eyot::view::ViewRequest;
+use eyot::{Boundary, Cancel, Control, Field, Grid, Limits, Record, Run, RunError, RunOptions, Timeline, View, World};
 use eyot_core::layer::known;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -67,7 +65,7 @@ fn an_orbit_begins_with_the_usual_view_and_moves_on() {
     let distinct: std::collections::BTreeSet<_> = frames.values().collect();
     assert_eq!(distinct.len(), 6, "every picture is another one");
     let still = dir.path().join("still.png");
-    eyot::draw_view(&world(), &o.request, &still, &Limits::default()).unwrap();
+    eyot::view::draw_view(&world(), &o.request, &still, &Limits::default()).unwrap();
     assert_eq!(std::fs::read(still).unwrap(), frames["frame_00000.png"]);
 }
 
@@ -165,9 +163,9 @@ fn land_in_the_colours_of_a_layer_has_a_legend() {
     let (plain, worn) = (dir.path().join("plain.png"), dir.path().join("worn.png"));
     let mut request = options(FilmPath::Orbit).request;
     request.view.size = [320, 200];
-    eyot::draw_view(&world(), &request, &plain, &Limits::default()).unwrap();
+    eyot::view::draw_view(&world(), &request, &plain, &Limits::default()).unwrap();
     request.drape = Some("height".to_owned());
-    eyot::draw_view(&world(), &request, &worn, &Limits::default()).unwrap();
+    eyot::view::draw_view(&world(), &request, &worn, &Limits::default()).unwrap();
     let size = |p: &Path| {
         let reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(p).unwrap())).read_info().unwrap();
         (reader.info().width, reader.info().height)
@@ -211,7 +209,7 @@ fn the_film_of_a_run_ends_with_its_world_and_goes_on_after_a_stop() {
     let pictures = frames(&whole);
     assert!(pictures["frame_00000.png"] != pictures["frame_00004.png"], "the land changes");
     let last = dir.path().join("last.png");
-    eyot::draw_view(&world, &o.request, &last, &Limits::default()).unwrap();
+    eyot::view::draw_view(&world, &o.request, &last, &Limits::default()).unwrap();
     assert_eq!(std::fs::read(&last).unwrap(), pictures["frame_00004.png"]);
 
     let cancel = Cancel::default();
@@ -258,7 +256,7 @@ fn the_film_of_a_recording_shows_its_frames() {
     let distinct: std::collections::BTreeSet<_> = pictures.values().collect();
     assert_eq!(distinct.len(), 6, "the land changes");
     let last = dir.path().join("last.png");
-    eyot::draw_view(&timeline.load(6, &eyot::component_kinds()).unwrap(), &o.request, &last, &Limits::default())
+    eyot::view::draw_view(&timeline.load(6, &eyot::component_kinds()).unwrap(), &o.request, &last, &Limits::default())
         .unwrap();
     assert_eq!(std::fs::read(&last).unwrap(), pictures["frame_00005.png"]);
     let (count, slow) = play(&FilmOptions { frames: Some(11), ..o.clone() }, "slow");
@@ -290,7 +288,7 @@ fn the_film_of_a_recording_shows_its_frames() {
     let gaps = frames(&out);
     assert_eq!(gaps.len(), 5, "the last frame that can be read is of step 32");
     let last = dir.path().join("last-whole.png");
-    eyot::draw_view(&timeline.load(5, &eyot::component_kinds()).unwrap(), &o.request, &last, &Limits::default())
+    eyot::view::draw_view(&timeline.load(5, &eyot::component_kinds()).unwrap(), &o.request, &last, &Limits::default())
         .unwrap();
     assert_eq!(std::fs::read(&last).unwrap(), gaps["frame_00004.png"]);
     assert_eq!(gaps["frame_00001.png"], gaps["frame_00000.png"]);

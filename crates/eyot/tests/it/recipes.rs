@@ -137,6 +137,9 @@ fn built_in_recipes_make_the_land_they_promise() {
     let atoll = of("atoll");
     assert!(number(atoll, "reef_share") > 0.8, "the ring has wide gaps: {atoll:?}");
     assert!(number(atoll, "centre_m") > 4.0, "the middle is not deeper than the ring: {atoll:?}");
+    // Islets of sand, and nothing higher.
+    assert!((0.002..0.15).contains(&number(atoll, "land_share")), "{atoll:?}");
+    assert!((0.5..4.5).contains(&number(atoll, "relief_m")), "{atoll:?}");
     assert!(of("real").get("limestone_m3").is_none() && number(of("real"), "relief_m") > 100.0);
 
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/goldens/recipes.json");
@@ -159,4 +162,24 @@ fn built_in_recipes_make_the_land_they_promise() {
         }
     }
     assert!(wrong.is_empty(), "EYOT_UPDATE_GOLDENS=1 accepts them:\n{}", wrong.join("\n"));
+}
+
+/// Another seed is another island, also after a little rain: the highest place is elsewhere and of another height.
+#[test]
+fn seeds_of_the_island_are_different_islands() {
+    let tops: Vec<(usize, usize, f64)> = (1..=6)
+        .map(|seed| {
+            let seed = format!("seed={seed}");
+            let world = run("island", Some((96, None)), &[&seed, "erosion.steps=30", "growth.steps=2"]);
+            let z = &world.layer("height").unwrap().field;
+            let cells = (0..96).flat_map(|y| (0..96).map(move |x| (x, y)));
+            let (x, y) = cells.max_by(|a, b| z.get(a.0, a.1).total_cmp(&z.get(b.0, b.1))).unwrap();
+            (x, y, f64::from(z.get(x, y)) - world.sea_level_m)
+        })
+        .collect();
+    let apart = |of: &dyn Fn(&(usize, usize, f64)) -> f64| {
+        tops.iter().map(of).fold(f64::MIN, f64::max) - tops.iter().map(of).fold(f64::MAX, f64::min)
+    };
+    assert!(apart(&|t| t.0 as f64) + apart(&|t| t.1 as f64) > 20.0, "{tops:?}");
+    assert!(apart(&|t| t.2) > 100.0, "{tops:?}");
 }

@@ -304,3 +304,37 @@ fn actions_count_as_memory() {
     }
     within("thermal", 40).unwrap();
 }
+
+/// Files would go half to one folder and half to another, and the report would list what is not there.
+#[cfg(unix)]
+#[test]
+fn a_folder_that_is_moved_away_and_made_anew_gets_nothing() {
+    for linked in [false, true] {
+        let folder = tempfile::tempdir().unwrap();
+        let (out, away, other) = (folder.path().join("out"), folder.path().join("away"), folder.path().join("other"));
+        let handle = Run::start(recipe(50), RunOptions { paused: true, ..options(Some(&out)) }).unwrap();
+        wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+        std::fs::rename(&out, &away).unwrap();
+        std::fs::create_dir(&other).unwrap();
+        if linked {
+            std::os::unix::fs::symlink(&other, &out).unwrap();
+        } else {
+            std::fs::rename(&other, &out).unwrap();
+        }
+        handle.send(Command::Resume);
+        let e = handle.join().unwrap_err().to_string();
+        assert!(e.contains("was moved, removed or replaced"), "{e}");
+        assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0, "files in the other folder");
+        // What there was goes on where it is now.
+        let outcome = Run::resume(&away, &registry(), options(None)).unwrap().join().unwrap();
+        assert!(outcome.finished && away.join("run.json").is_file());
+    }
+    // A folder that is gone is not made again either.
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let handle = Run::start(recipe(50), RunOptions { paused: true, ..options(Some(&out)) }).unwrap();
+    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    std::fs::remove_dir_all(&out).unwrap();
+    handle.send(Command::Resume);
+    assert!(handle.join().is_err() && !out.exists());
+}

@@ -160,3 +160,131 @@ fn a_session_that_was_dropped_at_its_start_begins_anew() {
     let whole = Run::start(recipe(60), RunOptions::default()).unwrap().join().unwrap();
     assert_eq!(go(s, u64::MAX).fingerprint, whole.fingerprint);
 }
+
+/// A reef whose sea rises by `rise` metres in each of `steps` steps of a year.
+fn drowning(rise: f64, steps: u64) -> Result<Recipe, String> {
+    let text = format!(
+        "[grid]\nsize = 8\n[[step]]\ngenerate = \"cone\"\nheight = 300.0\n[[step]]\nsimulate = [\"reef\"]\nsteps = {steps}\n\
+         reef.years_per_step = 10000\nreef.sea_level_rise = {}\n",
+        rise / 10000.0
+    );
+    crate::common::parse(&text, &[], eyot::Overrides::default(), &eyot::Limits::default())
+}
+
+#[test]
+fn a_sea_that_would_leave_the_range_of_heights_is_refused_before_the_run() {
+    let e = drowning(4.0, 4000).err().unwrap();
+    assert!(e.contains("step 2 (reef) goes too far: after step 3001 the sea would stand at 12004.0 m"), "{e}");
+    drowning(4.0, 3000).unwrap();
+    drowning(-4.0, 3000).unwrap();
+    assert!(drowning(-4.0, 3001).err().unwrap().contains("-12004.0 m"));
+}
+
+#[test]
+fn a_run_that_drowns_by_hand_ends_before_and_leaves_a_checkpoint_that_can_be_read() {
+    let memory = Memory::new();
+    let host = || Host::new(&eyot::Registry::standard(), Clock::system()).with_storage(memory.clone());
+    let options = || SessionOptions { chunk: Some(100), ..SessionOptions::default() };
+    let mut s = Session::new(drowning(4.0, 2000).unwrap(), options(), host()).unwrap();
+    while s.world().step < 1000 {
+        assert_eq!(s.advance(Budget::Piece).unwrap(), Status::Working);
+    }
+    s.command(Command::Change(Change::new("reef.sea_level_rise", 0.0012)));
+    assert_eq!(s.advance(Budget::Piece).unwrap(), Status::Working);
+    s.command(Command::Stop);
+    while s.advance(Budget::Piece).unwrap() == Status::Working {}
+    // With twelve metres a step from step 1000 on.
+    let mut s = Session::resume(options(), host()).unwrap();
+    assert_eq!(s.world().step, 1100);
+    let e = loop {
+        if let Err(e) = s.advance(Budget::Piece) {
+            break e;
+        }
+    };
+    assert!(e.to_string().contains("after step 1667 the sea would stand at 12004.0 m"), "{e}");
+    assert!(e.help().is_some() && s.world().step == 1600);
+    let again = Session::resume(options(), host()).unwrap();
+    assert!(again.world().step >= 1100 && again.world().sea_level_m <= 12000.0);
+}
+
+/// What the frames of a recording say of their runs, but for times.
+fn frames(memory: &Memory) -> Vec<serde_json::Value> {
+    let storage = std::sync::Arc::new(memory.clone());
+    let timeline = eyot_io::timeline::Timeline::open_in(storage, "timeline.zarr", &eyot::Limits::default()).unwrap();
+    let timeless = |i: usize| {
+        let mut state = timeline.state(i).unwrap();
+        ["seconds", "timings", "card_seconds"].iter().for_each(|key| state[*key] = serde_json::Value::Null);
+        serde_json::json!([timeline.frames()[i].step, state])
+    };
+    (0..timeline.frames().len()).map(timeless).collect()
+}
+
+/// Wherever it is killed, also between the last step of one simulation and the first of the next, or after the very last.
+#[test]
+fn a_recording_is_the_same_however_often_its_run_was_killed() {
+    let text = GOOD.replacen(
+        "[[step]]\ngenerate = \"noise\"\nlayer",
+        "[[step]]\nsimulate = [\"hydraulic\"]\nsteps = 15\n[[step]]\nenabled = false\ngenerate = \"noise\"\nlayer",
+        1,
+    );
+    let recipe = || parse(&text.replace("layers = [\"height\", \"rough\"]", ""), &["step.2.steps=20"]).unwrap();
+    let record = Some(Record { every: 10, max_bytes: 1 << 30 });
+    let options =
+        || SessionOptions { record, chunk: Some(5), checkpoint_every: Duration::ZERO, ..SessionOptions::default() };
+    // While the clock stands still, a checkpoint is due after each piece of work.
+    let clock = || Clock::new(|| Duration::ZERO);
+    let host = |memory: &Memory| Host::new(&registry(), clock()).with_storage(memory.clone());
+    let whole = Memory::new();
+    go(Session::new(recipe(), options(), host(&whole)).unwrap(), u64::MAX);
+    let wanted = frames(&whole);
+    assert_eq!(wanted.iter().map(|f| f[0].as_u64().unwrap()).collect::<Vec<_>>(), [0, 10, 20, 30, 35]);
+    for pieces in 1.. {
+        let memory = Memory::new();
+        let mut s = Session::new(recipe(), options(), host(&memory)).unwrap();
+        let mut ended = false;
+        for _ in 0..pieces {
+            ended |= s.advance(Budget::Piece).unwrap() != Status::Working;
+        }
+        drop(s);
+        if ended {
+            assert!(pieces > 10, "{pieces}");
+            break;
+        }
+        go(Session::resume(options(), host(&memory)).unwrap(), u64::MAX);
+        assert_eq!(frames(&memory), wanted, "killed after {pieces} pieces");
+    }
+}
+
+/// A clock of the test's own: each look at it is so many milliseconds later.
+fn announced(steps: u64, milliseconds: u64) -> (Vec<(f64, u64, bool)>, u64) {
+    let looks = std::sync::Arc::new(std::sync::atomic::AtomicU64::new(0));
+    let clock = Clock::new(move || {
+        let n = looks.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        Duration::from_millis(n * milliseconds)
+    });
+    let mut s = Session::new(
+        recipe(steps),
+        SessionOptions { chunk: Some(1), ..SessionOptions::default() },
+        Host::new(&registry(), clock),
+    )
+    .unwrap();
+    while s.advance(Budget::Piece).unwrap() == Status::Working {}
+    let long = |e: Event| match e {
+        Event::Long { seconds, timed, at_least } => Some((seconds, timed, at_least)),
+        _ => None,
+    };
+    (s.events().into_iter().filter_map(long).collect(), s.into_outcome().unwrap().fingerprint)
+}
+
+#[test]
+fn a_run_that_will_take_minutes_says_so_early_and_once() {
+    // Two looks at the clock a step: half a second each, three hundred steps.
+    let (told, slow) = announced(300, 500);
+    assert_eq!(told.len(), 1, "{told:?}");
+    let (seconds, timed, at_least) = told[0];
+    assert!(timed <= 2 && !at_least, "{told:?}");
+    assert!((seconds - 0.5 * (300 - 1 - timed) as f64).abs() < 1e-6, "{told:?}");
+    let (told, quick) = announced(300, 1);
+    assert!(told.is_empty(), "{told:?}");
+    assert_eq!(slow, quick, "the announcement changed the bytes");
+}

@@ -340,3 +340,49 @@ fn one_sun_shines_on_all_processes() {
     assert!(parsed(text, &["temperature.tilt=0", "wind.tilt=0", "climate.tilt=0.0"]).is_ok());
     assert!(parsed(text, &["temperature.tilt=0", "wind.enabled=false", "climate.enabled=false"]).is_ok());
 }
+
+/// What comes from other languages, other systems and other programs.
+#[test]
+fn commas_backslashes_and_bases_are_answered_as_such() {
+    let said = complaints("height = 300.0", "height = 0,5");
+    assert!(said.contains("numbers have a decimal point: write 0.5"), "{said}");
+    assert!(flag("base.height=-1,25").contains("write -1.25"));
+    let said = complaints("cell = 5.0", "from = \"C:\\maps\\a.tif\"");
+    assert!(said.contains("write the path as \"C:/maps/a.tif\""), "{said}");
+    // Escapes that TOML knows: a tab in a name.
+    for text in ["from = \"maps\\test.tif\"", "from = 'maps\\test.tif'"] {
+        let recipe = GOOD.replacen("cell = 5.0", text, 1);
+        let checked = Recipe::parse(source(&recipe), Overrides::default(), &Registry::standard(), &Limits::default());
+        let said = checked.err().unwrap().to_string();
+        assert!(said.contains("backslash") || said.contains("maps/test.tif") || cfg!(windows), "{said}");
+    }
+    let perlin = "[grid]\nsize = 8\n[[step]]\ngenerate = \"perlin\"\n";
+    let checked = Recipe::parse(source(perlin), Overrides::default(), &Registry::standard(), &Limits::default());
+    let said = checked.err().unwrap().to_string();
+    assert!(said.contains("write generate = \"fbm\" and basis = \"perlin\""), "{said}");
+}
+
+#[test]
+fn no_sea_has_a_word() {
+    let r = parse(&GOOD.replacen("sea_level = 10.0", "sea_level = \"none\"", 1), &[]).unwrap();
+    assert_eq!(r.sea_level_m, eyot::keys::NO_SEA_M);
+    assert_eq!(eyot::keys::NO_SEA_M, f64::from(eyot_core::layer::known::HEIGHT.range.0));
+    assert_eq!(parse(GOOD, &["sea_level=none"]).unwrap().sea_level_m, eyot::keys::NO_SEA_M);
+    assert!(flag("sea_level=non").contains("did you mean \"none\"?"));
+    assert!(flag("sea_level=99999").contains("at most 12000"));
+}
+
+#[test]
+fn ground_that_no_step_makes_is_doubted() {
+    assert!(parse(GOOD, &[]).unwrap().doubts().is_empty());
+    let doubts = parse(GOOD, &["step.1.enabled=false"]).unwrap().doubts();
+    assert_eq!(doubts.len(), 1);
+    assert!(doubts[0].to_string().contains("step 2 (hydraulic) simulates `hydraulic` without ground"), "{}", doubts[0]);
+    let sound = |name: &str| {
+        let source = RecipeSource::builtin(name).unwrap();
+        Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default()).unwrap().doubts()
+    };
+    for recipe in eyot::RECIPES {
+        assert!(sound(recipe.name).is_empty(), "{}: {:?}", recipe.name, sound(recipe.name));
+    }
+}

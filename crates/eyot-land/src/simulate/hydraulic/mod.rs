@@ -117,6 +117,7 @@ pub struct Hydraulic {
 /// How flux is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum FluxForm {
     /// One signed flux an edge; sediment moves with it.
     #[default]
