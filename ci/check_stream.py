@@ -34,6 +34,7 @@ def serve(eyot, folder, *arguments):
     server = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True)
     first = json.loads(server.stdout.readline())
     check("serve", "says first where it serves", first["event"] == "serving" and first["url"].endswith(f":{first['port']}/"))
+    check("serve", "says where control is", first["control"].startswith(first["url"] + "?token="), first)
     return server, first["url"]
 
 

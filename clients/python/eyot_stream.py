@@ -3,7 +3,7 @@
 
     eyot serve reef --rate 2                          in one terminal
     python3 eyot_stream.py                            in another: a line for each moment
-    python3 eyot_stream.py --step 12                  twelve steps, then wait
+    python3 eyot_stream.py URL?token=TEXT --step 12   twelve steps, then wait; the server prints that URL
     python3 eyot_stream.py --until-end --save reef.json
 
 The book's page "The network stream" lists the records. `Mirror` puts the state together, `Stream` is the connection; whoever has
@@ -213,7 +213,7 @@ class Stream:
         self.file = self.socket.makefile("rb")
         key = base64.b64encode(os.urandom(16)).decode()
         self.socket.sendall(
-            f"GET {place.path or '/'} HTTP/1.1\r\nHost: {place.netloc}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            f"GET {place.path or '/'}{'?' * bool(place.query)}{place.query} HTTP/1.1\r\nHost: {place.netloc}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
             f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n\r\n".encode()
         )
         answer = self.file.readline().decode().strip()
@@ -286,7 +286,11 @@ def main():
             stream.send(message)
     try:
         while (args.moments is None or seen < args.moments) and not (args.until_end and mirror.end):
-            if mirror.take(stream.receive()):
+            complete = mirror.take(stream.receive())
+            if mirror.refused:
+                print("refused:", mirror.refused, file=sys.stderr)
+                mirror.refused = None
+            if complete:
                 seen += 1
                 m, cover = mirror.moment, dict(zip(mirror.hello["columns"], mirror.moment["census"])).get("coral_cover")
                 text = f"step {m['step']} of {m['of']}: {m['colonies']} colonies, {m['algae']} algae"

@@ -6,7 +6,7 @@ use crate::runs::{Interrupts, folder_name, options};
 use crate::wording::CommandLine;
 use crate::{Failure, print, recipe_cmd, report};
 use clap::Args;
-use eyot::live::{self, ServeOptions, Serving};
+use eyot::live::{self, Control, ServeOptions, Serving};
 use eyot::{Event, Registry, RunOptions};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
@@ -28,8 +28,9 @@ Examples:
   eyot serve island --layers height,water --every 20
   eyot serve reef --out reef --resume               go on with a stopped run
 
-The book's page \"The network stream\" describes the protocol, and has clients to start from. Clients may pause, resume and step the \
-run unless --read-only is given. A client that is too slow for all changes gets the whole state again; it never delays the run.")]
+The book's page \"The network stream\" describes the protocol, and has clients to start from. Everybody may watch. Who connects with the \
+token that is printed may pause, resume and step the run. A client that is too slow for all changes gets the whole state again; it never \
+delays the run.")]
 pub(crate) struct Serve {
     /// A recipe file, or the name of a built-in recipe; not used with --resume
     #[arg(required_unless_present = "resume")]
@@ -65,8 +66,11 @@ pub(crate) struct Serve {
     /// Bytes of changes that may wait for a slow client, such as 16M; then it gets the whole state instead
     #[arg(long, value_name = "BYTES", default_value = "16M", value_parser = bytes)]
     queue: u64,
+    /// What clients give to pause, resume and step the run, `?token=TEXT` after the address [default: a new one for each run, printed]
+    #[arg(long, value_name = "TEXT", value_parser = token)]
+    token: Option<String>,
     /// Take no orders from clients
-    #[arg(long)]
+    #[arg(long, conflicts_with = "token")]
     read_only: bool,
     /// Layers to send, such as height,water
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -101,7 +105,11 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
             max_clients: args.clients.into(),
             allow_origins: args.allow_origin.clone(),
             queue_bytes: usize::try_from(args.queue).unwrap_or(usize::MAX),
-            orders: !args.read_only,
+            control: match &args.token {
+                _ if args.read_only => Control::Nobody,
+                Some(token) => Control::Token(token.clone()),
+                None => Control::random(),
+            },
             ..live::Options::default()
         },
         layers: args.layers.clone(),
@@ -128,8 +136,10 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
     };
     interrupts.connect(serving.remote());
     if args.public && !args.listen.ip().is_loopback() {
-        let whom = if args.read_only { "watch this run" } else { "watch this run and pause it" };
-        print::note(&format!("warning: whoever can reach {} can {whom}; nothing is encrypted", serving.address()));
+        let address = serving.address();
+        print::note(&format!(
+            "warning: whoever can reach {address} can watch this run; nothing is encrypted, the token neither"
+        ));
     }
     attend(serving, &interrupts, args, &out)
 }
@@ -145,10 +155,12 @@ fn attend(serving: Serving, interrupts: &Interrupts, args: &Serve, out: &Path) -
             if unheard.is_none() {
                 unheard = print::line(&text).err();
             }
-        } else if let Event::Serving { url, .. } = event {
+        } else if let Event::Serving { url, control, .. } = event {
             // Also when all else is quiet: nobody could know the port.
             if unheard.is_none() {
-                unheard = print::line(&format!("serving at {url}")).err();
+                let control =
+                    control.as_ref().map_or_else(String::new, |c| format!("\nto pause, resume and step: {c}"));
+                unheard = print::line(&format!("serving at {url}{control}")).err();
             }
         } else if let Some(bars) = &mut bars {
             bars.show(event);
@@ -188,6 +200,13 @@ fn attend(serving: Serving, interrupts: &Interrupts, args: &Serve, out: &Path) -
 fn address(text: &str) -> Result<SocketAddr, String> {
     let numbers = text.strip_prefix("localhost:").map_or_else(|| text.to_owned(), |port| format!("127.0.0.1:{port}"));
     numbers.parse().map_err(|_| "write an address and a port, such as 127.0.0.1:0 or [::1]:9000".to_owned())
+}
+
+fn token(text: &str) -> Result<String, String> {
+    if Control::is_token(text) {
+        return Ok(text.to_owned());
+    }
+    Err("write 8 to 128 letters, digits, - and _".to_owned())
 }
 
 fn rate(text: &str) -> Result<f64, String> {

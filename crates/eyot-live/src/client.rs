@@ -30,23 +30,35 @@ pub enum Gone {
 }
 
 impl Client {
-    /// Connects to a server.
+    /// Connects to a server, to watch.
     ///
     /// # Errors
     /// If nobody listens there, or the server refuses.
     pub fn connect(address: SocketAddr) -> Result<Self, Gone> {
-        Self::connect_from(address, None)
+        Self::open(address, "", None)
+    }
+
+    /// Connects with the token of the server, to give orders.
+    ///
+    /// # Errors
+    /// As [`Client::connect`].
+    pub fn connect_with(address: SocketAddr, token: &str) -> Result<Self, Gone> {
+        Self::open(address, &format!("?token={token}"), None)
     }
 
     /// Connects as a page of this origin would.
     ///
     /// # Errors
     /// As [`Client::connect`].
-    pub fn connect_from(address: SocketAddr, origin: Option<&str>) -> Result<Self, Gone> {
+    pub fn connect_from(address: SocketAddr, origin: &str) -> Result<Self, Gone> {
+        Self::open(address, "", Some(origin))
+    }
+
+    fn open(address: SocketAddr, query: &str, origin: Option<&str>) -> Result<Self, Gone> {
         use tungstenite::client::IntoClientRequest;
         let broken = |e: &dyn std::fmt::Display| Gone::Broken(e.to_string());
         let stream = TcpStream::connect(address).map_err(|e| broken(&e))?;
-        let mut request = format!("ws://{address}/").into_client_request().map_err(|e| broken(&e))?;
+        let mut request = format!("ws://{address}/{query}").into_client_request().map_err(|e| broken(&e))?;
         if let Some(origin) = origin {
             let value = origin.parse().map_err(|e: tungstenite::http::header::InvalidHeaderValue| broken(&e))?;
             request.headers_mut().insert("Origin", value);

@@ -17,6 +17,14 @@ pub(crate) fn messages(records: &[Record]) -> Vec<u8> {
     out
 }
 
+/// A ping without a text.
+pub(crate) fn ping() -> Vec<u8> {
+    let mut out = Vec::new();
+    // As above.
+    let _ = Frame::ping(Vec::new()).format(&mut out);
+    out
+}
+
 /// A close with its reason, which may have 123 bytes.
 pub(crate) fn close(code: u16, reason: &str) -> Vec<u8> {
     let reason = &reason[..reason.floor_char_boundary(123)];

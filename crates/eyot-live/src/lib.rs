@@ -2,7 +2,7 @@
 //!
 //! A [`Server`] knows the last [`Scene`] that was published and speaks WebSocket. Whoever connects gets a [`Hello`], the whole
 //! state, and then the changes of each moment, as length-checked binary [`Record`]s; a [`Mirror`] puts the state together again,
-//! exactly. Clients may pause, resume and step ([`Order`]), and nothing else. None of that knows a recipe or a
+//! exactly. Clients that the server allows it ([`Control`]) may pause, resume and step ([`Order`]), and nothing else. None of that knows a recipe or a
 //! process; what serves runs of recipes is the feature `serve`.
 //!
 //! ```
@@ -18,13 +18,15 @@
 //! ```
 //!
 //! # How nobody gets in the way
-//! A moment is encoded once, and its frames are put into a bounded queue for each client ([`Options::queue_bytes`]). Each client has a
-//! thread that sends and one that reads. Where a queue is full, its moments are dropped, and when the client has read
-//! what was under way it gets the state of that time as a whole. A client that takes nothing at all for [`Options::stall`] is
-//! cut off. [`Server::publish`] never waits.
+//! [`Server::publish`] never waits: a thread of the server compares states, encodes a moment once if anybody needs it, and puts its frames
+//! into a bounded queue for each client ([`Options::queue_bytes`]). Each client has a thread that sends and one that reads. Where a queue is
+//! full or the client takes nothing for [`Options::lag`], its moments are dropped, and when it has read what was under way it gets the
+//! state of that time as a whole. A client that takes nothing at all for [`Options::stall`], or leaves a ping without an answer, is cut off.
 
 mod bytes;
 mod client;
+mod control;
+mod door;
 mod frame;
 mod line;
 mod mirror;
@@ -37,6 +39,7 @@ mod server;
 mod visit;
 
 pub use client::{Client, Gone};
+pub use control::Control;
 pub use mirror::Mirror;
 pub use record::{
     Alga, Body, Colony, Ending, HEADER, Hello, LayerInfo, MAGIC, MAX_RECORD, MAX_STEPS, Malformed, Moment, Order, PART,

@@ -4,6 +4,7 @@ use crate::frame;
 use std::collections::VecDeque;
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Answers to pings and closes that may wait, bytes. Whoever does not read them has no use for more.
 const MAX_ANSWERS: usize = 64 << 10;
@@ -35,6 +36,8 @@ pub(crate) struct Line {
     pub(crate) number: u64,
     /// Where it is.
     pub(crate) address: SocketAddr,
+    /// Whether it may give orders.
+    pub(crate) may_order: bool,
     stream: TcpStream,
     queue: Mutex<Queue>,
     ready: Condvar,
@@ -48,6 +51,8 @@ struct Queue {
     items: VecDeque<Item>,
     /// Bytes of moments that wait.
     moments: usize,
+    /// Since when the client has taken none of them.
+    waiting: Instant,
     /// Bytes of answers that wait.
     answers: usize,
     /// Whether it needs a whole state before any change.
@@ -56,9 +61,17 @@ struct Queue {
     ends: bool,
     /// Why the connection ends, in words for whoever runs the server.
     reason: Option<String>,
+    /// When it was sent a ping, until it sends anything.
+    pinged: Option<Instant>,
 }
 
 impl Queue {
+    /// Drops the moments that wait.
+    fn lose_moments(&mut self) {
+        self.items.retain(|i| !matches!(i, Item::Moment(_)));
+        (self.moments, self.stale) = (0, true);
+    }
+
     /// Drops everything and takes nothing more.
     fn clear(&mut self) {
         self.items.clear();
@@ -71,22 +84,35 @@ impl Queue {
 pub(crate) enum Next {
     /// Give it a whole state.
     Snapshot,
+    /// Nothing: it does not answer.
+    Silent,
     /// Send this.
     Send(Item),
 }
 
+/// How long a client may say nothing.
+#[derive(Clone, Copy)]
+pub(crate) struct Patience {
+    /// When it was sent nothing for so long it gets a ping.
+    pub(crate) ping: Duration,
+    /// So long it may take to answer.
+    pub(crate) stall: Duration,
+}
+
 impl Line {
-    pub(crate) fn new(number: u64, address: SocketAddr, stream: TcpStream, most: usize) -> Self {
+    pub(crate) fn new(number: u64, address: SocketAddr, stream: TcpStream, may_order: bool, most: usize) -> Self {
         let queue = Queue {
             greeting: None,
             items: VecDeque::new(),
             moments: 0,
+            waiting: Instant::now(),
             answers: 0,
             stale: true,
             ends: false,
             reason: None,
+            pinged: None,
         };
-        Self { number, address, stream, queue: Mutex::new(queue), ready: Condvar::new(), most }
+        Self { number, address, may_order, stream, queue: Mutex::new(queue), ready: Condvar::new(), most }
     }
 
     fn lock(&self) -> MutexGuard<'_, Queue> {
@@ -94,24 +120,42 @@ impl Line {
     }
 
     /// The first record of all; what waits so far comes after it.
-    pub(crate) fn greet(&self, hello: &Arc<Vec<u8>>) {
+    pub(crate) fn greet(&self, hello: &[Arc<Vec<u8>>; 2]) {
         let mut q = self.lock();
         if !q.ends {
-            q.greeting = Some(hello.clone());
+            q.greeting = Some(hello[usize::from(self.may_order)].clone());
             self.ready.notify_all();
         }
     }
 
-    /// A moment for this client. If it does not fit any more, all that wait are dropped and a whole state will follow.
-    pub(crate) fn moment(&self, frames: &Arc<Vec<u8>>) {
+    /// Whether it has the present state, or all that leads there waits for it.
+    pub(crate) fn is_current(&self) -> bool {
+        let q = self.lock();
+        !q.ends && !q.stale
+    }
+
+    /// A moment that was not made for this client: a whole state will follow.
+    pub(crate) fn miss(&self) {
+        let mut q = self.lock();
+        if !q.ends {
+            q.lose_moments();
+            self.ready.notify_all();
+        }
+    }
+
+    /// A moment for this client. If it does not fit any more, or the client has taken none for as long as `lag`, all that wait are
+    /// dropped and a whole state will follow.
+    pub(crate) fn moment(&self, frames: &Arc<Vec<u8>>, lag: Duration) {
         let mut q = self.lock();
         if q.ends || q.stale {
             return;
         }
-        if q.moments > 0 && q.moments + frames.len() > self.most {
-            q.items.retain(|i| !matches!(i, Item::Moment(_)));
-            (q.moments, q.stale) = (0, true);
+        if q.moments > 0 && (q.moments + frames.len() > self.most || q.waiting.elapsed() > lag) {
+            q.lose_moments();
         } else {
+            if q.moments == 0 {
+                q.waiting = Instant::now();
+            }
             q.moments += frames.len();
             q.items.push_back(Item::Moment(frames.clone()));
         }
@@ -201,8 +245,13 @@ impl Line {
         self.lock().reason.clone().unwrap_or_else(|| "it went".to_owned())
     }
 
+    /// It has sent something.
+    pub(crate) fn heard(&self) {
+        self.lock().pinged = None;
+    }
+
     /// What to do next; waits for it. `there_is_a_state` says whether whole states can be had.
-    pub(crate) fn next(&self, there_is_a_state: impl Fn() -> bool) -> Next {
+    pub(crate) fn next(&self, patience: Patience, there_is_a_state: impl Fn() -> bool) -> Next {
         let mut q = self.lock();
         loop {
             if let Some(hello) = q.greeting.take() {
@@ -213,13 +262,28 @@ impl Line {
             }
             if let Some(item) = q.items.pop_front() {
                 match &item {
-                    Item::Moment(b) => q.moments -= b.len(),
+                    Item::Moment(b) => {
+                        q.moments -= b.len();
+                        q.waiting = Instant::now();
+                    }
                     Item::Answer(b) => q.answers -= b.len(),
                     Item::Note(_) | Item::Last(_) => {}
                 }
                 return Next::Send(item);
             }
-            q = self.ready.wait(q).unwrap_or_else(PoisonError::into_inner);
+            let left = match q.pinged {
+                None => patience.ping,
+                Some(at) => patience.stall.saturating_sub(at.elapsed()),
+            };
+            if left.is_zero() {
+                return Next::Silent;
+            }
+            let waited = self.ready.wait_timeout(q, left).unwrap_or_else(PoisonError::into_inner);
+            q = waited.0;
+            if waited.1.timed_out() && q.pinged.is_none() && q.items.is_empty() {
+                q.pinged = Some(Instant::now());
+                return Next::Send(Item::Answer(frame::ping()));
+            }
         }
     }
 }

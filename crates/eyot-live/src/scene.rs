@@ -55,6 +55,12 @@ impl Scene {
         self.moment.living = [self.colonies.len() as u32, self.algae.len() as u32];
     }
 
+    /// Bytes that it holds, about.
+    pub(crate) fn bytes(&self) -> usize {
+        let layers: usize = self.layers.iter().flatten().map(|r| size_of_val(&*r.values)).sum();
+        layers + size_of_val(&*self.colonies) + size_of_val(&*self.algae) + size_of::<Self>()
+    }
+
     /// The whole state as records.
     pub(crate) fn snapshot(&self, hello: &Hello) -> Vec<Record> {
         let mut bodies = vec![Body::Snapshot(self.moment.clone())];

@@ -1,21 +1,18 @@
 //! The server: knows the last state, accepts clients, and never waits for any of them.
 
+use crate::control::Control;
+use crate::door::{Handshakes, accept};
 use crate::frame;
-use crate::line::{Line, Next};
+use crate::line::{Line, Next, Patience};
 use crate::record::{Body, Ending, Hello, Order, Record, Status};
 use crate::scene::Scene;
-use crate::visit;
+use std::collections::VecDeque;
 use std::io;
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-
-/// Connections whose handshake is not done yet; when one more comes, the oldest is cut: whoever says nothing keeps nobody out.
-const MAX_HANDSHAKES: usize = 16;
-/// After a failure to accept, such as too many open files.
-const PAUSE: Duration = Duration::from_millis(50);
 
 /// What a server allows.
 #[derive(Clone, Debug)]
@@ -30,12 +27,17 @@ pub struct Options {
     pub allow_origins: Vec<String>,
     /// Time for the handshake.
     pub handshake: Duration,
-    /// Bytes of changes that may wait for a client before they are dropped and a whole state takes their place.
+    /// Bytes of changes that may wait for a client before they are dropped and a whole state takes their place; also of states that wait
+    /// to be compared with those before them.
     pub queue_bytes: usize,
-    /// A client that takes no byte for so long is cut off.
+    /// Changes that have waited for a client for so long are dropped, too.
+    pub lag: Duration,
+    /// A client that takes no byte for so long is cut off, and so is one that does not answer a ping.
     pub stall: Duration,
-    /// Whether clients may pause and step the run.
-    pub orders: bool,
+    /// A client that was sent nothing for so long gets a ping.
+    pub ping: Duration,
+    /// Who may pause and step the run.
+    pub control: Control,
     /// Messages of a client in a second; twice as many at once. Whoever sends more is closed.
     pub messages_per_s: u32,
 }
@@ -49,8 +51,10 @@ impl Default for Options {
             allow_origins: Vec::new(),
             handshake: Duration::from_secs(5),
             queue_bytes: 16 << 20,
+            lag: Duration::from_secs(1),
             stall: Duration::from_secs(30),
-            orders: true,
+            ping: Duration::from_secs(10),
+            control: Control::Nobody,
             messages_per_s: 20,
         }
     }
@@ -61,7 +65,7 @@ impl Default for Options {
 #[non_exhaustive]
 pub enum Error {
     /// Other machines could connect, and nobody asked for that.
-    #[error("{0} is no address of this machine alone: other machines could watch the run and pause it")]
+    #[error("{0} is no address of this machine alone: other machines could watch the run")]
     Public(SocketAddr),
     /// The system refuses.
     #[error("cannot listen at {address}: {source}")]
@@ -114,6 +118,7 @@ pub struct Server {
     hub: Arc<Hub>,
     address: SocketAddr,
     accepting: Mutex<Option<JoinHandle<()>>>,
+    comparing: Option<JoinHandle<()>>,
 }
 
 /// What all threads of a server share.
@@ -122,19 +127,32 @@ pub(crate) struct Hub {
     state: Mutex<State>,
     /// Somebody came or went.
     crowd: Condvar,
+    has_hello: AtomicBool,
     has_scene: AtomicBool,
     closing: AtomicBool,
-    /// Handshakes under way, oldest first, each with a way to cut it.
-    handshakes: Mutex<Vec<(u64, TcpStream)>>,
-    numbers: AtomicU64,
+    pub(crate) handshakes: Handshakes,
+    published: Mutex<Published>,
+    /// A scene was published, or all of them are compared.
+    progress: Condvar,
     clients: AtomicU64,
     notice: Box<dyn Fn(Notice) + Send + Sync>,
 }
 
+/// Scenes that wait to be compared with those before them.
+#[derive(Default)]
+struct Published {
+    scenes: VecDeque<Scene>,
+    bytes: usize,
+    /// Whether one is being compared.
+    busy: bool,
+    ends: bool,
+}
+
 #[derive(Default)]
 struct State {
-    hello: Option<(Hello, Arc<Vec<u8>>)>,
-    scene: Option<Scene>,
+    /// The hello; its frames for those who may not give orders, and for those who may.
+    hello: Option<(Hello, [Arc<Vec<u8>>; 2])>,
+    scene: Option<Arc<Scene>>,
     /// The frames of the whole scene, once somebody needed them.
     snapshot: Option<Arc<Vec<u8>>>,
     status: Status,
@@ -161,10 +179,12 @@ impl Server {
             options,
             state: Mutex::default(),
             crowd: Condvar::new(),
+            has_hello: AtomicBool::new(false),
             has_scene: AtomicBool::new(false),
             closing: AtomicBool::new(false),
-            handshakes: Mutex::default(),
-            numbers: AtomicU64::new(0),
+            handshakes: Handshakes::default(),
+            published: Mutex::default(),
+            progress: Condvar::new(),
             clients: AtomicU64::new(1),
             notice: Box::new(notice),
         });
@@ -173,7 +193,10 @@ impl Server {
             .name("eyot-accept".to_owned())
             .spawn(move || accept(&listener, &theirs))
             .map_err(fail)?;
-        Ok(Self { hub, address, accepting: Mutex::new(Some(accepting)) })
+        let mut server = Self { hub: hub.clone(), address, accepting: Mutex::new(Some(accepting)), comparing: None };
+        let comparing = std::thread::Builder::new().name("eyot-compare".to_owned()).spawn(move || hub.compare());
+        server.comparing = Some(comparing.map_err(fail)?);
+        Ok(server)
     }
 
     /// Where it listens.
@@ -181,9 +204,13 @@ impl Server {
         self.address
     }
 
-    /// What the stream is about; to be said once, before the first state.
+    /// What the stream is about; to be said once, before the first state. Whether it says that orders are taken is up to
+    /// [`Options::control`].
     pub fn hello(&self, hello: Hello) {
-        let frames = Arc::new(frame::messages(&[Body::Hello(hello.clone()).into()]));
+        let frames = [false, true].map(|orders| {
+            let hello = Hello { orders, ..hello.clone() };
+            Arc::new(frame::messages(&[Body::Hello(hello).into()]))
+        });
         let mut state = self.hub.lock();
         let status = status_frames(state.status);
         for line in &state.lines {
@@ -191,34 +218,29 @@ impl Server {
             line.note(&status);
         }
         state.hello = Some((hello, frames));
+        self.hub.has_hello.store(true, Ordering::Release);
     }
 
-    /// The state is this now. Never waits for a client. Nothing happens before the hello.
-    pub fn publish(&self, mut scene: Scene) {
-        scene.tidy();
-        let mut guard = self.hub.lock();
-        let state = &mut *guard;
-        let Some((hello, _)) = &state.hello else { return };
-        if let Some(before) = &state.scene {
-            scene.moment.number = before.moment.number + 1;
-            if !state.lines.is_empty() {
-                let frames = Arc::new(frame::messages(&scene.changes(before, hello)));
-                state.lines.iter().for_each(|l| l.moment(&frames));
-            }
+    /// The state is this now. Waits neither for a client nor for anything to be made for them. Nothing happens before the hello. Where
+    /// states come faster than they can be compared, clients miss some of them.
+    pub fn publish(&self, scene: Scene) {
+        if !self.hub.has_hello.load(Ordering::Acquire) {
+            return;
         }
-        state.snapshot = None;
-        if state.scene.is_none() {
-            // Whoever waited for the first moment misses none.
-            let frames = Arc::new(frame::messages(&scene.snapshot(hello)));
-            state.lines.iter().for_each(|l| l.begin(&frames));
-            state.snapshot = Some(frames);
-            self.hub.has_scene.store(true, Ordering::Release);
+        let bytes = scene.bytes();
+        let mut published = self.hub.published();
+        if !published.scenes.is_empty() && published.bytes + bytes > self.hub.options.queue_bytes {
+            let dropped = published.scenes.pop_back().map_or(0, |s| s.bytes());
+            published.bytes -= dropped;
         }
-        state.scene = Some(scene);
+        published.bytes += bytes;
+        published.scenes.push_back(scene);
+        self.hub.progress.notify_all();
     }
 
-    /// Says whether the run works.
+    /// Says whether the run works, after the states that were published so far.
     pub fn status(&self, status: Status) {
+        self.hub.catch_up();
         let mut state = self.hub.lock();
         if state.status != status {
             state.status = status;
@@ -229,9 +251,16 @@ impl Server {
         }
     }
 
-    /// Says that the run has ended; those who come later hear it as well.
+    /// Tells one client that its order is not taken.
+    pub fn refuse(&self, client: u64, message: &str) {
+        let frames = Arc::new(frame::messages(&[Body::Refused(message.to_owned()).into()]));
+        self.hub.lock().lines.iter().filter(|l| l.number == client).for_each(|l| l.note(&frames));
+    }
+
+    /// Says that the run has ended, after the states that were published so far; those who come later hear it as well.
     pub fn end(&self, how: Ending, message: &str) {
         let frames = Arc::new(frame::messages(&[Body::End { how, message: message.to_owned() }.into()]));
+        self.hub.catch_up();
         let mut state = self.hub.lock();
         if state.hello.is_some() {
             state.lines.iter().for_each(|l| l.note(&frames));
@@ -249,6 +278,7 @@ impl Server {
     pub fn close(&self, code: u16, reason: &str, patience: Duration) {
         self.stop_accepting();
         let until = Instant::now() + patience;
+        self.hub.catch_up();
         let mut state = self.hub.lock();
         state.lines.iter().for_each(|l| l.finish(code, reason));
         while !state.lines.is_empty() {
@@ -276,54 +306,18 @@ impl Server {
 impl Drop for Server {
     fn drop(&mut self) {
         self.stop_accepting();
+        self.hub.published().ends = true;
+        self.hub.progress.notify_all();
+        if let Some(thread) = self.comparing.take() {
+            // As above.
+            let _ = thread.join();
+        }
         self.hub.lock().lines.iter().for_each(|l| l.cut("the server ended"));
     }
 }
 
 fn status_frames(status: Status) -> Arc<Vec<u8>> {
     Arc::new(frame::messages(&[Record::from(Body::Status(status))]))
-}
-
-fn accept(listener: &TcpListener, hub: &Arc<Hub>) {
-    loop {
-        let (stream, address) = match listener.accept() {
-            _ if hub.closing.load(Ordering::Acquire) => return,
-            Ok(found) => found,
-            Err(_) => {
-                std::thread::sleep(PAUSE);
-                continue;
-            }
-        };
-        let Some(handshake) = Handshake::begin(hub, &stream) else { continue };
-        let hub = hub.clone();
-        // Without a thread the connection is dropped.
-        let _ = std::thread::Builder::new()
-            .name("eyot-client".to_owned())
-            .spawn(move || visit::receive(&hub, stream, address, handshake));
-    }
-}
-
-/// A handshake under way, by its number; ends when it is dropped.
-pub(crate) struct Handshake(Arc<Hub>, u64);
-
-impl Handshake {
-    fn begin(hub: &Arc<Hub>, stream: &TcpStream) -> Option<Self> {
-        let cutter = stream.try_clone().ok()?;
-        let number = hub.numbers.fetch_add(1, Ordering::Relaxed);
-        let mut waiting = hub.waiting();
-        waiting.push((number, cutter));
-        if waiting.len() > MAX_HANDSHAKES {
-            // What is gone already needs no cut.
-            let _ = waiting.remove(0).1.shutdown(Shutdown::Both);
-        }
-        Some(Self(hub.clone(), number))
-    }
-}
-
-impl Drop for Handshake {
-    fn drop(&mut self) {
-        self.0.waiting().retain(|(number, _)| *number != self.1);
-    }
 }
 
 /// A client's place among those that are allowed; free again when it is dropped.
@@ -340,8 +334,74 @@ impl Hub {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn waiting(&self) -> MutexGuard<'_, Vec<(u64, TcpStream)>> {
-        self.handshakes.lock().unwrap_or_else(PoisonError::into_inner)
+    fn published(&self) -> MutexGuard<'_, Published> {
+        self.published.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(crate) fn is_closing(&self) -> bool {
+        self.closing.load(Ordering::Acquire)
+    }
+
+    /// Compares scenes as they are published, until the server ends.
+    fn compare(&self) {
+        let mut published = self.published();
+        loop {
+            let Some(scene) = published.scenes.pop_front() else {
+                published.busy = false;
+                self.progress.notify_all();
+                if published.ends {
+                    return;
+                }
+                published = self.progress.wait(published).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            published.bytes -= scene.bytes();
+            published.busy = true;
+            drop(published);
+            self.advance(scene);
+            published = self.published();
+        }
+    }
+
+    /// Waits until everything that was published has been put into the queues of the clients.
+    fn catch_up(&self) {
+        let mut published = self.published();
+        while (published.busy || !published.scenes.is_empty()) && !published.ends {
+            published = self.progress.wait(published).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Makes this the present state, and sends what is different to those who have the one before.
+    fn advance(&self, mut scene: Scene) {
+        scene.tidy();
+        let state = self.lock();
+        let Some(hello) = state.hello.as_ref().map(|(hello, _)| hello.clone()) else { return };
+        let before = state.scene.clone();
+        let is_wanted = state.lines.iter().any(|l| l.is_current());
+        drop(state);
+        let changes = before.filter(|_| is_wanted).map(|before| {
+            scene.moment.number = before.moment.number + 1;
+            Arc::new(frame::messages(&scene.changes(&before, &hello)))
+        });
+        let mut guard = self.lock();
+        let state = &mut *guard;
+        state.snapshot = None;
+        match (&changes, &state.scene) {
+            (Some(frames), _) => state.lines.iter().for_each(|l| l.moment(frames, self.options.lag)),
+            (None, Some(before)) => {
+                scene.moment.number = before.moment.number + 1;
+                // Whoever got the state before in the meantime needs this one whole.
+                state.lines.iter().for_each(|l| l.miss());
+            }
+            (None, None) => {
+                // Whoever waited for the first moment misses none.
+                let frames = Arc::new(frame::messages(&scene.snapshot(&hello)));
+                state.lines.iter().for_each(|l| l.begin(&frames));
+                state.snapshot = Some(frames);
+                self.has_scene.store(true, Ordering::Release);
+            }
+        }
+        state.scene = Some(Arc::new(scene));
     }
 
     pub(crate) fn tell(&self, notice: Notice) {
@@ -351,7 +411,7 @@ impl Hub {
     /// A place for a client, if there is one.
     pub(crate) fn place(self: &Arc<Self>) -> Option<Place> {
         let mut state = self.lock();
-        let has_room = state.places < self.options.max_clients && !self.closing.load(Ordering::Acquire);
+        let has_room = state.places < self.options.max_clients && !self.is_closing();
         has_room.then(|| {
             state.places += 1;
             Place(self.clone())
@@ -359,13 +419,13 @@ impl Hub {
     }
 
     /// A client that has shaken hands. `None` if the server is about to end.
-    pub(crate) fn join(&self, stream: TcpStream, address: SocketAddr) -> Option<Arc<Line>> {
+    pub(crate) fn join(&self, stream: TcpStream, address: SocketAddr, may_order: bool) -> Option<Arc<Line>> {
         let mut state = self.lock();
-        if self.closing.load(Ordering::Acquire) {
+        if self.is_closing() {
             return None;
         }
         let number = self.clients.fetch_add(1, Ordering::Relaxed);
-        let line = Arc::new(Line::new(number, address, stream, self.options.queue_bytes));
+        let line = Arc::new(Line::new(number, address, stream, may_order, self.options.queue_bytes));
         if let Some((_, hello)) = &state.hello {
             line.greet(hello);
             line.note(&status_frames(state.status));
@@ -385,11 +445,13 @@ impl Hub {
         self.crowd.notify_all();
     }
 
-    /// What to send to a client next; waits for it.
-    pub(crate) fn next(&self, line: &Line) -> crate::line::Item {
+    /// What to send to a client next; waits for it. `None` if it does not answer any more.
+    pub(crate) fn next(&self, line: &Line) -> Option<crate::line::Item> {
+        let patience = Patience { ping: self.options.ping, stall: self.options.stall };
         loop {
-            match line.next(|| self.has_scene.load(Ordering::Acquire)) {
-                Next::Send(item) => return item,
+            match line.next(patience, || self.has_scene.load(Ordering::Acquire)) {
+                Next::Send(item) => return Some(item),
+                Next::Silent => return None,
                 Next::Snapshot => {
                     let mut guard = self.lock();
                     let state = &mut *guard;
@@ -400,7 +462,7 @@ impl Hub {
                             .clone();
                         // Under the lock: the next moment is the first change to this state.
                         line.refreshed();
-                        return crate::line::Item::Note(frames);
+                        return Some(crate::line::Item::Note(frames));
                     }
                 }
             }

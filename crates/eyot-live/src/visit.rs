@@ -1,10 +1,11 @@
 //! One client: its handshake, a thread that reads what it sends, and one that sends what waits for it.
 
+use crate::door::Handshake;
 use crate::frame;
 use crate::line::{Item, Line};
 use crate::origin;
 use crate::record::{Body, Order, Record};
-use crate::server::{Handshake, Hub, Notice, Place};
+use crate::server::{Hub, Notice, Place};
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::Arc;
@@ -36,14 +37,14 @@ mod code {
 pub(crate) fn receive(hub: &Arc<Hub>, stream: TcpStream, address: SocketAddr, handshake: Handshake) {
     let accepted = shake(hub, &stream, address);
     drop(handshake);
-    let (mut socket, place) = match accepted {
+    let Guest { mut socket, place, may_order } = match accepted {
         Ok(accepted) => accepted,
         Err(reason) => {
             hub.tell(Notice::Refused { address, reason });
             return;
         }
     };
-    let Some((line, sender)) = open(hub, &stream, address) else { return };
+    let Some((line, sender)) = open(hub, &stream, address, may_order) else { return };
     socket.get_mut().turn_to(line.clone());
     listen(hub, &line, &mut socket);
     // The last item is on its way; the sender ends with it, or with the connection.
@@ -55,10 +56,17 @@ pub(crate) fn receive(hub: &Arc<Hub>, stream: TcpStream, address: SocketAddr, ha
     drop(place);
 }
 
+/// Whoever was let in.
+struct Guest {
+    socket: WebSocket<Wire>,
+    place: Place,
+    may_order: bool,
+}
+
 /// The handshake, in the time that it may take.
 // The library's callback returns a whole answer as its error.
 #[allow(clippy::result_large_err)]
-fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<(WebSocket<Wire>, Place), String> {
+fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<Guest, String> {
     let broken = |e: io::Error| e.to_string();
     // What is small must not wait for more. A system without it is only slower.
     let _ = stream.set_nodelay(true);
@@ -69,7 +77,7 @@ fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<(Web
         line: None,
         held: Vec::new(),
     };
-    let (mut place, mut refusal) = (None, None);
+    let (mut place, mut refusal, mut may_order) = (None, None, false);
     let judge = |request: &Request, response: Response| {
         let mut refuse = |status: StatusCode, reason: String| {
             refusal = Some(reason.clone());
@@ -84,6 +92,7 @@ fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<(Web
                 return refuse(StatusCode::FORBIDDEN, format!("pages of `{shown}` may not connect"));
             }
         }
+        may_order = hub.options.control.admits(request.uri().query());
         place = hub.place();
         if place.is_none() {
             return refuse(
@@ -104,7 +113,7 @@ fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<(Web
         HandshakeError::Interrupted(_) => Error::Io(ErrorKind::TimedOut.into()),
     });
     match (socket, place) {
-        (Ok(socket), Some(place)) => Ok((socket, place)),
+        (Ok(socket), Some(place)) => Ok(Guest { socket, place, may_order }),
         (Err(e), _) => Err(refusal.unwrap_or_else(|| {
             answer(stream, &e);
             format!("no handshake with {address}: {e}")
@@ -146,11 +155,16 @@ fn answer(mut stream: &TcpStream, error: &Error) {
 }
 
 /// Lets the client in and begins to send.
-fn open(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Option<(Arc<Line>, std::thread::JoinHandle<()>)> {
+fn open(
+    hub: &Arc<Hub>,
+    stream: &TcpStream,
+    address: SocketAddr,
+    may_order: bool,
+) -> Option<(Arc<Line>, std::thread::JoinHandle<()>)> {
     stream.set_read_timeout(None).ok()?;
     stream.set_write_timeout(Some(hub.options.stall)).ok()?;
     let (cutter, mut writer) = (stream.try_clone().ok()?, stream.try_clone().ok()?);
-    let line = hub.join(cutter, address)?;
+    let line = hub.join(cutter, address, may_order)?;
     let (theirs, here) = (hub.clone(), line.clone());
     let sender =
         std::thread::Builder::new().name("eyot-send".to_owned()).spawn(move || send(&theirs, &here, &mut writer));
@@ -167,7 +181,7 @@ fn open(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Option<(Arc<
 /// Sends what waits, until the last item.
 fn send(hub: &Hub, line: &Line, stream: &mut TcpStream) {
     loop {
-        let item = hub.next(line);
+        let Some(item) = hub.next(line) else { return line.cut("it answered no ping") };
         if let Err(e) = stream.write_all(item.bytes()) {
             let stalled = matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut);
             let reason = if stalled { "it took nothing for too long".to_owned() } else { e.to_string() };
@@ -197,13 +211,14 @@ fn listen(hub: &Hub, line: &Line, socket: &mut WebSocket<Wire>) {
             Err(Error::Utf8(e)) => return line.refuse(code::MALFORMED, &e),
             Err(e) => return line.refuse(code::PROTOCOL, &e.to_string()),
         };
+        line.heard();
         if !purse.pay() {
             return line.refuse(code::POLICY, "too many messages");
         }
         match message {
             Message::Binary(bytes) => match Order::decode(&bytes) {
-                Ok(_) if !hub.options.orders => {
-                    let refused = Record::from(Body::Refused("this server takes no orders".to_owned()));
+                Ok(_) if !line.may_order => {
+                    let refused = Record::from(Body::Refused(hub.options.control.refusal().to_owned()));
                     line.note(&Arc::new(frame::messages(&[refused])));
                 }
                 Ok(order) => hub.tell(Notice::Order { client: line.number, order }),

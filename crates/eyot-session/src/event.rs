@@ -192,6 +192,8 @@ pub enum Event {
         url: String,
         /// The port.
         port: u16,
+        /// Where those connect who may give orders, if anybody may.
+        control: Option<String>,
     },
     /// A client has connected.
     Joined {

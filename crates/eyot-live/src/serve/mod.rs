@@ -1,11 +1,12 @@
 //! Runs that others watch over the network: a run whose every step goes to the clients of a [`Server`].
 //!
-//! The run's own thread looks at the world ([`Watch`](eyot_session::Watch)) and publishes it; the server sends what has changed. Clients may
-//! pause, resume and step the run. They reach nothing else of it.
+//! The run's own thread looks at the world ([`Watch`](eyot_session::Watch)) and publishes it; the server sends what has changed. Clients that
+//! it allows it may pause, resume and step the run. They reach nothing else of it. Whoever has paused it holds it: until that client
+//! resumes it or goes, others' orders are refused.
 
 mod stage;
 
-use crate::{Ending, Notice, Order, Server, Status};
+use crate::{Control, Ending, Notice, Order, Server, Status};
 use eyot_core::Limits;
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
@@ -15,7 +16,7 @@ use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -66,13 +67,14 @@ pub struct Serving {
 struct ServerState {
     /// How orders reach the run, once it is there.
     remote: OnceLock<Remote>,
+    server: OnceLock<Weak<Server>>,
     /// Clients to wait for, and those that are here.
     wait: usize,
     here: AtomicUsize,
     /// Whether the run still waits for them.
     waits: AtomicBool,
-    /// The client that made the run wait, or 0; when it leaves, the run goes on.
-    paused_by: AtomicU64,
+    /// The client that holds the run, or 0; when it leaves, the run goes on.
+    held_by: AtomicU64,
     events: Mutex<Sender<Event>>,
 }
 
@@ -102,10 +104,11 @@ impl Serving {
         let (sender, events) = channel();
         let state = Arc::new(ServerState {
             remote: OnceLock::new(),
+            server: OnceLock::new(),
             wait: options.wait,
             here: AtomicUsize::new(0),
             waits: AtomicBool::new(options.wait > 0),
-            paused_by: AtomicU64::new(0),
+            held_by: AtomicU64::new(0),
             events: Mutex::new(sender),
         });
         let theirs = state.clone();
@@ -121,18 +124,25 @@ impl Serving {
             RunError::refused(e.to_string(), help)
         })?;
         let server = Arc::new(server);
+        // It is set here only.
+        let _ = state.server.set(Arc::downgrade(&server));
         let waits = options.wait > 0;
         if waits {
             server.status(Status::Waits);
         }
+        let url = format!("ws://{}/", server.address());
+        let control = match &options.server.control {
+            Control::Nobody => None,
+            Control::Token(token) => Some(format!("{url}?token={token}")),
+            Control::Everybody => Some(url.clone()),
+        };
         let stage = Stage::new(server.clone(), options);
         let run =
             RunOptions { watch: Some(Watcher::new(stage)), stream: Stream::Never, paused: run.paused || waits, ..run };
         let handle = start(run)?;
         let remote = handle.remote();
-        let address = server.address();
-        state.tell(Event::Serving { url: format!("ws://{address}/"), port: address.port() });
-        // It is set here only.
+        state.tell(Event::Serving { url, port: server.address().port(), control });
+        // As above.
         let _ = state.remote.set(remote.clone());
         state.begin_if_complete();
         let theirs = server.clone();
@@ -218,7 +228,7 @@ impl ServerState {
                 self.here.fetch_sub(1, Ordering::AcqRel);
                 self.tell(Event::Left { client, address: address.to_string(), reason });
                 // Nobody else may know that the run waits, nor why.
-                if self.paused_by.compare_exchange(client, 0, Ordering::AcqRel, Ordering::Acquire).is_ok()
+                if self.held_by.compare_exchange(client, 0, Ordering::AcqRel, Ordering::Acquire).is_ok()
                     && let Some(remote) = self.remote.get()
                 {
                     remote.send(Command::Resume);
@@ -228,7 +238,18 @@ impl ServerState {
             // Nobody hurries a run along that waits for others.
             Notice::Order { .. } if self.waits.load(Ordering::Acquire) => {}
             Notice::Order { client, order } => {
-                self.paused_by.store(if order == Order::Resume { 0 } else { client }, Ordering::Release);
+                let held = self.held_by.compare_exchange(0, client, Ordering::AcqRel, Ordering::Acquire);
+                if let Err(holder) = held
+                    && holder != client
+                {
+                    if let Some(server) = self.server.get().and_then(Weak::upgrade) {
+                        server.refuse(client, &format!("client {holder} holds the run, until it resumes it or goes"));
+                    }
+                    return;
+                }
+                if order == Order::Resume {
+                    self.held_by.store(0, Ordering::Release);
+                }
                 if let Some(remote) = self.remote.get() {
                     remote.send(match order {
                         Order::Pause => Command::Pause,

@@ -20,8 +20,8 @@ const _: () = assert!(RAYS == crate::RAYS);
 
 /// A run that waits for its pace looks so often whether it is to stop.
 const LOOK: Duration = Duration::from_millis(50);
-/// Copies of a layer that are held: the state before, the state now, and its frames.
-const COPIES: u128 = 3;
+/// Copies of a layer that are held: the state before, the one that is compared with it, its frames, one that waits, and the next.
+const COPIES: u128 = 5;
 
 /// Looks at the world and publishes it.
 pub(super) struct Stage {
@@ -162,7 +162,8 @@ pub(super) fn hello(recipe: &Recipe, options: &ServeOptions, limits: &Limits) ->
         sea_level_m: recipe.sea_level_m,
         every: options.every.max(1),
         rays: options.rays && corals.is_some(),
-        orders: options.server.orders,
+        // It differs from client to client; the server fills it in.
+        orders: false,
         engine: eyot_session::VERSION.to_owned(),
         recipe: recipe.name.clone(),
         species: species.collect(),

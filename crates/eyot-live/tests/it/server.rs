@@ -1,12 +1,14 @@
 //! A server and its clients: whole states, changes, late ones, slow ones, rude ones.
 
 use eyot_live::{
-    Alga, Body, Client, Colony, Ending, Gone, Hello, LayerInfo, Message, Mirror, Moment, Notice, Options, Order,
-    Raster, Record, Scene, Server, SpeciesInfo, Status,
+    Alga, Body, Client, Colony, Control, Ending, Gone, Hello, LayerInfo, Message, Mirror, Moment, Notice, Options,
+    Order, Raster, Record, Scene, Server, SpeciesInfo, Status,
 };
 use std::collections::HashSet;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
@@ -21,7 +23,6 @@ fn hello() -> Hello {
         size: [40, 30],
         every: 1,
         rays: true,
-        orders: true,
         species: species.into(),
         layers: vec![layer],
         columns: vec!["cover".into()],
@@ -142,7 +143,7 @@ fn every_client_knows_exactly_the_state_at_every_moment() {
 /// every moment.
 #[test]
 fn slow_clients_delay_nobody_and_are_brought_up_to_date() {
-    let options = Options { queue_bytes: 50_000, stall: Duration::from_millis(300), ..Options::default() };
+    let options = Options { queue_bytes: 50_000, stall: Duration::from_millis(300), lag: LONG, ..Options::default() };
     let (server, inbox) = server(options);
     let mut hello = hello();
     hello.size = [500, 500];
@@ -167,7 +168,8 @@ fn slow_clients_delay_nobody_and_are_brought_up_to_date() {
 
     // This one is only slow: it comes back before it is cut off, to the last state and not through all of them.
     drop(server);
-    let (server, _) = self::server(Options { queue_bytes: 50_000, stall: LONG, ..Options::default() });
+    let options = Options { queue_bytes: 50_000, stall: LONG, lag: Duration::from_millis(1), ..Options::default() };
+    let (server, _) = self::server(options);
     let mut hello = self::hello();
     hello.size = [500, 500];
     server.hello(hello);
@@ -175,11 +177,14 @@ fn slow_clients_delay_nobody_and_are_brought_up_to_date() {
     server.publish(big(0));
     until(&mut slow, 0);
     (1..40).for_each(|step| server.publish(big(step)));
-    until(&mut slow, 39);
+    let until_step = |c: &mut Client, step| {
+        while c.follow().unwrap().is_none() || c.mirror().moment().unwrap().steps_done < step {}
+    };
+    until_step(&mut slow, 39);
     assert_eq!(slow.mirror().scene().unwrap().layers, big(39).layers);
     assert!(slow.mirror().snapshots() >= 2);
     server.publish(big(40));
-    until(&mut slow, 40);
+    until_step(&mut slow, 40);
     assert_eq!(slow.mirror().scene().unwrap().layers, big(40).layers);
 }
 
@@ -256,31 +261,23 @@ fn garbage_closes_its_sender_and_nobody_else() {
 
 #[test]
 fn doors_are_guarded() {
-    let (server, inbox) = server(Options {
-        max_clients: 2,
-        handshake: Duration::from_millis(300),
-        allow_origins: vec!["https://example.org".into()],
-        ..Options::default()
-    });
+    let (server, inbox) =
+        server(Options { max_clients: 2, allow_origins: vec!["https://example.org".into()], ..Options::default() });
     let refused = |inbox: &Receiver<Notice>| loop {
         if let Notice::Refused { reason, .. } = inbox.recv_timeout(LONG).unwrap() {
             return reason;
         }
     };
-    let foreign = Client::connect_from(server.address(), Some("https://evil.example"));
+    let foreign = Client::connect_from(server.address(), "https://evil.example");
     assert!(foreign.is_err_and(|e| e.to_string().contains("403")));
     assert!(refused(&inbox).contains("https://evil.example"));
-    assert!(Client::connect_from(server.address(), Some("null")).is_err());
+    assert!(Client::connect_from(server.address(), "null").is_err());
     refused(&inbox);
-    let one = Client::connect_from(server.address(), Some("https://example.org")).unwrap();
-    let two = Client::connect_from(server.address(), Some("http://localhost:8000")).unwrap();
+    let one = Client::connect_from(server.address(), "https://example.org").unwrap();
+    let two = Client::connect_from(server.address(), "http://localhost:8000").unwrap();
     let third = Client::connect(server.address());
     assert!(third.is_err_and(|e| e.to_string().contains("503")));
     refused(&inbox);
-    // Half a handshake holds nobody's place for ever, nor does one that is none.
-    let mut half = TcpStream::connect(server.address()).unwrap();
-    half.write_all(b"GET / HTTP/1.1\r\nHost: lo").unwrap();
-    assert!(refused(&inbox).contains("took too long"));
     let mut other = TcpStream::connect(server.address()).unwrap();
     other.write_all(b"SSH-2.0-hello\r\n\r\n").unwrap();
     refused(&inbox);
@@ -307,8 +304,10 @@ fn only_this_machine_unless_asked() {
 #[test]
 fn orders_arrive_or_are_refused() {
     let orders = [Order::Pause, Order::Step(12), Order::Resume];
-    let (server, inbox) = server(Options::default());
-    let mut c = client(&server);
+    let control = Control::Token("open-sesame".into());
+    let (server, inbox) = server(Options { control, ..Options::default() });
+    let mut c = Client::connect_with(server.address(), "open-sesame").unwrap();
+    c.set_patience(Some(LONG)).unwrap();
     for order in orders {
         c.order(order).unwrap();
         loop {
@@ -322,14 +321,75 @@ fn orders_arrive_or_are_refused() {
     while c.mirror().status() != Status::Paused {
         c.follow().unwrap();
     }
-    let (server, _) = self::server(Options { orders: false, ..Options::default() });
-    let mut c = client(&server);
-    c.order(Order::Pause).unwrap();
-    while c.mirror().refused().is_none() {
-        c.follow().unwrap();
+    assert!(c.mirror().hello().unwrap().orders);
+    // Whoever does not know the token watches, pages of this machine too.
+    let page = Client::connect_from(server.address(), "http://localhost:8000").unwrap();
+    let guess = Client::connect_with(server.address(), "open-sesam").unwrap();
+    let (read_only, _) = self::server(Options::default());
+    for (mut c, server, reason) in
+        [(page, &server, "the token"), (guess, &server, "the token"), (client(&read_only), &read_only, "no orders")]
+    {
+        c.set_patience(Some(LONG)).unwrap();
+        c.order(Order::Pause).unwrap();
+        while c.mirror().refused().is_none() {
+            c.follow().unwrap();
+        }
+        assert!(c.mirror().refused().unwrap().contains(reason) && !c.mirror().hello().unwrap().orders);
+        server.publish(scene(0));
+        while c.follow().unwrap().is_none() {}
     }
+    assert!(!inbox.try_iter().any(|n| matches!(n, Notice::Order { .. })));
+}
+
+/// Half a handshake holds nobody's place for ever.
+#[test]
+fn half_a_handshake_is_cut_in_time() {
+    let (server, inbox) = server(Options { handshake: Duration::from_millis(100), ..Options::default() });
+    let mut half = TcpStream::connect(server.address()).unwrap();
+    half.write_all(b"GET / HTTP/1.1\r\nHost: lo").unwrap();
+    loop {
+        if let Notice::Refused { reason, .. } = inbox.recv_timeout(LONG).unwrap() {
+            break assert!(reason.contains("took too long"), "{reason}");
+        }
+    }
+}
+
+/// One that is there and answers nothing is found out when there is nothing to send it, such as while the run is paused; one that does
+/// answer stays.
+#[test]
+fn silent_clients_are_cut_off() {
+    let soon = Duration::from_millis(100);
+    let (server, inbox) = server(Options { ping: soon, stall: 3 * soon, ..Options::default() });
+    server.publish(scene(0));
+    let silent = TcpStream::connect(server.address()).unwrap();
+    shake(&silent);
+    assert_eq!(left(&inbox, 1), "it answered no ping");
+    let (server, inbox) = self::server(Options { ping: soon, stall: LONG, ..Options::default() });
+    server.publish(scene(0));
+    let mut good = client(&server);
+    until(&mut good, 0);
+    let reading = std::thread::spawn(move || to_the_end(&mut good));
+    std::thread::sleep(5 * soon);
+    assert_eq!(server.clients(), 1);
+    drop(server);
+    assert!(matches!(reading.join().unwrap(), Gone::Broken(_)));
+    assert!(matches!(inbox.recv().unwrap(), Notice::Joined { .. }));
+}
+
+/// Nothing is made for those who take nothing, and states that nobody could follow are skipped: to publish them takes no time.
+#[test]
+fn states_that_come_too_fast_are_skipped() {
+    let (server, _) = server(Options { queue_bytes: 10_000, ..Options::default() });
+    let mut c = client(&server);
     server.publish(scene(0));
     until(&mut c, 0);
+    (1..2000).for_each(|step| server.publish(scene(step)));
+    server.end(Ending::Done, "that was all");
+    while c.mirror().end().is_none() {
+        c.follow().unwrap();
+    }
+    assert_eq!(c.mirror().moment().unwrap().steps_done, 1999);
+    assert_eq!(c.mirror().scene().unwrap().layers, tidy(1999, 0).layers);
 }
 
 /// Clients that were there before anything was known get everything in the right order.
@@ -397,6 +457,31 @@ fn bad_handshakes_get_an_answer() {
         let (head, text) = answer.split_once("\r\n\r\n").unwrap();
         assert!(head.contains(&format!("Content-Length: {}", text.len())), "{answer}");
     }
+}
+
+/// Connections that come again and again and never shake hands: whoever speaks is let in all the same.
+#[test]
+fn churning_handshakes_keep_nobody_out() {
+    let (server, _) = server(Options { handshake: LONG, ..Options::default() });
+    server.publish(scene(0));
+    let done = Arc::new(AtomicBool::new(false));
+    let churn = {
+        let (done, address) = (done.clone(), server.address());
+        std::thread::spawn(move || {
+            let mut held = std::collections::VecDeque::new();
+            while !done.load(Ordering::Relaxed) {
+                held.extend(TcpStream::connect_timeout(&address, Duration::from_millis(50)));
+                if held.len() > 32 {
+                    held.pop_front();
+                }
+            }
+        })
+    };
+    for _ in 0..5 {
+        until(&mut client(&server), 0);
+    }
+    done.store(true, Ordering::Relaxed);
+    churn.join().unwrap();
 }
 
 /// More silent connections than handshakes may be under way: whoever speaks is let in all the same.

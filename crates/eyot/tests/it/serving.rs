@@ -1,6 +1,6 @@
 //! Runs that are served: clients know what the run knows, and cannot hold it up.
 
-use eyot::live::{Client, Ending, Gone, Options, Order, Scene, Status};
+use eyot::live::{Client, Control, Ending, Gone, Options, Order, Scene, Status};
 use eyot::live::{ServeOptions, Serving};
 use eyot::{Command, Event, Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World, host};
 use eyot_reef::corals::Corals;
@@ -140,13 +140,19 @@ fn layers_of_any_world_are_sent_every_so_many_steps() {
     assert!(c.mirror().hello().unwrap().species.is_empty() && c.mirror().scene().unwrap().colonies.is_empty());
 }
 
-/// A client pauses the run, does five steps, and lets it go on. One that reads nothing is there all the time.
+/// A client pauses the run, does five steps, and lets it go on; nobody else can. One that reads nothing is there all the time.
 #[test]
 fn clients_pause_and_step_and_resume() {
-    let options = ServeOptions { wait: 2, ..ServeOptions::default() };
+    let server = Options { control: Control::Token("open-sesame".into()), ..Options::default() };
+    let options = ServeOptions { wait: 2, server, ..ServeOptions::default() };
     let serving =
         Serving::start(reef(1_000_000), RunOptions::default(), options, &host(&Registry::standard())).unwrap();
     let deaf = client(&serving);
+    let client = |_: &Serving| {
+        let client = Client::connect_with(serving.address(), "open-sesame").unwrap();
+        client.set_patience(Some(LONG)).unwrap();
+        client
+    };
     let mut c = client(&serving);
     c.order(Order::Pause).unwrap();
     while c.mirror().status() != Status::Paused {
@@ -166,6 +172,12 @@ fn clients_pause_and_step_and_resume() {
     }
     let there = other.mirror().moment().unwrap().steps_done;
     assert!((here + 4..=here + 5).contains(&there), "{here} to {there}");
+    other.order(Order::Resume).unwrap();
+    while other.mirror().refused().is_none() {
+        other.follow().unwrap();
+    }
+    assert!(other.mirror().refused().unwrap().contains("holds the run"), "{:?}", other.mirror().refused());
+    assert!(waits(&other));
     c.order(Order::Resume).unwrap();
     while c.mirror().moment().is_none_or(|m| m.steps_done < there + 10) {
         c.follow().unwrap();
