@@ -489,7 +489,7 @@ pub(crate) struct Stats {
     pub(crate) from: PathBuf,
     /// Area that must drain through a cell to make it a channel; without it 600 cells of a map of 512 x 512, on finer and coarser grids
     /// the same share of the map. The drainage density follows it, so compare maps with one area
-    #[arg(long, value_name = "M2", value_parser = area)]
+    #[arg(long, value_name = "M2", allow_negative_numbers = true, value_parser = area)]
     pub(crate) channel_area: Option<f64>,
     /// As JSON
     #[arg(long)]

@@ -183,7 +183,7 @@ fn creep_lets_waves_decay() {
                     };
                     let mut w = world(size, cell_m, rim, |x, y| 1000.0 + 100.0 * wave(x, y));
                     // All of it lies under the sea, so that no lowest cell holds its height.
-                    w.sea_level_m = 1e5;
+                    w.sea_level_m = 12_000.0;
                     // As long as the wave takes to fall to 1 / e, in steps that get shorter with the cells.
                     let steps = (n * n) as u64 / 16;
                     let p = Streampower {
@@ -285,7 +285,7 @@ fn cliffs_slide_to_the_critical_slope() {
     for rim in rims() {
         let cliff = |x: usize, y: usize| if (8..24).contains(&x) && (8..24).contains(&y) { 500.0 } else { 0.0 };
         let mut w = world((32, 32), 10.0, rim, cliff);
-        w.sea_level_m = 1e5; // no lowest cell holds its height
+        w.sea_level_m = 12_000.0; // no lowest cell holds its height
         let p = Streampower {
             uplift: 0.0,
             erodibility: 0.0,
