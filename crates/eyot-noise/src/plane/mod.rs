@@ -343,6 +343,7 @@ impl<K: Kernel, const TORUS: bool> LaneTask for Task<'_, K, TORUS> {
         let ramp = [L::index() * L::of(o.stride[0]), L::index() * L::of(o.stride[1])];
         for b in 0..out.len().min(memory.len()) {
             // No closure: the compiler would not build it for the instruction set.
+            #[allow(clippy::manual_map)]
             let shift = match shift {
                 Some([dx, dy]) => Some([L::from_array(dx[b]), L::from_array(dy[b])]),
                 None => None,
