@@ -27,18 +27,14 @@
 use crate::level::{flow, out};
 use crate::units::discharge_per_metre;
 use crate::water::{FLOW_X, FLOW_Y};
-use eyot_core::layer::known::{HEIGHT, WATER};
+use eyot_core::layer::known::{HEIGHT, SAND, WATER};
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
-use eyot_core::{Grid, LayerSpec, Result, rule_params};
+use eyot_core::{Grid, Result, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// Loose ground.
-pub const SAND: LayerSpec =
-    LayerSpec::new("sand", "m", "Thickness of sand and soil; part of the height", (0.0, 12000.0)).empty_outside();
 
 /// Running water makes sand from rock, carries it downstream and drops it where it slows; heaps slump.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

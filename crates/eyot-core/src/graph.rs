@@ -401,14 +401,16 @@ impl Graph {
             renamed.push(id);
         }
         self.nodes = nodes;
-        let boundary_outflow = self.boundary_outflow.iter_mut().flatten();
-        self.outputs
-            .iter_mut()
-            .chain(&mut self.sums)
-            .chain(boundary_outflow)
-            .for_each(|id| *id = renamed[*id as usize]);
-        self.names.iter_mut().for_each(|(id, _)| *id = renamed[*id as usize]);
+        self.rename(&renamed);
         self.drop_unused();
+    }
+
+    /// Gives what points to nodes their new numbers.
+    fn rename(&mut self, renamed: &[Id]) {
+        let boundary_outflow = self.boundary_outflow.iter_mut().flatten();
+        let named = self.names.iter_mut().map(|(id, _)| id);
+        let all = self.outputs.iter_mut().chain(&mut self.sums).chain(boundary_outflow).chain(named);
+        all.for_each(|id| *id = renamed[*id as usize]);
     }
 
     /// Removes nodes that nothing needs.
@@ -425,14 +427,8 @@ impl Graph {
             }
         }
         self.nodes = kept;
-        let boundary_outflow = self.boundary_outflow.iter_mut().flatten();
-        self.outputs
-            .iter_mut()
-            .chain(&mut self.sums)
-            .chain(boundary_outflow)
-            .for_each(|id| *id = renamed[*id as usize]);
         self.names.retain(|(id, _)| used[*id as usize]);
-        self.names.iter_mut().for_each(|(id, _)| *id = renamed[*id as usize]);
+        self.rename(&renamed);
     }
 
     /// For each node whether one of `roots` needs it.

@@ -149,6 +149,9 @@ pub mod known {
     /// Reef limestone.
     pub const LIMESTONE: LayerSpec =
         LayerSpec::new("limestone", "m", "Thickness of reef limestone grown here; part of the height", (0.0, 12000.0));
+    /// Loose ground.
+    pub const SAND: LayerSpec =
+        LayerSpec::new("sand", "m", "Thickness of sand and soil; part of the height", (0.0, 12000.0)).empty_outside();
     /// Bounded river counter for colours.
     pub const WETNESS: LayerSpec =
         LayerSpec::new("wetness", "1", "How much running water this cell has seen lately", (0.0, 1.0));

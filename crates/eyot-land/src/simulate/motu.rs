@@ -31,7 +31,7 @@
 //! What arrives is in the ledger (`ground.motu`, `tests/it/motu.rs`).
 
 use eyot_core::given::Given;
-use eyot_core::layer::known::{HEIGHT, LIMESTONE};
+use eyot_core::layer::known::{HEIGHT, LIMESTONE, SAND};
 use eyot_core::math64::{cos_degrees, sin_degrees};
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, SECONDS_PER_YEAR};
@@ -90,9 +90,6 @@ impl Default for Motu {
     }
 }
 
-/// Loose ground, the same layer as that of the living world's sand.
-pub const SAND: LayerSpec =
-    LayerSpec::new("sand", "m", "Thickness of sand and soil; part of the height", (0.0, 12000.0)).empty_outside();
 /// Layer of the waves' energy.
 pub const SURF: LayerSpec = LayerSpec::new("surf", "1", "Energy of the waves over that of the open sea", (0.0, 1.0));
 
