@@ -18,6 +18,8 @@ const HEAD: &str = "seed = 4\n[grid]\nsize = 240\ncell = 40.0\n";
 enum Show {
     /// Alone.
     Source(String),
+    /// Alone, with its sea.
+    Island(String),
     /// The land before and after.
     Filter(String),
     /// The land, and beside it how deep it is changed.
@@ -52,6 +54,7 @@ fn shown(name: &str, filter: bool) -> Show {
         )),
         // What they do to hollows shows in no view.
         "fill" | "breach" => Show::Depth(plain),
+        "volcanic_island" => Show::Island(plain),
         "crater" => Show::Filter(format!("{plain}level = 0.55\ncrest_m = 40.0\n")),
         _ if name.starts_with("mask_") => Show::Mask(format!("{plain}layer = \"mask\"\n")),
         _ if filter => Show::Filter(plain),
@@ -59,13 +62,17 @@ fn shown(name: &str, filter: bool) -> Show {
     }
 }
 
-/// The world that a recipe makes.
-fn world(steps: &str) -> Result<World> {
+/// The world that a recipe makes, with its sea.
+fn coast(steps: &str) -> Result<World> {
     let text = format!("{HEAD}{steps}");
     let source = RecipeSource { name: "gallery".into(), text, folder: ".".into() };
     let recipe = Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default())?;
-    let mut world = Run::start(recipe, RunOptions::default())?.join()?.world;
-    // Dry land, whatever its heights are.
+    Ok(Run::start(recipe, RunOptions::default())?.join()?.world)
+}
+
+/// The same as dry land, whatever its heights are.
+fn world(steps: &str) -> Result<World> {
+    let mut world = coast(steps)?;
     if let Some(height) = world.get("height") {
         world.sea_level_m = f64::from(height.min_max().0) - 1.0;
     }
@@ -100,6 +107,10 @@ fn beside(land: &World, shares: &[f32]) -> Result<Picture> {
 fn picture(show: Show) -> Result<Picture> {
     match show {
         Show::Source(step) => view(&world(&step)?, 384, 240),
+        Show::Island(step) => {
+            let options = ViewOptions { width: 384, height: 240, ..ViewOptions::default() };
+            Ok(render::perspective(&coast(&step)?, &options)?)
+        }
         Show::Filter(step) => {
             let after = world(&format!("{LAND}{step}"))?;
             Ok(pair(&view(&world(LAND)?, 240, 180)?, &view(&after, 240, 180)?))
