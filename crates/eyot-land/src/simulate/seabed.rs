@@ -2,7 +2,8 @@
 //!
 //! # Equations
 //! 1. `h' = h + rate / 4 sum over 4 neighbours of (h_n - h)`, over pairs of cells that both lie under the sea and of which
-//!    neither carries reef limestone nor lies on a rim: cells on the rim stay as they are. With `rate = 1` and all neighbours under the sea this is the mean of the four.
+//!    neither carries reef limestone nor lies on a rim: cells on the rim stay as they are. With `rate = 1` and all neighbours under
+//!    the sea this is the mean of the four.
 //!
 //! # Source
 //! The mean of the four neighbours (Jacobi), as height-map editors smooth.
@@ -18,15 +19,14 @@
 //! Stable for every rate in the range.
 //!
 //! # Conserves
-//! Ground with what rounding of heights makes or loses, which is in the ledger (`ground.rounded`; `tests/it/reef.rs`).
+//! Ground, to rounding (`tests/it/reef.rs`).
 
 use super::ends;
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
-use eyot_core::ledger::known::GROUND_ROUNDED;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
-use eyot_core::rule::{Cell, Read, Rule, Tally, read};
+use eyot_core::rule::{Cell, Read, Rule, read};
 use eyot_core::rule_params;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -84,18 +84,15 @@ impl Rule for Level {
     const NAME: &'static str = "seabed_level";
     const READS: &'static [Read] = &[read("height", 1), read("limestone", 1)];
     const WRITES: &'static [&'static str] = &["height"];
-    const TALLIES: &'static [Tally] = &[GROUND_ROUNDED];
     type Params = LevelParams<()>;
     type Out<R: Real> = [R; 1];
-    type Sums<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
+    fn cell<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
         let x = pull(p, c, 1, 0) + pull(p, c, -1, 0);
         let y = pull(p, c, 0, 1) + pull(p, c, 0, -1);
-        let gain = (p.share * loose(p, c, 0, 0) * (x + y)).no_contract();
-        let levelled = c.here(0) + gain;
-        ([levelled], [(levelled - c.here(0)) - gain])
+        ([c.here(0) + p.share * loose(p, c, 0, 0) * (x + y)], [])
     }
 }
 

@@ -290,7 +290,7 @@ fn coarse_and_fine_maps_of_a_land_have_channels_from_one_area_on() {
         terrain_stats(&z, &g, None, options, &Limits::default()).unwrap()
     };
     let plain = TerrainOptions::default();
-    let (coarse, fine) = (of(64, &plain), of(256, &plain));
+    let (coarse, fine) = (of(128, &plain), of(256, &plain));
     assert_eq!(coarse.channel_area_m2, 600.0 * 100.0);
     assert_eq!(fine.channel_area_m2, 600.0 * 100.0);
     let (a, b) = (coarse.drainage_density_per_km.unwrap(), fine.drainage_density_per_km.unwrap());

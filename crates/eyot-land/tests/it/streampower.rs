@@ -11,7 +11,7 @@ use eyot_land::simulate::streampower::{ERODIBILITY, HEIGHT_REST, UPLIFT};
 use std::f64::consts::{PI, TAU};
 
 /// Below all ground.
-const NO_SEA_M: f64 = -1e5;
+const NO_SEA_M: f64 = -12_000.0;
 
 fn world(size: (usize, usize), cell_m: f64, rim: Boundary, height: impl Fn(usize, usize) -> f64) -> World {
     let grid = Grid::new(size.0, size.1, cell_m, rim, &Limits::default()).unwrap();

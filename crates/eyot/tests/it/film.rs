@@ -51,7 +51,7 @@ fn frames(out: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn an_orbit_begins_with_the_usual_view_and_moves_on() {
+fn an_orbit_goes_round_picture_by_picture() {
     let dir = tempfile::tempdir().unwrap();
     let (o, out) = (options(FilmPath::Orbit), dir.path().join("film"));
     let mut told = Vec::new();
@@ -64,9 +64,16 @@ fn an_orbit_begins_with_the_usual_view_and_moves_on() {
     assert_eq!(frames.len(), 6);
     let distinct: std::collections::BTreeSet<_> = frames.values().collect();
     assert_eq!(distinct.len(), 6, "every picture is another one");
+}
+
+#[test]
+fn a_film_that_stands_still_begins_with_the_usual_view() {
+    let dir = tempfile::tempdir().unwrap();
+    let (o, out) = (options(FilmPath::Still), dir.path().join("film"));
+    make(&o, &out, &mut |_| ()).unwrap();
     let still = dir.path().join("still.png");
     eyot::view::draw_view(&world(), &o.request, &still, &Limits::default()).unwrap();
-    assert_eq!(std::fs::read(still).unwrap(), frames["frame_00000.png"]);
+    assert_eq!(std::fs::read(still).unwrap(), frames(&out)["frame_00000.png"]);
 }
 
 #[test]

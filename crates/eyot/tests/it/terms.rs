@@ -425,7 +425,7 @@ fn describe_says_which_parameters_take_expressions() {
 fn describe_prints_tables_line_by_line() {
     let text = describe("corals", &Registry::standard()).unwrap().to_string();
     let line = |start: &str| text.lines().find(|l| l.trim_start().starts_with(start)).unwrap_or_default();
-    assert_eq!(line("species  ["), "  species  [a list of values; default below]");
+    assert_eq!(line("species  ["), "  species  [a list of values or a table; default below]");
     assert_eq!(line("Porites lobata"), "        Porites lobata");
     assert!(line("form = massive, growth = 0.0116").starts_with("          form"), "{text}");
     assert!(line("cell = 1, growth = 0.05, shade = 0.9").len() > 30 && text.contains("body.shape = massive"), "{text}");
