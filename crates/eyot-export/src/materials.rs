@@ -211,7 +211,8 @@ mod tests {
     /// What the splat map calls rock or grass is what the picture shows: grey, or green and yellow, with little blue.
     #[test]
     fn masks_are_where_pictures_show_them() {
-        let mut world = World::new(Grid::new(96, 96, 20.0, Boundary::CLOSED, &Limits::default()).unwrap(), 4);
+        // The seed of `ground`: masks and pictures share their noise.
+        let mut world = World::new(Grid::new(96, 96, 20.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
         let hills = |x: f32, y: f32| 500.0 + 260.0 * (0.09 * x).sin() * (0.11 * y).cos();
         world.put(&known::HEIGHT, Field::from_fn(96, 96, |x, y| hills(x as f32, y as f32))).unwrap();
         let looks = Looks::default();

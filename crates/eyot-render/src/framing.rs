@@ -45,66 +45,46 @@ impl Bounds {
     }
 }
 
-/// What a picture of a stage is to show.
-struct Subject<'a> {
-    stage: &'a Stage,
-    /// Smallest and largest east, south and height of it, m.
-    span: [[f32; 2]; 3],
+/// Places that stand for the land along a side of the grid at most: all cells of most grids, the highest of some in larger ones.
+const PLACES: usize = 512;
+
+/// What pictures of a stage are to show, as places: the surface of a relief model with its foot, or land and shoals of an open sea. A later state of the
+/// world changes nothing of it, so that cameras do not jump.
+#[derive(Default)]
+pub(crate) struct Subject {
+    places: Vec<V3>,
+    /// The middle of the smallest box around them.
+    middle: V3,
 }
 
-impl<'a> Subject<'a> {
-    fn new(stage: &'a Stage) -> Self {
-        let mut subject = Self { stage, span: [[0.0; 2]; 3] };
-        let nothing = [[f32::INFINITY, f32::NEG_INFINITY]; 3];
-        let span = subject.fold(
-            nothing,
-            |s, p| std::array::from_fn(|k| [s[k][0].min(p[k]), s[k][1].max(p[k])]),
-            |a, b| std::array::from_fn(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])]),
-        );
-        let size = stage.size_m();
-        let whole = [[0.0, size[0]], [0.0, size[1]], [0.0, 0.0]];
-        // An open sea without land is seen as far as the grid goes.
-        subject.span = if span[0][0] <= span[0][1] { span } else { whole };
-        subject
-    }
-
-    /// Folds all places that must be in the picture: the surface of a relief model with its foot, or land and shoals of an open sea.
-    fn fold<T: Copy + Send + Sync>(
-        &self,
-        start: T,
-        with: impl Fn(T, V3) -> T + Send + Sync,
-        both: impl Fn(T, T) -> T + Send + Sync,
-    ) -> T {
-        let (stage, [w, _]) = (self.stage, self.stage.cells());
-        let [dx, dy] = stage.cell_m();
-        // A single row or column is a strip of its own width.
-        let [e, s] = stage.size_m();
-        let shoal = -0.35 * stage.clarity * stage.exaggeration;
-        let rows = stage.tops().par_chunks(w).enumerate().map(|(y, row)| {
-            row.iter().enumerate().fold(start, |all, (x, &z)| {
-                let at = [x as f32 * dx, y as f32 * dy];
-                if stage.block {
-                    with(all, [at[0], at[1], if stage.sea { z.max(0.0) } else { z }])
-                } else if z > shoal {
-                    with(all, [at[0], at[1], z.max(0.0)])
-                } else {
-                    all
-                }
-            })
-        });
-        let mut all = rows.reduce(|| start, &both);
+impl Subject {
+    pub(crate) fn of(stage: &Stage) -> Self {
+        let ([w, h], [dx, dy], [e, s]) = (stage.cells(), stage.cell_m(), stage.size_m());
+        let (tops, floor) = (stage.tops(), if stage.sea { 0.0 } else { f32::NEG_INFINITY });
+        let shoal = if stage.block { f32::NEG_INFINITY } else { -0.35 * stage.clarity * stage.exaggeration };
+        let step = w.max(h).div_ceil(PLACES);
+        let highest = |x: usize, y: usize| {
+            let cells = (y..(y + step).min(h)).flat_map(|y| (x..(x + step).min(w)).map(move |x| y * w + x));
+            cells.max_by(|&a, &b| tops[a].total_cmp(&tops[b])).filter(|&i| tops[i] > shoal)
+        };
+        let tiles = (0..h).step_by(step).flat_map(|y| (0..w).step_by(step).map(move |x| (x, y)));
+        let place = |i: usize| [(i % w) as f32 * dx, (i / w) as f32 * dy, tops[i].max(floor)];
+        let mut places: Vec<V3> = tiles.filter_map(|(x, y)| highest(x, y)).map(place).collect();
+        let corners = [[0.0, 0.0], [e, 0.0], [0.0, s], [e, s]];
         if stage.block {
             let foot = stage.foot();
-            for (x, y) in [(0.0, 0.0), (e, 0.0), (0.0, s), (e, s)] {
-                let rim = stage.height_at(x, y).max(if stage.sea { 0.0 } else { f32::NEG_INFINITY });
-                all = with(with(all, [x, y, foot]), [x, y, rim]);
-            }
+            places.extend(corners.map(|[x, y]| [x, y, foot]));
+            places.extend(corners.map(|[x, y]| [x, y, stage.height_at(x, y).max(floor)]));
+        } else if places.is_empty() {
+            // An open sea without land is seen as far as the grid goes.
+            places.extend(corners.map(|[x, y]| [x, y, 0.0]));
         }
-        all
-    }
-
-    fn middle(&self) -> V3 {
-        self.span.map(|[low, high]| 0.5 * (low + high))
+        let middle = std::array::from_fn(|k| {
+            let (low, high) =
+                places.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), p| (l.min(p[k]), h.max(p[k])));
+            0.5 * (low + high)
+        });
+        Self { places, middle }
     }
 }
 
@@ -112,8 +92,7 @@ impl Stage {
     /// `pose` moved along its own axes, so that a picture of so many columns a row shows all of a relief model, or the land and shoals of an open
     /// sea, as large as it can. Direction and angle of view stay.
     pub(crate) fn framed(&self, pose: &Pose, aspect: f32) -> Pose {
-        let subject = Subject::new(self);
-        let middle = subject.middle();
+        let (places, middle) = (&self.subject.places, self.subject.middle);
         let camera = self.camera_towards(pose);
         let ([right, up, forward], aspect) = ([camera.right, camera.up, camera.forward], aspect.clamp(0.01, 100.0));
         let (across, over, under) =
@@ -123,13 +102,7 @@ impl Stage {
             let [r, u, f] = [right, up, forward].map(|axis| dot(axis, p));
             Bounds { left: r + across * f, right: r - across * f, bottom: u + under * f, top: u - over * f, near: f }
         };
-        let mut b = subject.fold(Bounds::NOTHING, |all, p| all.and(bounds(p)), Bounds::and);
-        if !(b.left.is_finite() && b.right.is_finite() && b.bottom.is_finite() && b.top.is_finite()) {
-            let [[x0, x1], [y0, y1], [z, _]] = subject.span;
-            b = [[x0, y0, z], [x1, y0, z], [x0, y1, z], [x1, y1, z]]
-                .into_iter()
-                .fold(Bounds::NOTHING, |all, p| all.and(bounds(p)));
-        }
+        let b = places.par_iter().map(|p| bounds(*p)).reduce(|| Bounds::NOTHING, Bounds::and);
         // The eye, seen from the middle, at (r, u, f): b.right + across f <= r <= b.left - across f, and likewise for u.
         let back = ((b.left - b.right) / (2.0 * across)).min((b.bottom - b.top) / (over + under));
         // No peak comes nearer than a third of the way to the middle.
@@ -142,11 +115,10 @@ impl Stage {
                 let p = add(p, scale(middle, -1.0));
                 (dot(right, p) - r) / (dot(forward, p) - back).max(1e-6 * self.extent)
             };
-            let (west, east) = subject.fold(
-                (f32::INFINITY, f32::NEG_INFINITY),
-                |(w, e), p| (w.min(seen(p)), e.max(seen(p))),
-                |a, b| (a.0.min(b.0), a.1.max(b.1)),
-            );
+            let (west, east) = places
+                .par_iter()
+                .map(|p| (seen(*p), seen(*p)))
+                .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
             if !(west + east).is_finite() {
                 break;
             }
@@ -164,24 +136,31 @@ impl Stage {
         if sound.iter().all(|v| v.is_finite()) { framed } else { *pose }
     }
 
-    /// The pose for a whole turn around the land that no part of it leaves: the middle of the land in the middle of the picture, from so far
-    /// that every side of it fits.
+    /// The pose for a whole turn around the land that no part of it leaves: around its middle, from so far that every side of it fits.
     pub(crate) fn framed_all_around(&self, pose: &Pose, aspect: f32) -> Pose {
-        const TURNS: usize = 16;
-        let size = self.size_m();
-        let middle = Subject::new(self).middle();
-        let framed: Vec<Pose> = (0..TURNS)
-            .map(|i| Pose { azimuth_deg: pose.azimuth_deg + 360.0 * i as f32 / TURNS as f32, ..*pose })
-            .map(|p| self.framed(&p, aspect))
-            .collect();
-        // How far a framed picture's middle lies from the land's is made up for by distance.
-        let needed = framed.iter().map(|p| {
-            let off = (p.target[0] * size[0] - middle[0]).hypot(p.target[1] * size[1] - middle[1]) / self.extent;
-            p.distance + off
-        });
-        let distance = needed.fold(0.0, f32::max);
-        let height = framed.iter().map(|p| p.target_height).sum::<f32>() / TURNS as f32;
-        Pose { target: [middle[0] / size[0], middle[1] / size[1]], target_height: height, distance, ..*pose }
+        const TURNS: usize = 24;
+        let (size, middle) = (self.size_m(), self.subject.middle);
+        let turned = |i: usize| Pose { azimuth_deg: pose.azimuth_deg + 360.0 * i as f32 / TURNS as f32, ..*pose };
+        let needed = |i: usize| {
+            let camera = self.camera_towards(&turned(i));
+            let [across, over, under] =
+                [aspect.clamp(0.01, 100.0) * (1.0 - SIDES), 1.0 - ABOVE, 1.0 - BELOW].map(|share| camera.tan * share);
+            // Seen from the distance D, a place lies `D + f` deep in the picture.
+            let far = |p: &V3| {
+                let p = add(*p, scale(middle, -1.0));
+                let [r, u, f] = [camera.right, camera.up, camera.forward].map(|axis| dot(axis, p));
+                (r.abs() / across).max(u / over).max(-u / under) - f
+            };
+            self.subject.places.par_iter().map(far).reduce(|| 0.0, f32::max)
+        };
+        let distance = (0..TURNS).map(needed).fold(0.0, f32::max) / self.extent;
+        let framed = Pose {
+            target: [middle[0] / size[0], middle[1] / size[1]],
+            target_height: self.share_of_height(middle[2]),
+            distance,
+            ..*pose
+        };
+        if distance.is_finite() && distance > 0.0 { framed } else { *pose }
     }
 
     /// A camera with the axes and the angle of view of a pose.

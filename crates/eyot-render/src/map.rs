@@ -20,7 +20,7 @@ pub struct MapOptions {
     pub max_size: usize,
     /// Grids with a longer side below this are drawn with several pixels a cell, pixels.
     pub min_size: usize,
-    /// Pixels of the map's longer side, instead of the two bounds; cells are then as nearly of one size as pixels allow. The legend adds to it.
+    /// Pixels of the map's longer side, instead of the two bounds; cells are then as nearly of one size as pixels allow. The legend adds rows, and columns to maps narrower than it.
     pub size: Option<usize>,
     /// Colours. `None` chooses by the layer's name and values.
     pub colours: Option<ColourMap>,

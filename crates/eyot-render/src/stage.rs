@@ -2,6 +2,7 @@
 
 use crate::camera::Camera;
 use crate::cover::{Looks, albedo};
+use crate::framing::Subject;
 use crate::ground::{Ground, box_mean};
 use crate::math::{V3, add, direction, scale, smoothstep};
 use crate::path::Pose;
@@ -45,6 +46,8 @@ pub struct Stage {
     pub fresh_water: Water,
     rivers: bool,
     looks: Looks,
+    /// What pictures show, as it was when the stage was made.
+    pub(crate) subject: Subject,
 }
 
 impl Stage {
@@ -81,14 +84,16 @@ impl Stage {
             fresh_water: Water::fresh(2.0 * ground.river.1),
             rivers: o.fresh_water,
             looks: o.looks.clone(),
+            subject: Subject::default(),
             ground,
         };
         stage.raise();
+        stage.subject = Subject::of(&stage);
         Ok(stage)
     }
 
     /// Takes over the heights and the water of `world`, a later state of the world that this was made for. What scales the
-    /// picture stays, so that a film of a growing island does not jump.
+    /// picture and what places its cameras stays, so that a film of a growing island does not jump.
     ///
     /// # Errors
     /// If the world has no layer `height`, or is of another size.

@@ -4,8 +4,8 @@ use eyot_core::layer::known;
 use eyot_core::{Boundary, Error, Field, Grid, Limits, World};
 use eyot_render::cover::{HALO, LAYERS, Strip};
 use eyot_render::{
-    Class, ColourMap, Cover, Looks, MapOptions, Palette, Picture, ReliefOptions, Season, Setting, Stage, ViewOptions,
-    layer_map, perspective, relief, terrain_colours,
+    CameraPath, Class, ColourMap, Cover, Looks, MapOptions, Palette, Picture, ReliefOptions, Season, Setting, Stage,
+    ViewOptions, layer_map, perspective, relief, terrain_colours,
 };
 
 fn world(w: usize, h: usize, f: impl FnMut(usize, usize) -> f32) -> World {
@@ -113,6 +113,33 @@ fn an_island_fills_the_picture() {
                 assert!((left - right).abs() < 0.15, "{width}x{height} from {azimuth_deg}: {all:?}");
             }
         }
+    }
+}
+
+/// A turn around the land cuts off none of it, from wherever, and a later state of the world moves no camera.
+#[test]
+fn an_orbit_shows_every_side_and_cameras_stay() {
+    let long = world(96, 96, |x, y| 90.0 * (1.0 - ((x as f32 - 40.0) / 30.0).hypot((y as f32 - 60.0) / 9.0)));
+    for elevation_deg in [None, Some(35.0)] {
+        let o = ViewOptions { elevation_deg, ..small() };
+        let mut stage = Stage::new(&long, &o).unwrap();
+        let orbit = CameraPath::orbit(&stage, &o);
+        for i in 0..24 {
+            let p = orbit.pose(i as f32 / 24.0);
+            let from = ViewOptions {
+                azimuth_deg: p.azimuth_deg,
+                distance: Some(p.distance),
+                target: Some(p.target),
+                target_height: Some(p.target_height),
+                ..o.clone()
+            };
+            let all = reach(&stage, &from, |z| z > 0.0);
+            assert!(all.iter().all(|m| *m < 1.0), "{i}: {all:?}");
+            assert!(all.iter().any(|m| *m > 0.4), "{i}: {all:?}");
+        }
+        let before = stage.camera(&o);
+        stage.follow(&world(96, 96, |x, _| x as f32)).unwrap();
+        assert_eq!(stage.camera(&o), before);
     }
 }
 

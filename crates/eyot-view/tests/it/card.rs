@@ -8,7 +8,7 @@ use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
 use eyot_gpu::{Gpu, GpuEngine, GpuError, Options};
 use eyot_land::simulate::Thermal;
 use eyot_land::simulate::hydraulic::Hydraulic;
-use eyot_render::{Camera, MapOptions, Picture, ViewOptions};
+use eyot_render::{MapOptions, Picture, ViewOptions};
 use eyot_testing::one;
 use eyot_view::{Canvas, Renderer, Scene};
 
@@ -58,8 +58,9 @@ fn begun(gpu: Gpu, options: Options, mut world: World) -> (GpuEngine, Renderer, 
     (engine, renderer, world)
 }
 
-fn picture(engine: &GpuEngine, renderer: &mut Renderer, scene: &Scene, camera: &Camera) -> Picture {
-    let picture = renderer.draw(engine.gpu(), scene, camera, SIZE, 0.0).unwrap().take(engine.gpu()).unwrap();
+fn picture(engine: &GpuEngine, renderer: &mut Renderer, scene: &Scene) -> Picture {
+    let camera = scene.stage().camera(&options());
+    let picture = renderer.draw(engine.gpu(), scene, &camera, SIZE, 0.0).unwrap().take(engine.gpu()).unwrap();
     keep(&picture);
     picture
 }
@@ -69,9 +70,7 @@ fn compare(name: &str, gpu: Gpu, how: Options, world: World, layer: &str) {
     let (mut engine, mut renderer, mut world) = begun(gpu, how, world);
     let colours = MapOptions::default();
     let mut scene = Scene::of_layer(engine.gpu(), &renderer, &world, layer, &options(), &colours).unwrap();
-    // It frames the land as far as the processor knows it, so that it would move when the world is brought back.
-    let camera = scene.stage().camera(&options());
-    let old = picture(&engine, &mut renderer, &scene, &camera);
+    let old = picture(&engine, &mut renderer, &scene);
     simulate(&mut engine, &mut world, 8, 80);
 
     let before = engine.work();
@@ -80,12 +79,12 @@ fn compare(name: &str, gpu: Gpu, how: Options, world: World, layer: &str) {
     let work = engine.work().since(before);
     assert_eq!(work.layers_back, 0, "{name}: no layer comes back");
     assert!(work.bytes_back * 8 < 4 * world.grid.cells() as u64, "{name}: {} bytes came back", work.bytes_back);
-    let followed = picture(&engine, &mut renderer, &scene, &camera);
+    let followed = picture(&engine, &mut renderer, &scene);
 
     engine.download(&mut world).unwrap();
     assert!(engine.work().since(before).layers_back > 0, "{name}: this is counted");
     scene.update(engine.gpu(), &renderer, &world, &["height", layer]).unwrap();
-    let updated = picture(&engine, &mut renderer, &scene, &camera);
+    let updated = picture(&engine, &mut renderer, &scene);
     let (moved, off) = (difference(&old, &followed), difference(&followed, &updated));
     println!("{name}: {moved:.3} of 255 moved, {off:.5} of 255 off, {} bytes came back", work.bytes_back);
     assert!(moved > 0.1, "{name}: the picture moved by {moved}");
@@ -185,6 +184,5 @@ fn a_hosts_own_texture_gets_the_same_picture() {
     gpu.queue().submit([encoder.finish()]);
     let bytes = gpu.complete(gpu.read_mapped(shown)).unwrap();
     let pixels: Vec<[u8; 3]> = bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
-    let camera = scene.stage().camera(&options());
-    assert!(pixels == picture(&engine, &mut renderer, &scene, &camera).pixels);
+    assert!(pixels == picture(&engine, &mut renderer, &scene).pixels);
 }
