@@ -206,8 +206,17 @@ fn names_a_flag(line: &str) -> bool {
     })
 }
 
+/// True for a verb of the command, such as `eyot run`.
+fn names_a_verb(line: &str) -> bool {
+    ["`eyot ", "\"eyot "].iter().any(|start| {
+        let after = line.split(start).nth(1);
+        after.is_some_and(|after| after.starts_with(|c: char| c.is_ascii_lowercase()) || *start == "`eyot ")
+    })
+}
+
 #[test]
 fn libraries_speak_no_command_line() {
+    assert!(names_a_verb("see `eyot list`") && names_a_verb("(\"eyot stats\", 1)") && !names_a_verb("\"eyot {}\""));
     assert!(names_a_flag("raise --max-memory") && names_a_flag("(--layer NAME)") && !names_a_flag("a --- b"));
     for (path, text) in rust_files("crates") {
         let name = path.to_string_lossy().replace('\\', "/");
@@ -215,7 +224,7 @@ fn libraries_speak_no_command_line() {
             continue;
         }
         for line in code(without_tests(&text)) {
-            assert!(!names_a_flag(line) && !line.contains("`eyot "), "{name} speaks of the command line: {line}");
+            assert!(!names_a_flag(line) && !names_a_verb(line), "{name} speaks of the command line: {line}");
         }
     }
 }

@@ -5,8 +5,8 @@
 
 use super::{Component, ComponentKind, Decoder, Encoder};
 use crate::error::{Error, Result};
+use crate::fingerprint::Fingerprint;
 use crate::limits::Limits;
-use crate::world::Fingerprint;
 use std::sync::Arc;
 
 /// A stretch of one material in a column.

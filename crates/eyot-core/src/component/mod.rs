@@ -29,7 +29,7 @@ pub use points::Points;
 pub use set::Components;
 pub use table::Table;
 
-use crate::world::Fingerprint;
+use crate::fingerprint::Fingerprint;
 use std::any::Any;
 use std::borrow::Cow;
 use std::fmt::Debug;
