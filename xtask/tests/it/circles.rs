@@ -44,7 +44,7 @@ fn leaves(tree: &str) -> Vec<String> {
 }
 
 /// Absolute paths within the crate that a module's code names; what a module hands on from its own folder is none.
-fn named(module: &[String], code: &str) -> Vec<Vec<String>> {
+pub(crate) fn named(module: &[String], code: &str) -> Vec<Vec<String>> {
     let mut paths = Vec::new();
     for statement in code.split(';') {
         let starts = statement.match_indices("use ").map(|(at, _)| at);

@@ -2,6 +2,8 @@
 
 use biblatex::Bibliography;
 use eyot::{Registry, all_citations, recipe_schema};
+use eyot_core::conformance;
+use eyot_core::process::Scheduled;
 use eyot_recipe::{DOCUMENT_KEYS, GENERATE_KEYS, REFERENCES, SCHEDULE_KEYS, SIMULATE_KEYS};
 
 /// A parameter with one of the recipe's own keys could not be reached from a recipe.
@@ -93,5 +95,17 @@ fn names_titles_and_notes_are_readable() {
     for c in &all {
         assert!(!c.text.contains(['{', '}', '\\']), "{}", c.text);
         assert!(c.bibtex.starts_with('@') && c.bibtex.trim_end().ends_with('}'), "{}", c.bibtex);
+    }
+}
+
+/// Of every process it is known whether a part of a grid will do, and where it will, parts make the bytes of the whole.
+#[test]
+fn every_process_works_in_windows_or_says_that_it_needs_the_whole() {
+    let whole = ["corals", "drainage", "plates", "streampower"];
+    for e in Registry::standard().processes() {
+        let process = (e.make)(serde_json::json!({})).unwrap();
+        let alone = [Scheduled { name: e.name, process, every: 1 }];
+        let compared = conformance::check_windows(&alone, &|_, u| u).unwrap();
+        assert_eq!(compared, !whole.contains(&e.name), "{}", e.name);
     }
 }
