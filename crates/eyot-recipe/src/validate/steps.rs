@@ -439,6 +439,8 @@ fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
         eyot_core::Error::BadParameter { field, .. } => node.get(field),
         _ => None,
     };
+    // Where no parameter is wrong, it is the file, if there is one.
+    let field = field.or_else(|| node.get("file")).or_else(|| node.get("generate"));
     let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
     let help = remedy![Action::Describe(owner.to_owned()), " says what its parameters mean"];
     Diagnostic::at(span, e.sentence(), "this does not work").help(help)
