@@ -1,4 +1,4 @@
-//! TIFF and GeoTIFF, in: one band of any number type, and the mask beside it.
+//! TIFF and GeoTIFF, in: one band of any number type, and the mask in the file or beside it.
 
 use crate::error::{Error, Result};
 use crate::fill::fill;
@@ -50,6 +50,7 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     let Metadata { name, mut unit, meaning, tags, scale, offset } = metadata(ifd);
     let (mut field, mut missing, rounded_by) = decode(path, tiff, ifd, &layout, nodata, options.band.unwrap_or(1) - 1)?;
     mark_masked(path, tiff, &layout, &mut missing)?;
+    mark_masked_beside(path, &layout, options.band, limits, &mut missing)?;
     let (factor, offset) = (scale.unwrap_or(1.0), offset.unwrap_or(0.0));
     if (factor, offset) != (1.0, 0.0) {
         // Missing cells, too: they are filled from the others.
@@ -260,7 +261,53 @@ fn mark_masked(path: &Path, tiff: &TiffFile, layout: &RasterLayout, missing: &mu
                     && l.bits_per_sample <= 8
             })
     };
-    let Some(mask) = tiff.ifds().iter().find(is_mask) else { return Ok(()) };
+    match tiff.ifds().iter().find(is_mask) {
+        Some(mask) => mark_zeros(path, tiff, mask, 0, (width, height), missing),
+        None => Ok(()),
+    }
+}
+
+/// Marks the cells that a mask beside the file leaves out: GDAL's `NAME.tif.msk`, a TIFF of the image's size with one band for all of its
+/// bands, or one for each.
+fn mark_masked_beside(
+    path: &Path,
+    layout: &RasterLayout,
+    band: Option<usize>,
+    limits: &Limits,
+    missing: &mut Option<Vec<bool>>,
+) -> Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".msk");
+    let path = Path::new(&name);
+    if !path.is_file() {
+        return Ok(());
+    }
+    let tiff = TiffFile::open_with_options(path, open_options(limits)).map_err(|e| broken(path, e))?;
+    let mask = tiff.ifd(0).map_err(|e| broken(path, e))?;
+    let m = mask.raster_layout().map_err(|e| broken(path, e))?;
+    let bands = m.samples_per_pixel;
+    let fits =
+        (m.width, m.height) == (layout.width, layout.height) && (bands == 1 || bands == layout.samples_per_pixel);
+    if !fits || m.sample_format != 1 || m.bits_per_sample > 8 {
+        let problem = format!(
+            "this mask has {} x {} cells in {bands} bands of {} bits, which does not fit the image beside it",
+            m.width, m.height, m.bits_per_sample
+        );
+        return Err(Error::format(path, problem, "make it again from that image, or move it away"));
+    }
+    let band = if bands == 1 { 0 } else { band.unwrap_or(1) - 1 };
+    mark_zeros(path, &tiff, mask, band, (m.width, m.height), missing)
+}
+
+/// Marks the cells where a mask is 0.
+fn mark_zeros(
+    path: &Path,
+    tiff: &TiffFile,
+    mask: &Ifd,
+    band: usize,
+    (width, height): (usize, usize),
+    missing: &mut Option<Vec<bool>>,
+) -> Result<()> {
     // A header may say anything of the mask as well.
     let block = match (mask.tile_width(), mask.tile_height()) {
         (Some(w), Some(h)) if mask.is_tiled() => u128::from(w) * u128::from(h),
@@ -274,7 +321,8 @@ fn mark_masked(path: &Path, tiff: &TiffFile, layout: &RasterLayout, missing: &mu
     // Rows of a band at a time, for a mask is as large as the image.
     for top in (0..height).step_by(MASK_ROWS) {
         let rows = MASK_ROWS.min(height - top);
-        let window = tiff.read_window_from_ifd::<u8>(mask, top, 0, rows, width).map_err(|e| broken(path, e))?;
+        let window = tiff.read_band_window_from_ifd::<u8>(mask, band, top, 0, rows, width);
+        let window = window.map_err(|e| broken(path, e))?;
         for (i, _) in window.iter().enumerate().filter(|(_, inside)| **inside == 0) {
             missing.get_or_insert_with(|| vec![false; width * height])[top * width + i] = true;
         }

@@ -26,14 +26,15 @@ impl Folder {
     }
 
     /// The folder at `path`, which exists, and no other one: if it is moved away, or another one or a link to one takes its place,
-    /// nothing more is written. Where the system cannot tell folders apart, as [`Folder::new`].
+    /// nothing more is written. On Windows none of that can happen as long as it is held: the system refuses to move or remove it. On
+    /// systems that have neither, as [`Folder::new`].
     ///
     /// # Errors
     /// If it cannot be opened.
     pub fn held(path: impl Into<PathBuf>) -> Result<Self> {
         let path = path.into();
         let name = if path.as_os_str().is_empty() { Path::new(".") } else { &path };
-        let held = if cfg!(unix) { Some(File::open(name).map_err(Error::io(&path, "use the folder"))?) } else { None };
+        let held = hold(name).map_err(Error::io(&path, "use the folder"))?;
         Ok(Self { held, ..Self::new(path) })
     }
 
@@ -163,6 +164,30 @@ impl Storage for Folder {
     }
 }
 
+/// Opens a folder, so that it can be told from others.
+#[cfg(unix)]
+fn hold(path: &Path) -> io::Result<Option<File>> {
+    File::open(path).map(Some)
+}
+
+/// Opens a folder and lets nobody delete it meanwhile, which moving takes, too.
+#[cfg(windows)]
+fn hold(path: &Path) -> io::Result<Option<File>> {
+    use std::os::windows::fs::OpenOptionsExt;
+    /// What opening folders takes (`CreateFileW`).
+    const FILE_FLAG_BACKUP_SEMANTICS: u32 = 0x0200_0000;
+    const FILE_SHARE_READ: u32 = 1;
+    const FILE_SHARE_WRITE: u32 = 2;
+    let mut options = fs::OpenOptions::new();
+    options.read(true).share_mode(FILE_SHARE_READ | FILE_SHARE_WRITE).custom_flags(FILE_FLAG_BACKUP_SEMANTICS);
+    options.open(path).map(Some)
+}
+
+#[cfg(not(any(unix, windows)))]
+fn hold(_path: &Path) -> io::Result<Option<File>> {
+    Ok(None)
+}
+
 /// True if the name leads to this folder.
 #[cfg(unix)]
 fn is_at(held: &File, path: &Path) -> bool {
@@ -174,6 +199,7 @@ fn is_at(held: &File, path: &Path) -> bool {
     }
 }
 
+/// True as long as it is held on Windows, where it cannot have gone.
 #[cfg(not(unix))]
 fn is_at(_held: &File, path: &Path) -> bool {
     path.is_dir()

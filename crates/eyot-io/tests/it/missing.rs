@@ -103,3 +103,59 @@ fn numbers_that_usually_mark_missing_cells_are_suspect_until_they_do() {
         assert_eq!((said.filled(), said.suspect()), (6, None), "{name}");
     }
 }
+
+/// A plain TIFF of bytes with so many bands, a strip and no compression.
+fn bytes_as_tiff(width: u16, height: u16, bands: u16, values: &[u8]) -> Vec<u8> {
+    let mut out = b"II*\0\x08\0\0\0".to_vec();
+    let short = |tag: u16, v: u32| (tag, 3_u16, v);
+    let count = values.len() as u32;
+    let entries = [
+        short(256, width.into()),
+        short(257, height.into()),
+        short(258, 8),
+        short(259, 1),
+        short(262, 1),
+        (273, 4, 8 + 2 + 10 * 12 + 4),
+        short(277, bands.into()),
+        short(278, height.into()),
+        (279, 4, count),
+        short(284, 1),
+    ];
+    out.extend((entries.len() as u16).to_le_bytes());
+    for (tag, kind, value) in entries {
+        out.extend(tag.to_le_bytes());
+        out.extend(kind.to_le_bytes());
+        out.extend(1_u32.to_le_bytes());
+        out.extend(value.to_le_bytes());
+    }
+    out.extend([0; 4]);
+    out.extend(values);
+    out
+}
+
+/// GDAL keeps masks beside files that have no room for one.
+#[test]
+fn a_mask_beside_the_file_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    std::fs::write(&path, bytes_as_tiff(3, 2, 1, &[10, 20, 30, 40, 50, 60])).unwrap();
+    let read = || {
+        read_raster(
+            &path,
+            &ReadOptions { low_m: Some(0.0), high_m: Some(255.0), ..ReadOptions::default() },
+            &Limits::default(),
+        )
+    };
+    assert_eq!(read().unwrap().missing, None);
+    let mask = folder.path().join("a.tif.msk");
+    std::fs::write(&mask, bytes_as_tiff(3, 2, 1, &[255, 255, 0, 255, 1, 255])).unwrap();
+    let raster = read().unwrap();
+    assert_eq!(raster.missing, Some(vec![false, false, true, false, false, false]));
+    // Filled from around, and not with what stood there.
+    assert_ne!(raster.field.get(2, 0), 30.0);
+    assert_eq!(raster.field.get(1, 1), 50.0);
+    // One that belongs to another image is no mask of this one.
+    std::fs::write(&mask, bytes_as_tiff(2, 2, 1, &[255, 255, 0, 255])).unwrap();
+    let refused = read().unwrap_err().to_string();
+    assert!(refused.contains("a.tif.msk") && refused.contains("does not fit"), "{refused}");
+}
