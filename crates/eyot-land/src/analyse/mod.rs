@@ -18,6 +18,7 @@
 //! ```
 
 mod curvature;
+mod curves;
 mod geomorphons;
 mod hack;
 mod horton;
@@ -31,6 +32,7 @@ mod terrain_stats;
 mod variogram;
 
 pub use curvature::curvatures;
+pub use curves::{TerrainCurves, terrain_curves};
 pub use geomorphons::{Landform, geomorphons};
 pub use hack::hack_exponent;
 pub use horton::{HortonRatios, StreamOrder, horton_ratios, streams_by_order};
