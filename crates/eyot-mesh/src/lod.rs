@@ -87,15 +87,24 @@ pub fn levels_of_detail_controlled(
 /// Indices of about `target` length whose triangles all face up, or `None` if that failed.
 fn simplify(mesh: &TerrainMesh, target: usize, rim: Rim) -> Option<Vec<u32>> {
     let flat = flattened(mesh);
-    let mut locked = corners(&flat);
+    let how = |locked: &[bool]| simplifier::simplify_open(&mesh.indices, &flat, locked, target, rim == Rim::Fixed);
+    without_folds(mesh, corners(&flat), how)
+}
+
+/// What `how` makes of a mesh, some of whose vertices are locked, with more of them locked as long as triangles fold.
+pub(crate) fn without_folds(
+    mesh: &TerrainMesh,
+    mut locked: Vec<bool>,
+    how: impl Fn(&[bool]) -> Option<Vec<u32>>,
+) -> Option<Vec<u32>> {
     for _ in 0..ATTEMPTS {
-        let indices = simplifier::simplify_open(&mesh.indices, &flat, &locked, target, rim == Rim::Fixed)?;
+        let indices = how(&locked)?;
         let folded: Vec<&[u32]> = indices.chunks_exact(3).filter(|t| area_from_above(mesh, t) <= 0.0).collect();
         if folded.is_empty() {
             return Some(indices);
         }
         // The neighbours as well: a collapse beside the sliver made it.
-        let mut near = vec![false; flat.len()];
+        let mut near = vec![false; locked.len()];
         folded.into_iter().flatten().for_each(|&i| near[i as usize] = true);
         for t in mesh.indices.chunks_exact(3).filter(|t| t.iter().any(|&i| near[i as usize])) {
             t.iter().for_each(|&i| locked[i as usize] = true);
@@ -128,7 +137,7 @@ fn flattened(mesh: &TerrainMesh) -> Vec<[f32; 3]> {
 }
 
 /// Twice the area of a triangle as seen from above, in m^2; negative if it faces down.
-pub(crate) fn area_from_above(mesh: &TerrainMesh, triangle: &[u32]) -> f64 {
+fn area_from_above(mesh: &TerrainMesh, triangle: &[u32]) -> f64 {
     let [a, b, c] = [triangle[0], triangle[1], triangle[2]].map(|i| flat(mesh.positions[i as usize]));
     cross(a, b, c)
 }

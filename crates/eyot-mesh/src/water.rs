@@ -1,13 +1,15 @@
 //! The surface of a sea, of lakes and of rivers as a mesh of its own.
 
-use crate::lod::{area_from_above, compact};
+use crate::lod::{compact, without_folds};
 use crate::simplifier;
 use crate::terrain::TerrainMesh;
 use crate::tiles::Tiling;
 use eyot_core::Field;
 
-/// How far the surface may be from that with a vertex on every cell, m. A level surface loses nearly all of its triangles at any value.
+/// How far above or below that with a vertex on every cell the surface may be, m. A level surface loses nearly all of its triangles at any value.
 const ERROR_M: f32 = 0.02;
+/// How far its edge may move, in distances of vertices: it lies a whole one beyond the shore, under the ground.
+const EDGE: f32 = 0.3;
 /// A level surface goes on over cells that lie at most so far below it and do not count as water, m.
 const FILM_M: f32 = 0.5;
 
@@ -61,10 +63,9 @@ impl Tiling {
             return None;
         }
         mesh.normals = normals(&mesh);
-        Some(simplified(
-            mesh,
-            [self.place(first[0], first[1]), self.place(first[0] + columns - 1, first[1] + rows - 1)],
-        ))
+        let step = self.grid.cell_x_m.min(self.grid.cell_y_m) as f32 * self.stride as f32;
+        let corners = [self.place(first[0], first[1]), self.place(first[0] + columns - 1, first[1] + rows - 1)];
+        Some(simplified(mesh, corners, EDGE * step))
     }
 
     /// Height of the surface at a vertex, m.
@@ -111,12 +112,16 @@ fn normals(mesh: &TerrainMesh) -> Vec<[f32; 3]> {
     sums.into_iter().map(unit).collect()
 }
 
-/// With as few triangles as the error allows; vertices on the tile's rim stay.
-fn simplified(mesh: TerrainMesh, [low, high]: [[f32; 2]; 2]) -> TerrainMesh {
+/// With as few triangles as the errors allow; vertices on the tile's rim stay.
+fn simplified(mesh: TerrainMesh, [low, high]: [[f32; 2]; 2], edge_m: f32) -> TerrainMesh {
     let on_rim = |p: &[f32; 3]| p[0] == low[0] || p[0] == high[0] || p[2] == low[1] || p[2] == high[1];
-    let locked: Vec<bool> = mesh.positions.iter().map(on_rim).collect();
-    match simplifier::simplify_within(&mesh.indices, &mesh.positions, &locked, ERROR_M) {
-        Some(fewer) if fewer.chunks_exact(3).all(|t| area_from_above(&mesh, t) > 0.0) => compact(&mesh, &fewer),
+    let locked = mesh.positions.iter().map(on_rim).collect();
+    // The simplifier knows one distance: heights are stretched until their error is as long as that of edges.
+    let stretch = edge_m / ERROR_M;
+    let stretched: Vec<[f32; 3]> = mesh.positions.iter().map(|p| [p[0], p[1] * stretch, p[2]]).collect();
+    let how = |locked: &[bool]| simplifier::simplify_within(&mesh.indices, &stretched, locked, edge_m);
+    match without_folds(&mesh, locked, how) {
+        Some(fewer) if !fewer.is_empty() => compact(&mesh, &fewer),
         _ => mesh,
     }
 }
