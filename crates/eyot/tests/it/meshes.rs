@@ -25,13 +25,13 @@ const LAND: &str = r#"
     name = "shape"
     set.height = "400 * exp(-6 * ((u - 0.5)^2 + (v - 0.5)^2)) - 150 - 180 * exp(-120 * ((u - 0.5)^2 + (v - 0.5)^2))"
     [[rule]]
-    name = "lake"
+    name = "pond"
     set.water = "max(190 - height, 0) * (1 - step(0.02, (u - 0.5)^2 + (v - 0.5)^2))"
     [[step]]
     simulate = ["shape"]
     steps = 1
     [[step]]
-    simulate = ["lake"]
+    simulate = ["pond"]
     steps = 1
     [view]
     enabled = false
