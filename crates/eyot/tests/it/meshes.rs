@@ -26,7 +26,7 @@ const LAND: &str = r#"
     set.height = "400 * exp(-6 * ((u - 0.5)^2 + (v - 0.5)^2)) - 150 - 180 * exp(-120 * ((u - 0.5)^2 + (v - 0.5)^2))"
     [[rule]]
     name = "pond"
-    set.water = "max(190 - height, 0) * (1 - step(0.02, (u - 0.5)^2 + (v - 0.5)^2))"
+    set.water = "max(180 - height, 0) * (1 - step(0.02, (u - 0.5)^2 + (v - 0.5)^2))"
     [[step]]
     simulate = ["shape"]
     steps = 1
@@ -103,15 +103,15 @@ fn a_terrain_has_texture_coordinates_short_indices_and_level_water() {
     let indices = &gltf.json["accessors"][ground["indices"].as_u64().unwrap() as usize];
     assert_eq!(indices["componentType"], 5123);
 
-    // The sea at 0, the crater lake at 190 m, nothing else.
+    // The sea at 0, the crater lake at 180 m, nothing else.
     let water = &gltf.mesh("water")["primitives"][0];
     let mut levels: BTreeMap<u32, usize> = BTreeMap::new();
     for p in gltf.points(water, "POSITION", 3) {
         *levels.entry(p[1].to_bits()).or_default() += 1;
     }
-    let (sea, lake) = (0.0f32.to_bits(), 190.0f32.to_bits());
+    let (sea, lake) = (0.0f32.to_bits(), 180.0f32.to_bits());
     assert!(levels[&sea] > 100 && levels[&lake] > 10, "{levels:?}");
-    assert!(levels.keys().all(|&l| l == sea || (f32::from_bits(l) - 190.0).abs() < 1e-3), "{levels:?}");
+    assert!(levels.keys().all(|&l| l == sea || (f32::from_bits(l) - 180.0).abs() < 1e-3), "{levels:?}");
     let material = &gltf.json["materials"][water["material"].as_u64().unwrap() as usize];
     assert_eq!((&material["name"], &material["alphaMode"]), (&Value::from("water"), &Value::from("BLEND")));
     assert_eq!(gltf.json["scenes"][0]["nodes"].as_array().unwrap().len(), 2);
