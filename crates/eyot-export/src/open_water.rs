@@ -11,6 +11,8 @@ pub(crate) const BYTES_PER_CELL: u128 = 29 + 24;
 const OPEN: f32 = 0.5;
 /// Water that lies at most so far from the middle level of the water in its hollow stands, m. Waves of a simulation are lower, rapids higher.
 const STILL_M: f32 = 0.25;
+/// Less water at the shore of a lake is a film, m.
+const SHALLOW_M: f32 = 0.02;
 /// A puddle in fewer cells is no lake.
 const LAKE_CELLS: usize = 4;
 
@@ -37,13 +39,15 @@ pub(crate) fn open_water(world: &World, control: &Control<'_>) -> Result<Option<
         let mut filled = bed.clone();
         fill(&mut filled, &world.grid, &outlets, control)?;
         for lake in hollows(world, &bed, &filled) {
-            let wet: Vec<usize> = lake.into_iter().filter(|&i| level[i].is_finite() && bed[i] >= sea).collect();
-            if wet.len() < LAKE_CELLS {
+            let open = lake.iter().filter(|&&i| level[i].is_finite() && bed[i] >= sea);
+            let surfaces: Vec<f32> = open.map(|&i| level[i]).collect();
+            if surfaces.len() < LAKE_CELLS {
                 continue;
             }
-            let surfaces: Vec<f32> = wet.iter().map(|&i| level[i]).collect();
             let middle = eyot_core::math::ordered(&surfaces, surfaces.len() / 2);
-            for i in wet.into_iter().filter(|&i| (surface(i) - middle).abs() <= STILL_M) {
+            // Its shallows, too, which pictures show faintly.
+            let still = |i: usize| surface(i) - bed[i] > SHALLOW_M && (surface(i) - middle).abs() <= STILL_M;
+            for i in lake.into_iter().filter(|&i| bed[i] >= sea && still(i)) {
                 (level[i], standing[i]) = (middle, true);
             }
         }
