@@ -7,12 +7,11 @@ use eyot_io as io;
 use eyot_land::analyse::TerrainCurves;
 use std::path::{Path, PathBuf};
 
-/// Writes `hypsometry`, `slope_area` and `rivers` as `.svg` and `.png` into a folder, which is made if need be, and says which.
+/// Writes `hypsometry`, `slope_area` and `rivers` as `.svg` and `.png` into a folder that is there, and says which.
 ///
 /// # Errors
 /// If a file cannot be written.
 pub fn terrain_plots(curves: &TerrainCurves, name: &str, folder: &Path) -> Result<Vec<PathBuf>, ExportError> {
-    std::fs::create_dir_all(folder).map_err(|source| ExportError::Folder { path: folder.to_owned(), source })?;
     let mut files = Vec::new();
     for (file, chart) in charts(curves, name) {
         let drawing = chart.draw();

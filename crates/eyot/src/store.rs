@@ -60,7 +60,7 @@ pub fn stats(opened: &Opened, options: &analyse::TerrainOptions, limits: &Limits
     Ok(all)
 }
 
-/// Draws curves of a world's terrain into a folder, as SVG and PNG: hypsometry, slope against drained area, and profiles of rivers.
+/// Draws curves of a world's terrain into a folder that is there, as SVG and PNG: hypsometry, slope against drained area, and profiles of rivers.
 /// `name` stands in their titles.
 ///
 /// # Errors
