@@ -123,10 +123,13 @@ pub mod live {
     };
 }
 
-/// Views of a world from a camera, by the processor or a graphics card.
+/// Views of a world from a camera, by the processor or a graphics card, and what a window needs to draw its own.
 #[cfg(feature = "film")]
 pub mod view {
     pub use eyot_film::{Drawn, ViewRequest, draw_view};
+    pub use eyot_render::{Camera, MapOptions, Picture, Stage, ViewOptions};
+    #[cfg(feature = "view")]
+    pub use eyot_view::{Canvas, Renderer, Scene, Shot};
 }
 
 pub use registry::{Registry, component_kinds};

@@ -13,7 +13,8 @@ use eyot_core::LayerSpec;
 use eyot_core::layer::known;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use eyot_core::remedy;
-use eyot_core::remedy::{Action, Setting, Worded};
+use eyot_core::remedy::{Action, Remedy, Setting, Worded};
+use eyot_core::rng::mix64;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -204,11 +205,11 @@ impl Validator<'_> {
         let entry = self.registry.generator(name);
         if entry.is_none() {
             let help = if self.registry.process(name).is_some() {
-                format!("`{name}` is a process: write simulate = [\"{name}\"]")
+                Remedy::from(format!("`{name}` is a process: write simulate = [\"{name}\"]"))
             } else if let Some(help) = value_of_another(self.registry, name) {
-                help
+                help.into()
             } else {
-                suggestion(name, self.registry.generator_names().collect(), "eyot list")
+                suggestion(name, self.registry.generator_names().collect())
             };
             self.out.push(
                 Diagnostic::at(node.span.clone(), format!("there is no generator `{name}`"), "unknown generator")
@@ -239,11 +240,11 @@ impl Validator<'_> {
                 Some(found) => uses.push((n, found)),
                 None => {
                     let help = if self.registry.generator(name).is_some() {
-                        format!("`{name}` is a generator: write generate = \"{name}\"")
+                        Remedy::from(format!("`{name}` is a generator: write generate = \"{name}\""))
                     } else {
                         let mut known: Vec<&str> = self.registry.process_names().collect();
                         known.extend(self.own.iter().map(|o| o.name.as_str()));
-                        suggestion(name, known, "eyot list")
+                        suggestion(name, known)
                     };
                     self.out.push(
                         Diagnostic::at(n.span.clone(), format!("there is no process `{name}`"), "unknown process")
@@ -438,6 +439,8 @@ fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
         eyot_core::Error::BadParameter { field, .. } => node.get(field),
         _ => None,
     };
+    // Where no parameter is wrong, it is the file, if there is one.
+    let field = field.or_else(|| node.get("file")).or_else(|| node.get("generate"));
     let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
     let help = remedy![Action::Describe(owner.to_owned()), " says what its parameters mean"];
     Diagnostic::at(span, e.sentence(), "this does not work").help(help)
@@ -461,18 +464,15 @@ fn value_of_another(registry: &Registry, name: &str) -> Option<String> {
     Some(format!("`{name}` is a value of `{key}` of {generators}: write generate = \"{first}\" and {key} = \"{name}\""))
 }
 
-fn suggestion(name: &str, known: Vec<&str>, command: &str) -> String {
+fn suggestion(name: &str, known: Vec<&str>) -> Remedy {
     match nearest(name, known.iter().copied()) {
-        Some(n) => format!("did you mean `{n}`? `{command}` shows all of them"),
-        None if known.is_empty() => "this build of Eyot has none".to_owned(),
-        None => format!("there is {}; `{command}` says what they do", alternatives(known)),
+        Some(n) => remedy![format!("did you mean `{n}`? "), Action::List, " shows all of them"],
+        None if known.is_empty() => "this build of Eyot has none".into(),
+        None => remedy![format!("there is {}; ", alternatives(known)), Action::List, " says what they do"],
     }
 }
 
-/// The seed of a step (splitmix64), so that neighbouring steps and seeds share nothing.
+/// The seed of a step, so that neighbouring steps and seeds share nothing.
 fn step_seed(seed: u64, position: u64) -> u64 {
-    let mut z = seed.wrapping_add(position.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    mix64(seed.wrapping_add(position.wrapping_sub(1).wrapping_mul(0x9e37_79b9_7f4a_7c15)))
 }

@@ -230,6 +230,11 @@ impl Session {
         &self.world
     }
 
+    /// The engine that works for it; the processor's until the session has begun.
+    pub fn engine(&self) -> &dyn OpenEngine {
+        &*self.engine
+    }
+
     /// What it runs.
     pub fn recipe(&self) -> &Recipe {
         &self.recipe

@@ -31,3 +31,4 @@ mod streaming;
 mod stubs;
 mod terms;
 mod validation;
+mod window;
