@@ -118,8 +118,8 @@ pub mod film {
 pub mod live {
     pub use eyot_live::serve::{ServeOptions, Serving};
     pub use eyot_live::{
-        Alga, Body, Client, Colony, Control, Ending, Error, Gone, HEADER, Hello, LayerInfo, Mirror, Moment, Notice,
-        Options, Order, Raster, Record, Scene, Server, SpeciesInfo, Status, Tile, Why,
+        Alga, Body, Changed, Client, Colony, Control, Ending, Error, Gone, HEADER, Hello, LayerInfo, Mirror, Moment,
+        Notice, Options, Order, Permission, Raster, Record, Scene, Server, SpeciesInfo, Status, Tile, Why,
     };
 }
 

@@ -1,6 +1,6 @@
 //! The `[[step]]` tables: what each does, with whose parameters, and what it leaves for the next.
 
-use super::{Validator, terms, without};
+use super::{Validator, shared, terms, without};
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, alternatives, nearest};
 use crate::keys::{self, Names, Schedule};
@@ -16,7 +16,7 @@ use eyot_core::remedy;
 use eyot_core::remedy::{Action, Remedy, Setting, Worded};
 use eyot_core::rng::mix64;
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 impl Validator<'_> {
@@ -310,33 +310,12 @@ impl Validator<'_> {
         Some(Step { number, name, enabled: keys.enabled, work })
     }
 
-    /// Parameters that belong to the world and not to one process (`shared` in their schema) are the same in all processes
-    /// of a step.
+    /// Finds parameters that processes share and do not agree on.
     fn shared(&mut self, node: &Node, processes: &[ProcessUse]) {
-        let mut values: BTreeMap<String, Vec<(&str, Value)>> = BTreeMap::new();
-        for u in processes.iter().filter(|u| u.enabled) {
-            let schema = u.actor.schema();
-            let shared = schema["properties"].as_object().into_iter().flatten().filter(|(_, p)| p["shared"] == true);
-            for (key, property) in shared {
-                let number = || u.parameters.get(key).unwrap_or(&property["default"]).clone();
-                let term = u.terms.list().iter().find(|t| t.parameter() == *key);
-                let value = term.map_or_else(number, |t| Value::from(t.text()));
-                values.entry(key.clone()).or_default().push((u.actor.name(), value));
-            }
-        }
-        // Parameters are single precision, and their defaults would show it.
-        let number = |v: &Value| v.as_f64().map(|x| x as f32);
-        let told = |v: &Value| number(v).map_or_else(|| v.to_string(), |x| x.to_string());
-        let same = |a: &Value, b: &Value| number(a) == number(b);
-        for (key, of) in values {
-            let given = |name: &str| node.get(name).and_then(|table| table.get(&key));
-            let Some((name, value)) = of.iter().find(|(name, _)| given(name).is_some()) else { continue };
-            let others: Vec<&str> = of.iter().filter(|(_, v)| !same(v, value)).map(|(n, _)| *n).collect();
-            let (Some(first), Some(place)) = (of.iter().find(|(_, v)| !same(v, value)), given(name)) else { continue };
-            let message = format!("`{name}.{key}` is {}, but `{}.{key}` is {}", told(value), first.0, told(&first.1));
-            let remedy: Vec<String> = others.iter().map(|n| format!("{n}.{key} = {}", told(value))).collect();
-            let help = format!("the processes of a world share it: write {} as well", remedy.join(" and "));
-            self.out.push(Diagnostic::at(place.span.clone(), message, "not what the others have").help(help));
+        let place = |name: &str, key: &str| node.get(name).and_then(|table| table.get(key));
+        for c in shared::conflicts(processes, &|name, key| place(name, key).is_some()) {
+            let span = place(c.process, &c.key).map_or_else(|| node.span.clone(), |n| n.span.clone());
+            self.out.push(Diagnostic::at(span, c.message, "not what the others have").help(c.help));
         }
     }
 

@@ -24,6 +24,7 @@
 //! # Ok::<(), eyot_session::RunError>(())
 //! ```
 
+mod change;
 mod device;
 mod end;
 mod generate;

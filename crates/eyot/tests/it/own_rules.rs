@@ -114,7 +114,7 @@ fn a_stopped_and_changed_run_goes_on_and_replays() {
     handle.send(Command::Change(eyot::Change::parse("seep.shar=0.5").unwrap()));
     common::wait_for(
         &handle,
-        |e| matches!(e, Event::Warning { message } if message.to_string().contains("did you mean `share`?")),
+        |e| matches!(e, Event::NotChanged { reason, .. } if reason.to_string().contains("did you mean `share`?")),
     );
     handle.send(Command::Stop);
     handle.join().unwrap();

@@ -114,9 +114,9 @@ fn changes_by_hand_are_kept_in_the_journal_and_replay() {
     handle.send(Command::Change(eyot::Change::parse("hydraulic.rain=0.5").unwrap()));
     let changed = common::wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     handle.send(Command::Change(eyot::Change::parse("hydraulic.rian=0.5").unwrap()));
-    let warning = common::wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
+    let warning = common::wait_for(&handle, |e| matches!(e, Event::NotChanged { .. }));
     assert!(
-        matches!(&warning, Event::Warning { message } if message.to_string().contains("did you mean `rain`?")),
+        matches!(&warning, Event::NotChanged { reason, .. } if reason.to_string().contains("did you mean `rain`?")),
         "{warning:?}"
     );
     handle.send(Command::Snapshot);
@@ -245,9 +245,9 @@ fn a_change_that_would_end_the_run_is_not_made() {
     handle.send(Command::Step(3));
     common::wait_for(&handle, |e| matches!(e, Event::Paused { step: 2, .. }));
     handle.send(Command::Change(eyot::Change::parse("hydraulic.springs=0.5").unwrap()));
-    let warning = common::wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
+    let warning = common::wait_for(&handle, |e| matches!(e, Event::NotChanged { .. }));
     assert!(
-        matches!(&warning, Event::Warning { message } if message.to_string().contains("needs the layer `springs`")),
+        matches!(&warning, Event::NotChanged { reason, .. } if reason.to_string().contains("needs the layer `springs`")),
         "{warning:?}"
     );
     handle.send(Command::Resume);
