@@ -30,11 +30,11 @@ impl Rule for ClassicFlux {
 
     #[inline(always)]
     fn cell<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>) -> ([R; 4], [R; 0]) {
-        let here = head(p, c, 0, 0);
-        let west = (p.keep * c.here(2) + p.push_x * (here - head(p, c, -1, 0))).positive();
-        let east = (p.keep * c.here(3) + p.push_x * (here - head(p, c, 1, 0))).positive();
-        let north = (p.keep * c.here(4) + p.push_y * (here - head(p, c, 0, -1))).positive();
-        let south = (p.keep * c.here(5) + p.push_y * (here - head(p, c, 0, 1))).positive();
+        let here = head(p.sea, c, 0, 0);
+        let west = (p.keep * c.here(2) + p.push_x * (here - head(p.sea, c, -1, 0))).positive();
+        let east = (p.keep * c.here(3) + p.push_x * (here - head(p.sea, c, 1, 0))).positive();
+        let north = (p.keep * c.here(4) + p.push_y * (here - head(p.sea, c, 0, -1))).positive();
+        let south = (p.keep * c.here(5) + p.push_y * (here - head(p.sea, c, 0, 1))).positive();
         let wanted = p.dt * ((west + east) + (north + south));
         let depth = c.here(1);
         let k = depth.lt(wanted).pick(depth / wanted, R::of(1.0));

@@ -39,6 +39,7 @@
 //! (`tests/it/hydraulic_conservation.rs`).
 
 mod classic;
+mod eight;
 mod signed;
 
 use super::face;
@@ -48,11 +49,12 @@ use eyot_core::math;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
-use eyot_core::{Centering, Error, Grid, LayerSpec, Result, given};
+use eyot_core::{BoundaryCondition, Centering, Error, Grid, LayerSpec, Result, given};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use classic::{ClassicAdvect, ClassicErode, ClassicFlux};
+pub use eight::{AffordParams, EightAfford, EightErode, EightFlux, EightParams};
 pub use signed::{Erode, ErodeParams, Flux, FluxParams, Spring, SpringParams};
 
 /// Rain runs down, digs where it is fast and settles where it is slow: valleys, rivers, fans.
@@ -118,8 +120,10 @@ pub struct Hydraulic {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum FluxForm {
-    /// One signed flux an edge; sediment moves with it.
+    /// One signed flux to each of eight neighbours; sediment moves with it. Gullies run as the land falls.
     #[default]
+    Eight,
+    /// One signed flux to each of four neighbours: less work, but gullies follow the grid.
     Signed,
     /// Four one-way fluxes a cell and sediment traced back along the velocity, as published in 2007; for comparison.
     Classic,
@@ -161,6 +165,14 @@ pub const FLUX_Y: LayerSpec =
 /// Layer of springs.
 pub const SPRINGS: LayerSpec =
     LayerSpec::new("springs", "1", "Where springs rise, and how strong they are", (0.0, 1.0));
+/// Layer of the flux to the south-eastern neighbour.
+pub const FLUX_SE: LayerSpec =
+    diagonal("flux_se", "Flux of water to the south-eastern neighbour, over the cell's area");
+/// Layer of the flux to the south-western neighbour.
+pub const FLUX_SW: LayerSpec =
+    diagonal("flux_sw", "Flux of water to the south-western neighbour, over the cell's area");
+const RAW_SE: LayerSpec = diagonal("raw_se", "Flux before it is limited to what is there");
+const RAW_SW: LayerSpec = diagonal("raw_sw", "Flux before it is limited to what is there");
 const RAW_X: LayerSpec = face("raw_x", "Flux before it is limited to what is there", Centering::FaceX);
 const RAW_Y: LayerSpec = face("raw_y", "Flux before it is limited to what is there", Centering::FaceY);
 const AFFORD: LayerSpec =
@@ -176,6 +188,13 @@ const OUTFLOW: [LayerSpec; 4] = [
 ];
 const SPEED_X: LayerSpec = LayerSpec::new("speed_x", "m/s", "Velocity to the east", FLUX);
 const SPEED_Y: LayerSpec = LayerSpec::new("speed_y", "m/s", "Velocity to the south", FLUX);
+
+/// A flux that no rim lets through.
+const fn diagonal(name: &'static str, meaning: &'static str) -> LayerSpec {
+    let mut spec = LayerSpec::new(name, "m/s", meaning, FLUX).empty_outside();
+    spec.beyond_closed = eyot_core::GhostFill::Zero;
+    spec
+}
 
 const fn outflow(name: &'static str, meaning: &'static str) -> LayerSpec {
     // A one-way flux of a cell that does not exist is zero: nothing flows in over the rim.
@@ -195,7 +214,7 @@ impl Hydraulic {
         let speed = (f64::from(self.gravity) * f64::from(self.wave_depth)).sqrt();
         let bound = 1.0 / (speed * (1.0 / (dx_m * dx_m) + 1.0 / (dy_m * dy_m)).sqrt());
         let bound = match self.flux {
-            FluxForm::Signed => bound,
+            FluxForm::Eight | FluxForm::Signed => bound,
             FluxForm::Classic => bound / std::f64::consts::SQRT_2,
         };
         let parts = (f64::from(self.time_step) / (0.9 * bound)).ceil().max(1.0);
@@ -207,7 +226,8 @@ impl Process for Hydraulic {
     fn layers(&self) -> Vec<LayerUse> {
         let mut layers = vec![HEIGHT.changed(0.0), WATER.changed(0.0), SEDIMENT.changed(0.0)];
         match self.flux {
-            FluxForm::Signed => layers.extend([FLUX_X.changed(0.0), FLUX_Y.changed(0.0)]),
+            FluxForm::Eight => layers.extend([FLUX_X, FLUX_Y, FLUX_SE, FLUX_SW].map(|f| f.changed(0.0))),
+            FluxForm::Signed => layers.extend([FLUX_X, FLUX_Y].map(|f| f.changed(0.0))),
             FluxForm::Classic => layers.extend(OUTFLOW.map(|o| o.changed(0.0))),
         }
         layers
@@ -250,6 +270,20 @@ impl Process for Hydraulic {
             dt: dt.into(),
             sea: sea.into(),
         };
+        let wraps = |edge| edge == BoundaryCondition::Wrap;
+        let (first_x, last_x) = EightParams::ends(moment.grid.width, wraps(moment.grid.rim.x));
+        let (first_y, last_y) = EightParams::ends(moment.grid.height, wraps(moment.grid.rim.y));
+        let eight = EightParams::<Given> {
+            push_x: flux.push_x,
+            push_y: flux.push_y,
+            push_d: (dt * c2 / (3.0 * (dx * dx + dy * dy))).into(),
+            keep: flux.keep,
+            sea: flux.sea,
+            first_x: first_x.into(),
+            last_x: last_x.into(),
+            first_y: first_y.into(),
+            last_y: last_y.into(),
+        };
         let (max_speed, min_slope) = (given!(plan, self.max_speed), given!(plan, self.min_slope));
         let max_slope = given!(plan, self.max_slope).max(min_slope);
         let erode = ErodeParams::<Given> {
@@ -276,6 +310,13 @@ impl Process for Hydraulic {
                 plan.push::<Spring>(SpringParams { gain: self.springs * dt });
             }
             match self.flux {
+                FluxForm::Eight => {
+                    let scratch = [&RAW_X, &RAW_Y, &RAW_SE, &RAW_SW, &AFFORD, &AFFORD_SEDIMENT];
+                    scratch.into_iter().for_each(|s| plan.scratch(s));
+                    plan.push_given::<EightFlux>(eight);
+                    plan.push::<EightAfford>(AffordParams { dt });
+                    plan.push_given::<EightErode>(erode);
+                }
                 FluxForm::Signed => {
                     [&RAW_X, &RAW_Y, &AFFORD, &AFFORD_SEDIMENT].into_iter().for_each(|s| plan.scratch(s));
                     plan.push_given::<Flux>(flux);
