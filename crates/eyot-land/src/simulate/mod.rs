@@ -11,7 +11,7 @@ pub mod thermal;
 pub mod wetness;
 
 use eyot_core::process::{Entry, Process};
-use eyot_core::{Centering, LayerSpec, about};
+use eyot_core::{BoundaryCondition, Centering, LayerSpec, about};
 
 pub use drainage::Drainage;
 pub use hydraulic::Hydraulic;
@@ -51,4 +51,9 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
 /// A layer of fluxes through faces, m/s.
 pub(crate) const fn face(name: &'static str, meaning: &'static str, centering: Centering) -> LayerSpec {
     LayerSpec::new(name, "m/s", meaning, (-1e9, 1e9)).on(centering)
+}
+
+/// The first and the last of `cells` along an axis, as rules compare their place with; there are none on a ring.
+pub(crate) fn ends(cells: usize, rim: BoundaryCondition) -> [f32; 2] {
+    if rim == BoundaryCondition::Wrap { [-1e9, 1e9] } else { [0.0, cells as f32 - 1.0] }
 }

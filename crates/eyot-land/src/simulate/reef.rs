@@ -10,6 +10,7 @@
 //!    the rim) holds it at 1.
 //! 4. `h' = h + min(c T, g - shallow) - subsidence T`, and the same gain for `limestone`.
 //! 5. `w' = w + rise T + curve(t + T) - curve(t)`.
+//! 6. Where sea or ground move, fresh water on ground below `w'` joins the sea, and nothing is wet there.
 //!
 //! # Source
 //! Light and growth after Bosscher and Schlager 1992; subsidence and the sequence fringing reef, barrier reef, atoll after
@@ -23,7 +24,8 @@
 //! - Diffusion is in m2 per year instead of a share per step, so that it means the same on every grid.
 //!
 //! # Layers
-//! Reads and writes `height`, `limestone` (m), `carbon`, `growth` (1), `reef_floor` (m).
+//! Reads and writes `height`, `limestone` (m), `carbon`, `growth` (1), `reef_floor` (m); where sea or ground move, also
+//! `water` (m) and `wetness` (1).
 //!
 //! # Limits
 //! Diffusion by plain steps is stable for `diffusivity T (1 / dx^2 + 1 / dy^2) <= 1/2`; longer steps take several stages of the
@@ -31,10 +33,13 @@
 //!
 //! # Conserves
 //! Growth and subsidence are in the ledger (`ground.reef`, `ground.subsided`), and so is the carbon that (2) makes where
-//! growth wants more than there is (`carbon.clamped`).
+//! growth wants more than there is (`carbon.clamped`). Fresh water that joins the sea is in `water.drained`.
 
+mod drown;
+
+pub use drown::{Drown, DrownParams};
 use eyot_core::given::Given;
-use eyot_core::layer::known::{CARBON, GROWTH, HEIGHT, LIMESTONE};
+use eyot_core::layer::known::{CARBON, GROWTH, HEIGHT, LIMESTONE, WATER, WETNESS};
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, SECONDS_PER_YEAR};
 use eyot_core::real::Real;
@@ -157,6 +162,11 @@ impl Reef {
         f64::from(self.sea_level_rise) * years + curve(&self.sea_level_curve, t1) - curve(&self.sea_level_curve, t0)
     }
 
+    /// True if land can come to lie under the sea.
+    fn drowns(&self) -> bool {
+        self.sea_level_rise != 0.0 || !self.sea_level_curve.is_empty() || self.subsidence > 0.0
+    }
+
     /// Stages of a step's diffusion, and the diffusion numbers of the whole step to the east and to the south.
     ///
     /// `s` stages of the scheme RKL1 are monotone up to `(s^2 + s) / 2` times the longest plain step, whose numbers sum to
@@ -183,13 +193,17 @@ fn curve(points: &[[f64; 2]], t: f64) -> f64 {
 
 impl Process for Reef {
     fn layers(&self) -> Vec<LayerUse> {
-        vec![
+        let mut layers = vec![
             HEIGHT.changed(0.0),
             LIMESTONE.changed(0.0),
             GROWTH.changed(0.0),
             CARBON.changed(1.0),
             REEF_FLOOR.changed(UNKNOWN),
-        ]
+        ];
+        if self.drowns() {
+            layers.extend([WATER.changed(0.0), WETNESS.changed(0.0)]);
+        }
+        layers
     }
 
     fn check(&self, grid: &Grid) -> Result<()> {
@@ -284,6 +298,10 @@ impl Process for Reef {
         match self.light {
             Light::Exponential => plan.push_given::<Grow<false>>(params),
             Light::Saturating => plan.push_given::<Grow<true>>(params),
+        }
+        if self.drowns() {
+            let risen = moment.sea_level_m + self.sea_level_change(moment.turn);
+            plan.push::<Drown>(DrownParams { sea: risen as f32 });
         }
     }
 

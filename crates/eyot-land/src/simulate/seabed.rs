@@ -2,7 +2,7 @@
 //!
 //! # Equations
 //! 1. `h' = h + rate / 4 sum over 4 neighbours of (h_n - h)`, over pairs of cells that both lie under the sea and of which
-//!    neither carries reef limestone. With `rate = 1` and all neighbours under the sea this is the mean of the four.
+//!    neither carries reef limestone nor lies on a rim: cells on the rim stay as they are. With `rate = 1` and all neighbours under the sea this is the mean of the four.
 //!
 //! # Source
 //! The mean of the four neighbours (Jacobi), as height-map editors smooth.
@@ -18,13 +18,15 @@
 //! Stable for every rate in the range.
 //!
 //! # Conserves
-//! Ground, to rounding (`tests/it/reef.rs`).
+//! Ground with what rounding of heights makes or loses, which is in the ledger (`ground.rounded`; `tests/it/reef.rs`).
 
+use super::ends;
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
+use eyot_core::ledger::known::GROUND_ROUNDED;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
-use eyot_core::rule::{Cell, Read, Rule, read};
+use eyot_core::rule::{Cell, Read, Rule, Tally, read};
 use eyot_core::rule_params;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -50,7 +52,10 @@ impl Process for Seabed {
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
-        plan.push::<Level>(LevelParams { share: 0.25 * self.rate, sea: moment.sea_level_m as f32 });
+        let [first_x, last_x] = ends(moment.grid.width, moment.grid.rim.x);
+        let [first_y, last_y] = ends(moment.grid.height, moment.grid.rim.y);
+        let (share, sea) = (0.25 * self.rate, moment.sea_level_m as f32);
+        plan.push::<Level>(LevelParams { share, sea, first_x, last_x, first_y, last_y });
     }
 }
 
@@ -61,6 +66,14 @@ rule_params! {
         share,
         /// Level of the sea, m.
         sea,
+        /// First column; before all columns where the rim wraps.
+        first_x,
+        /// Last column; behind all columns where the rim wraps.
+        last_x,
+        /// First row.
+        first_y,
+        /// Last row.
+        last_y,
     }
 }
 
@@ -71,15 +84,18 @@ impl Rule for Level {
     const NAME: &'static str = "seabed_level";
     const READS: &'static [Read] = &[read("height", 1), read("limestone", 1)];
     const WRITES: &'static [&'static str] = &["height"];
+    const TALLIES: &'static [Tally] = &[GROUND_ROUNDED];
     type Params = LevelParams<()>;
     type Out<R: Real> = [R; 1];
-    type Sums<R: Real> = [R; 0];
+    type Sums<R: Real> = [R; 1];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+    fn cell<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
         let x = pull(p, c, 1, 0) + pull(p, c, -1, 0);
         let y = pull(p, c, 0, 1) + pull(p, c, 0, -1);
-        ([c.here(0) + p.share * loose(p, c, 0, 0) * (x + y)], [])
+        let gain = (p.share * loose(p, c, 0, 0) * (x + y)).no_contract();
+        let levelled = c.here(0) + gain;
+        ([levelled], [(levelled - c.here(0)) - gain])
     }
 }
 
@@ -88,9 +104,12 @@ fn pull<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> 
     (c.at(0, dx, dy) - c.here(0)) * loose(p, c, dx, dy)
 }
 
-/// 1 under the sea where no limestone covers the ground, else 0.
+/// 1 under the sea where no limestone covers the ground and no rim is, else 0.
 #[inline(always)]
 fn loose<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    let (x, y) = (c.x() + R::of(dx as f32), c.y() + R::of(dy as f32));
+    let inner_x = p.first_x.lt(x).one() * x.lt(p.last_x).one();
+    let inner_y = p.first_y.lt(y).one() * y.lt(p.last_y).one();
     let under = c.at(0, dx, dy).lt(p.sea).one();
-    c.at(1, dx, dy).gt(R::of(0.01)).pick(R::of(0.0), under)
+    c.at(1, dx, dy).gt(R::of(0.01)).pick(R::of(0.0), under * (inner_x * inner_y))
 }

@@ -65,10 +65,10 @@ impl Rule for ClassicErode {
     const TALLIES: &'static [Tally] = &SHARED;
     type Params = ErodeParams<()>;
     type Out<R: Real> = [R; 5];
-    type Sums<R: Real> = [R; 6];
+    type Sums<R: Real> = [R; 7];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 6]) {
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 7]) {
         let (zero, one) = (R::of(0.0), R::of(1.0));
         let (out_west, out_east) = (c.here(WEST), c.here(EAST));
         let (out_north, out_south) = (c.here(NORTH), c.here(SOUTH));
@@ -118,12 +118,13 @@ impl Rule for ClassicErode {
             wet - moved,
             refused,
             p.speed2_max.lt(speed2).one(),
+            (h - new_height).positive(),
         ];
         ([new_height, new_water, new_load, vx, vy], sums)
     }
 
     #[inline(always)]
-    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 6]> {
+    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 7]> {
         let flow = match side {
             Side::West => c.here(WEST),
             Side::East => c.here(EAST),
@@ -131,7 +132,7 @@ impl Rule for ClassicErode {
             Side::South => c.here(SOUTH),
         };
         let zero = R::of(0.0);
-        Some([zero, zero, p.dt * flow, zero, zero, zero])
+        Some([zero, zero, p.dt * flow, zero, zero, zero, zero])
     }
 }
 

@@ -40,13 +40,6 @@ rule_params! {
     }
 }
 
-impl EightParams<()> {
-    /// The first and the last of `cells`, of which there are none on a ring.
-    pub(super) fn ends(cells: usize, wraps: bool) -> (f32, f32) {
-        if wraps { (-1e9, 1e9) } else { (0.0, cells as f32 - 1.0) }
-    }
-}
-
 /// Equation (1): new fluxes.
 pub struct EightFlux;
 
@@ -159,10 +152,10 @@ impl Rule for EightErode {
     const TALLIES: &'static [Tally] = &SHARED_BY_SIGNED;
     type Params = ErodeParams<()>;
     type Out<R: Real> = [R; 7];
-    type Sums<R: Real> = [R; 8];
+    type Sums<R: Real> = [R; 9];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 7], [R; 8]) {
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 7], [R; 9]) {
         let (east, east_load) = edge(c, RAW_X, (0, 0), (1, 0));
         let (west, west_load) = edge(c, RAW_X, (-1, 0), (0, 0));
         let (south, south_load) = edge(c, RAW_Y, (0, 0), (0, 1));
@@ -198,7 +191,7 @@ impl Rule for EightErode {
     }
 
     #[inline(always)]
-    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 8]> {
+    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 9]> {
         let (flow, load) = match side {
             Side::West => edge(c, RAW_X, (-1, 0), (0, 0)),
             Side::East => edge(c, RAW_X, (0, 0), (1, 0)),

@@ -119,10 +119,10 @@ impl Rule for Erode {
     const TALLIES: &'static [Tally] = &SHARED_BY_SIGNED;
     type Params = ErodeParams<()>;
     type Out<R: Real> = [R; 5];
-    type Sums<R: Real> = [R; 8];
+    type Sums<R: Real> = [R; 9];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 8]) {
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 9]) {
         let [height, water, sediment] = [0, 1, 2];
         let (east, east_load) = edge_x(c, 0);
         let (west, west_load) = edge_x(c, -1);
@@ -147,7 +147,7 @@ impl Rule for Erode {
     }
 
     #[inline(always)]
-    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 8]> {
+    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 9]> {
         let (flow, load) = match side {
             Side::West => negated(edge_x(c, -1)),
             Side::East => edge_x(c, 0),
@@ -177,7 +177,7 @@ pub(super) struct Flows<R> {
 /// Equations (3) to (8) of a cell of ground `h`, water `depth` and load `sediment`: its new values of them, and the sums of
 /// [`SHARED_BY_SIGNED`].
 #[inline(always)]
-pub(super) fn exchange<R: Real>(p: &ErodeParams<R>, h: R, depth: R, sediment: R, flows: &Flows<R>) -> ([R; 3], [R; 8]) {
+pub(super) fn exchange<R: Real>(p: &ErodeParams<R>, h: R, depth: R, sediment: R, flows: &Flows<R>) -> ([R; 3], [R; 9]) {
     let (zero, one) = (R::of(0.0), R::of(1.0));
     // (3) Water moves.
     let moved = (depth + p.dt * flows.gain).named("(3) moved");
@@ -230,6 +230,7 @@ pub(super) fn exchange<R: Real>(p: &ErodeParams<R>, h: R, depth: R, sediment: R,
         wet - moved,
         refused,
         flowing.pick(p.speed2_max.lt(speed2).one(), zero),
+        (h - new_height).positive(),
         zero,
         load - carried,
     ];
@@ -238,9 +239,9 @@ pub(super) fn exchange<R: Real>(p: &ErodeParams<R>, h: R, depth: R, sediment: R,
 
 /// The sums of what leaves over an open rim.
 #[inline(always)]
-pub(super) fn boundary_sums<R: Real>(p: &ErodeParams<R>, flow: R, load: R) -> [R; 8] {
+pub(super) fn boundary_sums<R: Real>(p: &ErodeParams<R>, flow: R, load: R) -> [R; 9] {
     let zero = R::of(0.0);
-    [zero, zero, p.dt * flow, zero, zero, zero, p.dt * load, zero]
+    [zero, zero, p.dt * flow, zero, zero, zero, zero, p.dt * load, zero]
 }
 
 /// The part of a load that may settle on ground of height `h`: all but what rounding may add to the height, so that the
@@ -251,7 +252,7 @@ pub(super) fn spare<R: Real>(h: R, load: R) -> R {
 }
 
 /// The accounts of all forms.
-pub(super) const SHARED: [Tally; 6] = [
+pub(super) const SHARED: [Tally; 7] = [
     RAIN,
     EVAPORATED,
     DRAINED,
@@ -268,16 +269,23 @@ pub(super) const SHARED: [Tally; 6] = [
         sign: 0,
         meaning: "Cell-steps in which the speed limit was in force",
     },
+    Tally {
+        account: "hydraulic.dug",
+        unit: TallyUnit::Thickness,
+        sign: 0,
+        meaning: "Ground that water dug up, each time that it did",
+    },
 ];
 
 /// The accounts of the forms whose sediment moves with the flux.
-pub(super) const SHARED_BY_SIGNED: [Tally; 8] = [
+pub(super) const SHARED_BY_SIGNED: [Tally; 9] = [
     SHARED[0],
     SHARED[1],
     SHARED[2],
     SHARED[3],
     SHARED[4],
     SHARED[5],
+    SHARED[6],
     Tally {
         account: "ground.left",
         unit: TallyUnit::Thickness,
