@@ -17,6 +17,7 @@ mod generate_shapes;
 mod generate_sources;
 mod generate_windows;
 mod hydraulic_conservation;
+mod hydraulic_directions;
 mod hydraulic_waves;
 mod islands;
 mod motu;

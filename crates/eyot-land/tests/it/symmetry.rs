@@ -33,6 +33,7 @@ fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
     let reef = Reef { years_per_step: 1.0, diffusivity: 3.0, sea_level_rise: 0.01, ..Default::default() };
     vec![
         ("hydraulic", vec![one(Springs), one(hydraulic.clone())]),
+        ("hydraulic signed", vec![one(Springs), one(Hydraulic { flux: FluxForm::Signed, ..hydraulic.clone() })]),
         ("hydraulic classic", vec![one(Springs), one(Hydraulic { flux: FluxForm::Classic, ..hydraulic.clone() })]),
         ("thermal", vec![one(Thermal::default())]),
         ("thermal inverted", vec![one(Thermal { inverted: true, ..Default::default() })]),
