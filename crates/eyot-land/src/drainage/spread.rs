@@ -12,6 +12,7 @@
 use super::cascade::{Network, cascade};
 use super::dinf::Dinf;
 use super::multiple::Multiple;
+use super::place::Places;
 use super::{Height, Neighbours, Routing, check_length, check_sizes};
 use eyot_core::{Control, Error, Grid, Result};
 
@@ -89,7 +90,7 @@ impl Routing {
                 Err(Error::BadParameter { owner: "multiple flow".into(), field: "exponent".into(), reason })
             }
             Spread::Dinf => {
-                let shares = Dinf { z, near };
+                let shares = Dinf { z, near, places: Places::new(grid) };
                 cascade(&Spreading { routing, shares, round }, self.band(), amounts, || control.check())
             }
         }

@@ -24,7 +24,7 @@
 //! # Differences
 //! - Water, sediment and slopes see eight neighbours. With four, channels along rows and columns win over those between them:
 //!   of the steps of small channels 0.26 to 0.35 are diagonal where isotropic ones would have 0.41. `flux = "signed"` keeps
-//!   four (`tests/it/hydraulic_directions.rs`).
+//!   four (`tests/it/directions.rs`).
 //! - One signed flux an edge instead of four one-way fluxes a cell: those run waves sqrt 2 too fast after the first
 //!   reversal and need half the time step (`tests/it/hydraulic_waves.rs`). `flux = "classic"` keeps the published form.
 //! - The capacity has a ramp with depth; without it films erode everywhere and no rivers form.
@@ -34,8 +34,9 @@
 //! - Digging is limited by the drop to the lowest neighbour, so that pits do not run away.
 //! - Pipes do not know the friction of a bed. A pipe on a slope `S` carries `g H S / r` at last, with the defaults 98 m2/s on
 //!   a slope of 0.1, far more than a film of water has: the `K` of (2) is then below 1, all water leaves its cell in a step, and
-//!   `l / t` (20 m/s) is its speed. `max_speed` stands for the bed: it is in force in most steps of wet cells on slopes
-//!   (`hydraulic.speed_capped`), as it is meant to be, and the ramp of (6) lets films carry little.
+//!   `l / t` (20 m/s) is its speed. `max_speed` stands for the bed: it is in force in most steps of wet cells
+//!   (`hydraulic.speed_capped`), as it is meant to be, and the ramp of (6) lets films carry little. On fBm with the defaults it
+//!   acts in 86 of 100 steps of wet cells and in all films below 0.1 m; where `l / t <= max_speed`, in nearly none.
 //! - The pipe model is not shallow water: its wave speed does not depend on the depth.
 //!
 //! # Layers

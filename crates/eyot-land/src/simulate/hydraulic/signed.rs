@@ -267,7 +267,8 @@ pub(super) const SHARED: [Tally; 7] = [
         account: "hydraulic.speed_capped",
         unit: TallyUnit::Count,
         sign: 0,
-        meaning: "Cell-steps in which the speed limit was in force",
+        meaning: "Cell-steps in which water ran faster than max_speed, the speed that sediment feels at most: usual on slopes where \
+                  steps are shorter than cell size over max_speed",
     },
     Tally {
         account: "hydraulic.dug",

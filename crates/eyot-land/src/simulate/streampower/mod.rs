@@ -20,6 +20,8 @@
 //! over filled depressions (`crate::drainage`).
 //!
 //! # Differences
+//! - Water takes the steepest of eight ways by rho8 (Fairfield and Leymarie 1991, `crate::drainage`): with the plain rule small
+//!   valleys follow the eight directions. `directions = "d8"` keeps it.
 //! - Any `n > 0`, below 1 too, is solved to the last digit and cannot fail (`law.rs`).
 //! - Lakes are base levels: what flows into one is cut to its surface, its bed is not cut (deposition raises it), and its sill
 //!   is, so that it empties.
@@ -50,7 +52,7 @@ mod stack;
 
 pub use heights::HEIGHT_REST;
 
-use crate::drainage::{Base, Neighbours, Routing, fill, outlets};
+use crate::drainage::{Base, Descent, Neighbours, Routing, fill, outlets};
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Process, SECONDS_PER_YEAR, check_ranges};
 use eyot_core::{BoundaryCondition, Control, Field, Grid, LayerSpec, Result, World};
@@ -95,6 +97,9 @@ pub struct Streampower {
     /// 0 leaves it out.
     #[schemars(range(min = 0.0, max = 100.0), extend("unit" = "1"))]
     pub critical_slope: f32,
+    /// Which way water takes on a slope. `rho8`: as the land falls, on the whole; `d8`: the steepest of eight directions, which small
+    /// valleys then follow.
+    pub directions: Descent,
 }
 
 impl Default for Streampower {
@@ -109,6 +114,7 @@ impl Default for Streampower {
             channel_area: 0.0,
             diffusivity: 0.01,
             critical_slope: 0.0,
+            directions: Descent::Rho8,
         }
     }
 }
@@ -164,11 +170,11 @@ impl ActionInstance for Streampower {
         let outlets = outlets(&z, &grid, &Base { sea_level_m: Some(sea_level_m), ..Base::default() })?;
         let held = Held::new(&grid, &outlets, &z, sea_level_m);
         let routing = if drains(&z, &grid, &outlets) {
-            Routing::new(&z, &grid, &outlets, control)?
+            Routing::with_descent(&z, &grid, &outlets, self.directions, control)?
         } else {
             let mut surface = z.clone();
             fill(&mut surface, &grid, &outlets, control)?;
-            Routing::new(&surface, &grid, &outlets, control)?
+            Routing::with_descent(&surface, &grid, &outlets, self.directions, control)?
         };
 
         let uplifted = uplift(&mut z, &grid, &held, f64::from(self.uplift) * years, world.get(&UPLIFT.name));
