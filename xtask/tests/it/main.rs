@@ -4,3 +4,4 @@ mod architecture;
 mod crates;
 mod gallery;
 mod how_to;
+mod verification;

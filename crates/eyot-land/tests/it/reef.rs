@@ -41,6 +41,7 @@ fn lit() -> Reef {
 
 // -------------------------------------------------------------------------------------------------------------- Light
 
+/// G1.
 #[test]
 fn growth_is_monotone_in_light_and_ends_at_both_depths() {
     for light in [Light::Exponential, Light::Saturating] {
@@ -87,7 +88,7 @@ fn saturating_light_follows_its_formula() {
     }
 }
 
-/// A column of coral in exponential light: `dg/dt = -G e^(-g/D)`, so `d/dt e^(g/D) = -G / D`: `e^(g/D)` falls in a
+/// G1: a column of coral in exponential light: `dg/dt = -G e^(-g/D)`, so `d/dt e^(g/D) = -G / D`: `e^(g/D)` falls in a
 /// straight line, `e^(g/D) = e^(g0/D) - G t / D`, until the coral is at the shallow limit.
 #[test]
 fn a_column_follows_the_closed_form() {
@@ -114,7 +115,7 @@ fn a_column_follows_the_closed_form() {
     }
 }
 
-/// Where the sea rises at `r`, depth follows `dg/dt = r - G e^(-g/D)`. Growth falls with depth, so `g* = D ln(G / r)` is an
+/// G1: where the sea rises at `r`, depth follows `dg/dt = r - G e^(-g/D)`. Growth falls with depth, so `g* = D ln(G / r)` is an
 /// equilibrium that repels: shallower reefs rise to the shallow limit `s` and stay there, deeper ones drown. A reef that
 /// starts at depth `g0` therefore switches from keeping up to giving up at `r = G e^(-g0/D)`, and one that has reached its
 /// limit at `r = G e^(-s/D)`: the depth that decides is the one from which it starts, and for a grown reef the shallow

@@ -29,6 +29,7 @@ fn ball(p: Point) -> f32 {
     1.0 - length(p)
 }
 
+/// M1: closed, one piece without handles, no degenerate triangles, every triangle looks outwards, second order in volume.
 #[test]
 fn a_ball_is_exact_to_second_order() {
     let exact = 4.0 / 3.0 * std::f64::consts::PI;
@@ -40,6 +41,17 @@ fn a_ball_is_exact_to_second_order() {
             for (p, n) in solid.positions.iter().zip(&solid.normals) {
                 assert!((0..3).all(|i| (p[i] / length(*p) - n[i]).abs() < 1e-2), "{p:?} {n:?}");
             }
+            let degenerate = solid.indices.chunks_exact(3).filter(|t| {
+                let [a, b, c] = [t[0], t[1], t[2]].map(|i| solid.positions[i as usize].map(f64::from));
+                let edge = |to: [f64; 3]| [0, 1, 2].map(|i| to[i] - a[i]);
+                let (u, v) = (edge(b), edge(c));
+                let cross = [0, 1, 2].map(|i| u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+                let outwards: f64 = (0..3).map(|i| cross[i] * (a[i] + b[i] + c[i])).sum();
+                assert!(outwards >= 0.0, "a triangle looks inwards");
+                outwards == 0.0
+            });
+            let degenerate = degenerate.count();
+            assert!(1000 * degenerate <= solid.triangles(), "{degenerate} of {} are degenerate", solid.triangles());
             1.0 - solid.volume() / exact
         };
         let errors = [16, 32, 64, 128].map(error);
@@ -117,6 +129,7 @@ impl ScalarField for Noise {
     }
 }
 
+/// M1: all 256 sets of corners, and random ones.
 #[test]
 fn any_signs_and_any_saddles_close() {
     // All sets of corners of a single cell, with values that turn the saddles of its faces both ways.
@@ -148,6 +161,7 @@ fn any_signs_and_any_saddles_close() {
     }
 }
 
+/// M2: a mesh made in blocks is the mesh made whole.
 #[test]
 fn threads_and_blocks_change_nothing() {
     let field = blobs(200, 3, Blend::Normalised);

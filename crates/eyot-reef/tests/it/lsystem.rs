@@ -41,6 +41,7 @@ fn near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance
 }
 
+/// L1.
 #[test]
 fn strings_grow_by_fibonacci() {
     let algae = "axiom: b\n b -> a\n a -> ab";
@@ -51,6 +52,7 @@ fn strings_grow_by_fibonacci() {
     assert_eq!(lengths(anabaena, 0..=10), [1, 2, 3, 5, 8, 13, 21, 34, 55, 89, 144]);
 }
 
+/// L1: among them Koch's quadratic curve, 5^n segments after n steps.
 #[test]
 fn curves_have_their_lengths_segments_and_extents() {
     let koch = "axiom: F-F-F-F\n F -> F-F+F+FF-F-F+F";
@@ -360,6 +362,33 @@ fn polylines_join_the_segments_of_an_axis() {
     assert!(lines.iter().all(|l| l.points.len() == l.widths.len()));
 }
 
+/// L1.
+#[test]
+fn brackets_stay_in_balance() {
+    for text in [
+        "axiom: F\n F -> F[+F]F[-F]F",
+        "axiom: X\n X -> F-[[X]+X]+F[+FX]-X\n F -> FF",
+        "axiom: A\n A -> [+A%B][-A]\n B -> [B]B",
+    ] {
+        for n in 0..=5 {
+            let word = derive(text, n).1.to_string();
+            let depths: Vec<i64> = word
+                .chars()
+                .scan(0, |depth, c| {
+                    *depth += i64::from(c == '[') - i64::from(c == ']');
+                    Some(*depth)
+                })
+                .collect();
+            assert!(
+                depths.iter().all(|&d| d >= 0) && depths.last().is_none_or(|&d| d == 0),
+                "{text} after {n}: {word}"
+            );
+        }
+    }
+    assert!(Grammar::parse("axiom: F]").is_err() || Grammar::parse("axiom: F[").is_err());
+}
+
+/// L1.
 #[test]
 fn explosions_are_refused_before_memory_is_gone() {
     let limits = Limits { max_bytes: 1 << 20, ..Limits::default() };

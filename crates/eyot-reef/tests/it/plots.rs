@@ -66,6 +66,39 @@ fn births_and_deaths_account_for_every_colony() {
     assert_eq!(columns(&rows[0]).len(), 13 + 4 * 11);
 }
 
+/// G2, for individuals: what the census says is covered is the area of the living colonies, so that cover and what is free sum
+/// to 1 while bodies stand side by side, and the counts of a seed are always the same.
+#[test]
+fn cover_and_free_ground_sum_to_one() {
+    let mut plot = bare(quiet(), cool(), 40.0, 1);
+    // Far enough from each other for all the months.
+    for (species, x) in [(0, 5.0f32), (1, 15.0), (2, 25.0), (3, 35.0)] {
+        for y in [10.0, 20.0, 30.0] {
+            plot.add_colony(species, x, y, 0.2, 5).unwrap();
+        }
+    }
+    for _ in 0..24 {
+        let row = plot.month().unwrap();
+        assert_eq!(row.colonies(), 12);
+        let area = 40.0 * 40.0;
+        let mut of_species = [0.0f64; 4];
+        for c in plot.colonies() {
+            of_species[usize::from(c.species)] += std::f64::consts::PI * f64::from(c.radius).powi(2);
+        }
+        for (s, m2) in row.species.iter().zip(of_species) {
+            assert!((s.cover - m2 / area).abs() <= 1e-6, "month {}: {} for {m2} m2", row.month, s.cover);
+        }
+        let free = area - of_species.iter().sum::<f64>();
+        assert!((row.coral_cover() + free / area - 1.0).abs() <= 1e-6);
+    }
+    let counts = |seed: u64| {
+        let (_, rows) = run(&Community::default(), Site::flat(20.0, 20.0), seed, 48);
+        rows.iter().map(|r| r.species.iter().map(|s| s.colonies).collect::<Vec<_>>()).collect::<Vec<_>>()
+    };
+    assert_eq!(counts(11), counts(11));
+    assert_ne!(counts(11), counts(12));
+}
+
 /// A slope from the beach down to 60 m, with sand in its eastern half.
 fn slope() -> Ground {
     let depth = Field::from_fn(20, 30, |_, y| y as f32 * 2.2 - 4.0);
