@@ -7,7 +7,7 @@
 //! 2. The steepest way down it: angle from the first leg `r = atan(s_2 / s_1)`, slope `sqrt(s_1^2 + s_2^2)`. Outside of the
 //!    triangle (`r < 0` or `r > atan(d_2 / d_1)`) it is the way along the edge on that side.
 //! 3. Of the triangle with the steepest way, neighbour 2 gets `r / atan(d_2 / d_1)` and neighbour 1 the rest. Of equally steep
-//!    triangles `place.rs` chooses one.
+//!    triangles the first counts: clockwise from north, before each edge neighbour counterclockwise of it.
 //!
 //! # Source
 //! Tarboton (1997), A new method for the determination of flow directions and upslope areas in grid digital elevation
@@ -16,15 +16,13 @@
 //! # Differences
 //! At the rim, where the corner neighbour is missing, water may still run to the edge neighbour.
 
-use super::place::Places;
 use super::spread::Shares;
-use super::{Height, Neighbours, STEPS};
+use super::{Height, Neighbours};
 
 /// Tarboton's rule on a surface.
 pub(super) struct Dinf<'a, T> {
     pub(super) z: &'a [T],
     pub(super) near: Neighbours,
-    pub(super) places: Places,
 }
 
 /// The neighbours that get something, each with its share; the shares sum to 1.
@@ -37,35 +35,30 @@ impl<T: Height> Dinf<'_, T> {
         let mut around = [None; 8];
         self.near.each(i, |d, j| around[d] = Some(j));
         // Without a lower neighbour nobody gets anything.
-        let (mut steepest, mut pair, mut taken) = (0.0, [(i, 0.0); 2], [0; 2]);
-        let numbers = |directions: [usize; 2]| {
-            let place = self.places.of(i);
-            directions.map(|d| place.number([STEPS[d].0 as i64, STEPS[d].1 as i64]))
-        };
+        let (mut steepest, mut pair) = (0.0, [(i, 0.0); 2]);
         for edge in [0, 2, 4, 6] {
             let Some(one) = around[edge] else { continue };
             for corner in [(edge + 7) % 8, edge + 1] {
                 // The second leg runs along the other axis.
                 let (d1, d2) = (self.near.distance_m[edge], self.near.distance_m[(edge + 2) % 8]);
                 let s1 = fall(i, one) / d1;
-                let along_edge = (s1, [(one, 1.0), (one, 0.0)], [edge, edge]);
-                let (slope, ways, directions) = match around[corner] {
+                let along_edge = (s1, [(one, 1.0), (one, 0.0)]);
+                let (slope, ways) = match around[corner] {
                     Some(two) => {
                         let s2 = fall(one, two) / d2;
                         if s2 <= 0.0 {
                             along_edge
                         } else if s1 * d2 <= s2 * d1 {
-                            (fall(i, two) / self.near.distance_m[corner], [(two, 1.0), (two, 0.0)], [corner, corner])
+                            (fall(i, two) / self.near.distance_m[corner], [(two, 1.0), (two, 0.0)])
                         } else {
                             let share = atan(s2 / s1) / atan(d2 / d1);
-                            ((s1 * s1 + s2 * s2).sqrt(), [(one, 1.0 - share), (two, share)], [edge, corner])
+                            ((s1 * s1 + s2 * s2).sqrt(), [(one, 1.0 - share), (two, share)])
                         }
                     }
                     None => along_edge,
                 };
-                let tied = slope == steepest && steepest > 0.0 && directions != taken;
-                if slope > steepest || (tied && numbers(directions) < numbers(taken)) {
-                    (steepest, pair, taken) = (slope, ways, directions);
+                if slope > steepest {
+                    (steepest, pair) = (slope, ways);
                 }
             }
         }

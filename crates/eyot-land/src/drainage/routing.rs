@@ -40,9 +40,9 @@ pub struct Routing {
 #[non_exhaustive]
 pub enum Descent {
     /// The steepest of eight.
+    #[default]
     D8,
     /// The steepest of eight with lots for diagonal ways, so that on the whole water runs as the land falls.
-    #[default]
     Rho8,
 }
 

@@ -12,7 +12,6 @@
 use super::cascade::{Network, cascade};
 use super::dinf::Dinf;
 use super::multiple::Multiple;
-use super::place::Places;
 use super::{Height, Neighbours, Routing, check_length, check_sizes};
 use eyot_core::{Control, Error, Grid, Result};
 
@@ -90,7 +89,7 @@ impl Routing {
                 Err(Error::BadParameter { owner: "multiple flow".into(), field: "exponent".into(), reason })
             }
             Spread::Dinf => {
-                let shares = Dinf { z, near, places: Places::new(grid) };
+                let shares = Dinf { z, near };
                 cascade(&Spreading { routing, shares, round }, self.band(), amounts, || control.check())
             }
         }

@@ -5,7 +5,7 @@ use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, Limits, Result, World};
-use eyot_land::drainage::{Base, Descent, Routing, fill, outlets};
+use eyot_land::drainage::{Base, Routing, fill, outlets};
 use eyot_land::simulate::Streampower;
 use eyot_land::simulate::streampower::{ERODIBILITY, HEIGHT_REST, UPLIFT};
 use std::f64::consts::{PI, TAU};
@@ -65,7 +65,7 @@ fn route(w: &World) -> Routing {
     let out = outlets(&z, &w.grid, &base).unwrap();
     let mut surface = z;
     fill(&mut surface, &w.grid, &out, &Control::none()).unwrap();
-    Routing::with_descent(&surface, &w.grid, &out, Descent::Rho8, &Control::none()).unwrap()
+    Routing::new(&surface, &w.grid, &out, &Control::none()).unwrap()
 }
 
 /// E1: theta = m / n, k_s = (U / K)^(1 / n), and nothing moves any more. Some libraries take n < 1 for 1.

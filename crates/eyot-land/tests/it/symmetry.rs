@@ -248,15 +248,14 @@ fn no_river_prefers_a_direction() {
 #[test]
 fn no_lake_prefers_a_direction() {
     let drainage = |routing| vec![one(Drainage { routing, ..Drainage::default() })];
-    let filled = Drainage { depressions: Depressions::Breach, ..Drainage::default() };
+    let breached = Drainage { depressions: Depressions::Breach, ..Drainage::default() };
     let rivers = Streampower { years_per_step: 500.0, uplift: 2e-4, diffusivity: 0.0, ..Default::default() };
     let variants = [
         ("drainage d8", drainage(RoutingRule::D8), 0.0),
-        ("drainage dinf", drainage(RoutingRule::Dinf), 0.0),
-        ("drainage multiple", drainage(RoutingRule::Multiple), 1e-6),
-        ("drainage breached", vec![one(filled)], 0.0),
+        ("drainage multiple", drainage(RoutingRule::Multiple), 1e-5),
+        ("drainage breached", vec![one(breached)], 0.0),
         ("rivers", vec![one(rivers.clone())], 0.0),
-        ("rivers d8", vec![one(Streampower { directions: Descent::D8, ..rivers })], 0.0),
+        ("rivers rho8", vec![one(Streampower { directions: Descent::Rho8, ..rivers })], 0.0),
     ];
     for (name, processes, tolerance) in variants {
         for rim in rims() {
