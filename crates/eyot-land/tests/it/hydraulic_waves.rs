@@ -157,7 +157,8 @@ fn sloshing_keeps_its_mass_and_never_goes_below_zero() {
     assert!(after.get("water").unwrap().min_max().0 >= 0.0);
     // What rounding would have made negative was made zero, and said so.
     assert!(clamped > 0.0 && clamped <= 1e-6 * m0 * area);
-    assert_eq!(after.ledger.amount("water.rain"), 0.0);
+    // Films too thin to be kept (below 1e-30 m) are taken off what rained.
+    assert!(after.ledger.amount("water.rain").abs() <= 1e-20);
     assert_eq!(after.ledger.amount("water.drained"), 0.0);
 }
 
