@@ -4,6 +4,7 @@
     eyot serve reef --rate 2                          in one terminal
     python3 eyot_stream.py                            in another: a line for each moment
     python3 eyot_stream.py URL?token=TEXT --step 12   twelve steps, then wait; the server prints that URL
+    python3 eyot_stream.py URL?token=TEXT --set sea_level=-5   where the server has --allow-changes
     python3 eyot_stream.py --until-end --save reef.json
 
 The book's page "The network stream" lists the records. `Mirror` puts the state together, `Stream` is the connection; whoever has
@@ -21,9 +22,9 @@ import struct
 import sys
 from urllib.parse import urlsplit
 
-MAGIC, VERSION = b"EYST", 1
-HELLO, SNAPSHOT, STEP, COLONIES, ALGAE, GONE, TILE, STATUS, END, REFUSED = range(1, 11)
-PAUSE, RESUME, DO_STEPS = 32, 33, 34
+MAGIC, VERSION = b"EYST", 2
+HELLO, SNAPSHOT, STEP, COLONIES, ALGAE, GONE, TILE, STATUS, END, REFUSED, CHANGED = range(1, 12)
+PAUSE, RESUME, DO_STEPS, SET = 32, 33, 34, 35
 STATUSES = ["runs", "paused", "waits for clients", "writes its files"]
 ENDINGS = ["done", "stopped", "failed"]
 MOST_RECORD = 16 << 20
@@ -86,7 +87,7 @@ def decode(data):
 
 
 def hello(b):
-    names = ["seed", "width", "height", "cell_x_m", "cell_y_m", "sea_level_m", "every", "rays", "orders"]
+    names = ["seed", "width", "height", "cell_x_m", "cell_y_m", "sea_level_m", "every", "rays", "may"]
     h = dict(zip(names, b.take("QIIdddQHH")))
     species, layers, columns = b.take("HHH6x")
     h["engine"], h["recipe"] = b.text(), b.text()
@@ -99,7 +100,7 @@ def hello(b):
 def moment(b):
     names = ["number", "steps_done", "step", "of", "recipe_step", "temperature_c", "colonies", "algae"]
     m = dict(zip(names, b.take("QQQQIfII")))
-    count = b.take("I4x")
+    count, m["sea_level_m"] = b.take("If")
     m["census"] = list(struct.unpack(f"<{count}d", b.take(f"{8 * count}s"))) if count else []
     return m
 
@@ -136,6 +137,7 @@ READERS = {
     STATUS: lambda b: STATUSES[b.take("I")],
     END: lambda b: (ENDINGS[b.take("I")], b.text()),
     REFUSED: lambda b: b.text(),
+    CHANGED: lambda b: dict(zip(["recipe_step", "step"], b.take("I4xQ")), set=b.text()),
 }
 
 
@@ -145,11 +147,19 @@ def order(kind, steps=None):
     return MAGIC + struct.pack("<HHII", VERSION, kind, 16 + len(body), 0) + body
 
 
+def change(path, value):
+    """A message to the server: set `hydraulic.rain`, `sea_level` or `layer.water` to a value; an empty path takes a table of several."""
+    body = b""
+    for text in (path, json.dumps(value)):
+        body += struct.pack("<H", len(text.encode())) + text.encode()
+    return MAGIC + struct.pack("<HHII", VERSION, SET, 16 + len(body), 0) + body
+
+
 class Mirror:
     """The state of the run, put together from records."""
 
     def __init__(self):
-        self.hello = self.moment = self.end = self.status = self.refused = None
+        self.hello = self.moment = self.end = self.status = self.refused = self.changed = None
         self.colonies, self.algae, self.layers = {}, {}, {}
         self.more = self.snapshots = 0
 
@@ -168,7 +178,9 @@ class Mirror:
             self.end = body
         elif kind == REFUSED:
             self.refused = body
-        if kind in (HELLO, STATUS, END, REFUSED):
+        elif kind == CHANGED:
+            self.changed = body
+        if kind in (HELLO, STATUS, END, REFUSED, CHANGED):
             return False
         if kind == SNAPSHOT:
             self.colonies, self.algae, self.layers = {}, {}, {}
@@ -272,6 +284,7 @@ def main():
     parser.add_argument("--pause", action="store_true", help="ask the run to wait")
     parser.add_argument("--resume", action="store_true", help="ask it to go on")
     parser.add_argument("--step", type=int, metavar="N", help="ask it to do so many steps, then wait")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="ask for a change; the value is JSON, or else a text")
     parser.add_argument("--moments", type=int, metavar="N", help="end after so many moments")
     parser.add_argument("--until-end", action="store_true", help="end when the run has ended, though the server goes on")
     parser.add_argument("--save", metavar="FILE", help="write the last state as JSON")
@@ -284,12 +297,22 @@ def main():
     ]:
         if asked:
             stream.send(message)
+    for text in args.set:
+        path, _, value = text.partition("=")
+        try:
+            value = json.loads(value)
+        except ValueError:
+            pass  # A bare word is a text.
+        stream.send(change(path.strip(), value))
     try:
         while (args.moments is None or seen < args.moments) and not (args.until_end and mirror.end):
             complete = mirror.take(stream.receive())
             if mirror.refused:
                 print("refused:", mirror.refused, file=sys.stderr)
                 mirror.refused = None
+            if mirror.changed:
+                print("changed after step {step}: {set}".format(**mirror.changed), flush=True)
+                mirror.changed = None
             if complete:
                 seen += 1
                 m, cover = mirror.moment, dict(zip(mirror.hello["columns"], mirror.moment["census"])).get("coral_cover")

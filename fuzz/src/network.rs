@@ -1,10 +1,11 @@
 //! Records of the network stream, and what clients send.
 
 use eyot::live::{
-    Alga, Body, Colony, Ending, HEADER, Hello, LayerInfo, Mirror, Moment, Order, Record, SpeciesInfo, Status, Tile, Why,
+    Alga, Body, Changed, Colony, Ending, HEADER, Hello, LayerInfo, Mirror, Moment, Order, Permission, Record,
+    SpeciesInfo, Status, Tile, Why,
 };
 
-pub(crate) const WORDS: &[&str] = &["EYST", "\u{1}\0", "\0\0\0\0", "height", "m"];
+pub(crate) const WORDS: &[&str] = &["EYST", "\u{2}\0", "\0\0\0\0", "height", "m", "sea_level", "null"];
 
 /// Cells of a mirror's layers: far below what an input may allocate.
 const CELLS: u64 = 1 << 22;
@@ -51,7 +52,7 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
         size: [6, 4],
         every: 1,
         rays: true,
-        orders: true,
+        may: Permission::Change,
         engine: "0.1.0".into(),
         recipe: "Reef".into(),
         species: vec![SpeciesInfo { name: "Porites".into(), ..SpeciesInfo::default() }],
@@ -85,10 +86,12 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
         all.extend(bodies.into_iter().enumerate().map(|(i, body)| Record { more: (count - 1 - i) as u32, body }));
     }
     all.push(Body::Refused("no".into()).into());
+    all.push(Body::Changed(Changed { recipe_step: 2, step: 8, set: "sea_level = 3.0".into() }).into());
     all.push(Body::End { how: Ending::Done, message: "the run is done".into() }.into());
     vec![all.iter().flat_map(Record::encode).collect()]
 }
 
 pub(crate) fn orders() -> Vec<Vec<u8>> {
-    [Order::Pause, Order::Resume, Order::Step(12)].map(|o| Record::from(Body::Order(o)).encode()).into()
+    let set = Order::Set { path: "hydraulic.rain".into(), value: "0.004".into() };
+    [Order::Pause, Order::Resume, Order::Step(12), set].map(|o| Record::from(Body::Order(o)).encode()).into()
 }

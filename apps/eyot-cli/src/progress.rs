@@ -115,7 +115,11 @@ impl Bars {
             Event::Branched { out, steps_done } => {
                 self.say(&format!("  {} begins at {steps_done} steps", out.display()));
             }
-            Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set, e.step)),
+            Event::Changed(e) => self.say(&format!("  {} from step {} on", e.set.replace('\n', ", "), e.step)),
+            Event::NotChanged { set, reason } => {
+                let set = set.replace('\n', ", ");
+                self.say(&format!("  not changed: `{set}`: {}", reason.worded(&CommandLine)));
+            }
             Event::Warning { message } => self.say(&format!("warning: {}", message.worded(&CommandLine))),
             Event::Joined { client, address } => self.say(&format!("  client {client} at {address} has connected")),
             Event::Left { client, reason, .. } => self.say(&format!("  client {client} is gone: {reason}")),

@@ -29,7 +29,7 @@ Examples:
   eyot serve reef --out reef --resume               go on with a stopped run
 
 The book's page \"The network stream\" describes the protocol, and has clients to start from. Everybody may watch. Who connects with the \
-token that is printed may pause, resume and step the run. A client that is too slow for all changes gets the whole state again; it never \
+token that is printed may pause, resume and step the run, and with --allow-changes change it. A client that is too slow for all changes gets the whole state again; it never \
 delays the run.")]
 pub(crate) struct Serve {
     /// A recipe file, or the name of a built-in recipe; not used with --resume
@@ -66,9 +66,12 @@ pub(crate) struct Serve {
     /// Bytes of changes that may wait for a slow client, such as 16M; then it gets the whole state instead
     #[arg(long, value_name = "BYTES", default_value = "16M", value_parser = bytes)]
     queue: u64,
-    /// What clients give to pause, resume and step the run, `?token=TEXT` after the address [default: a new one for each run, printed]
+    /// What clients give to pause, resume, step and change the run, `?token=TEXT` after the address [default: a new one for each run, printed]
     #[arg(long, value_name = "TEXT", value_parser = token)]
     token: Option<String>,
+    /// Let those clients change the run, too: parameters, the sea, layers. The report lists what they did; `eyot run --replay` does it again
+    #[arg(long, conflicts_with = "read_only")]
+    allow_changes: bool,
     /// Take no orders from clients
     #[arg(long, conflicts_with = "token")]
     read_only: bool,
@@ -110,6 +113,7 @@ pub(crate) fn serve(args: &Serve) -> Result<(), Failure> {
                 Some(token) => Control::Token(token.clone()),
                 None => Control::random(),
             },
+            changes: args.allow_changes,
             ..live::Options::default()
         },
         layers: args.layers.clone(),
@@ -158,8 +162,9 @@ fn attend(serving: Serving, interrupts: &Interrupts, args: &Serve, out: &Path) -
         } else if let Event::Serving { url, control, .. } = event {
             // Also when all else is quiet: nobody could know the port.
             if unheard.is_none() {
-                let control =
-                    control.as_ref().map_or_else(String::new, |c| format!("\nto pause, resume and step: {c}"));
+                let what =
+                    if args.allow_changes { "to pause, resume, step and change" } else { "to pause, resume and step" };
+                let control = control.as_ref().map_or_else(String::new, |c| format!("\n{what}: {c}"));
                 unheard = print::line(&format!("serving at {url}{control}")).err();
             }
         } else if let Some(bars) = &mut bars {

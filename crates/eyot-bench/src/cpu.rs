@@ -246,7 +246,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
         return Err(bad("threads", "needs at least 1".into()));
     }
     if !(options.seconds > 0.0 && options.seconds <= 86_400.0) {
-        return Err(bad("seconds", format!("{} is not within 0..=86400", options.seconds)));
+        return Err(bad("seconds", format!("{} is not above 0 and at most 86400", options.seconds)));
     }
     if let Some(isa) = options.isa.filter(|isa| !isa.is_available()) {
         return Err(bad("isa", format!("this processor has no {}", isa.name())));

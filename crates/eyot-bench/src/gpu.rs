@@ -104,7 +104,7 @@ struct Phase {
 /// If there is no adapter, the device fails, or the world does not fit it.
 pub fn run(options: &GpuBenchOptions) -> Result<GpuBenchReport, RunError> {
     if !(options.seconds > 0.0 && options.seconds <= 86_400.0) {
-        return Err(RunError::input(format!("seconds: {} is not within 0..=86400", options.seconds)));
+        return Err(RunError::input(format!("seconds: {} is not above 0 and at most 86400", options.seconds)));
     }
     let (world, phases) = case(options)?;
     let how = Options::default().timed(true).most_passes(options.most_passes);

@@ -127,7 +127,7 @@ pub fn check_graphs(processes: &[Scheduled], grid: Grid) {
             };
             let bits = |s: u32| rng::hash(Key::new(3, s, 9), trial);
             let (x, y) = (trial as f32, 3.0);
-            let view = crate::plan::View { at: &at, uniform: &|s| rng::unit::<f32>(bits(s)), x, y };
+            let view = crate::erased::View { at: &at, uniform: &|s| rng::unit::<f32>(bits(s)), x, y };
             let (out, sums) = graph.evaluate(&pass.params(), &view);
             let (want, want_sums) = pass.rule.cell_f32(&view);
             let same = |a: &[f32], b: &[f32]| a.iter().map(|v| v.to_bits()).eq(b.iter().map(|v| v.to_bits()));

@@ -88,7 +88,7 @@ pub enum Error {
         after: String,
     },
     /// A step number or a level of the sea that no world can have.
-    #[error("after step {step} the sea would stand at {sea_level_m:.1} m; a world goes up to step {}, with its sea from {} to {} m", crate::world::MAX_STEP, known::HEIGHT.range.0, known::HEIGHT.range.1)]
+    #[error("after step {step} the sea would stand at {sea_level_m:.1} m; a world goes up to step {}, with its sea from {} to {} m", crate::limits::MAX_STEP, known::HEIGHT.range.0, known::HEIGHT.range.1)]
     Clock {
         /// Steps done.
         step: u64,

@@ -4,6 +4,9 @@ use crate::error::{Error, Result};
 use crate::remedy;
 use crate::remedy::Setting;
 
+/// Steps that a world can have done: far more than any recipe can ask for, and few enough for exact arithmetic with them.
+pub const MAX_STEP: u64 = 1 << 48;
+
 /// Upper bounds on what one world may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {

@@ -6,10 +6,11 @@
 use crate::control::Control;
 use crate::domain::{Domain, End};
 use crate::engine::{Ahead, Borrowed, Engine, EngineError, Saved};
+use crate::erased::View;
 use crate::grid::{BoundaryCondition, Grid};
 use crate::layer::{Centering, GhostFill, Layer, LayerSpec};
 use crate::limits::Limits;
-use crate::plan::{Pass, Plan, View};
+use crate::plan::{Pass, Plan};
 use crate::process::{Scheduled, Span};
 use crate::real::Real;
 use crate::rng::{self, Key};

@@ -4,13 +4,12 @@ use crate::component::Components;
 use crate::domain::Domain;
 use crate::error::{Error, Result};
 use crate::field::Field;
+use crate::fingerprint::Fingerprint;
 use crate::grid::{BoundaryCondition, Grid};
 use crate::layer::{Centering, Layer, LayerSpec, known};
 use crate::ledger::Ledger;
+use crate::limits::MAX_STEP;
 use serde::{Deserialize, Serialize};
-
-/// Steps that a world can have done: far more than any recipe can ask for, and few enough for exact arithmetic with them.
-pub const MAX_STEP: u64 = 1 << 48;
 
 /// Checks the clock of a world. What engines come to, what checkpoints are written with and what readers accept meets these bounds
 /// and no others, so that whatever is written can be read.
@@ -293,48 +292,5 @@ impl World {
     fn missing(&self, name: &str) -> Error {
         let present: Vec<&str> = self.layers.iter().map(|l| &*l.spec.name).collect();
         Error::NoLayer { name: name.to_owned(), present: present.join(", ") }
-    }
-}
-
-/// [`World::fingerprint`] of a world that is not in memory as a whole: layers in their order, rows from the north.
-#[derive(Clone, Debug)]
-pub struct Fingerprint(u64);
-
-impl Fingerprint {
-    /// The fingerprint of a world without layers.
-    pub fn new(grid: &Grid, step: u64, sea_level_m: f64) -> Self {
-        let mut print = Self(0xcbf2_9ce4_8422_2325);
-        [grid.width as u64, grid.height as u64, step, sea_level_m.to_bits()].into_iter().for_each(|w| print.add(w));
-        print
-    }
-
-    /// Goes on with the layer or component `name`.
-    pub fn begin(&mut self, name: &str) {
-        name.bytes().for_each(|b| self.add(u64::from(b)));
-    }
-
-    /// Goes on with the next values of the layer.
-    pub fn values(&mut self, values: &[f32]) {
-        values.iter().for_each(|v| self.add(u64::from(v.to_bits())));
-    }
-
-    /// Goes on with a number of a component.
-    pub fn number(&mut self, number: f64) {
-        self.add(number.to_bits());
-    }
-
-    /// Goes on with any 64 bits of a component.
-    pub fn word(&mut self, word: u64) {
-        self.add(word);
-    }
-
-    /// The fingerprint so far.
-    pub fn value(&self) -> u64 {
-        self.0
-    }
-
-    fn add(&mut self, word: u64) {
-        self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
-        self.0 ^= self.0 >> 29;
     }
 }

@@ -112,7 +112,7 @@ impl Arena {
                         resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                             buffer: job,
                             offset: 0,
-                            size: wgpu::BufferSize::new(crate::engine::JOB_BYTES),
+                            size: wgpu::BufferSize::new(crate::group::JOB_BYTES),
                         }),
                     },
                     wgpu::BindGroupEntry { binding: 1, resource: state.as_entire_binding() },

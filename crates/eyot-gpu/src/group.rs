@@ -19,6 +19,10 @@ pub(crate) const THREADS: usize = 256;
 pub(crate) const GHOST: usize = 8;
 /// Most numbers that a dispatch gets: parameters, keys, slots.
 pub(crate) const JOB_WORDS: usize = 256;
+/// Bytes of the uniform block of a dispatch.
+pub(crate) const JOB_BYTES: u64 = 4 * JOB_WORDS as u64;
+/// Bytes of a workgroup's memory that every WebGPU device has.
+pub(crate) const SHARED_BYTES: usize = 16384;
 /// Words of every job before those of its stages.
 pub(crate) const JOB_HEAD: usize = 10;
 

@@ -4,9 +4,9 @@
 //! this crate re-exports.
 
 use crate::device::Gpu;
-use crate::engine::{JOB_BYTES, SHARED_BYTES};
 use crate::error::{GpuError, Result};
 use crate::group::THREADS;
+use crate::group::{JOB_BYTES, SHARED_BYTES};
 use crate::reading::Reading;
 use std::sync::atomic::Ordering;
 

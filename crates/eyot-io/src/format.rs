@@ -2,9 +2,10 @@
 
 use crate::about::About;
 use crate::error::{Error, Result};
+use crate::options::WriteOptions;
 use crate::raster::SCALE_TAG;
 use crate::rows::Rows;
-use crate::sample::{ByteOrder, RowOrder, Sample};
+use crate::sample::Sample;
 use crate::{exr_write, geotiff, npy, png_write, raw, zarr};
 use eyot_core::{Layer, World};
 use std::path::Path;
@@ -73,19 +74,6 @@ impl RasterFormat {
     }
 }
 
-/// What a writer may be told.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct WriteOptions {
-    /// Values that 0 and 65535 stand for in 16-bit formats; the smallest and the largest value if not given.
-    pub scale: Option<(f64, f64)>,
-    /// Order of the bytes of a number in headerless files.
-    pub byte_order: ByteOrder,
-    /// Order of the rows in headerless files.
-    pub row_order: RowOrder,
-    /// The value that a GeoTIFF declares as missing; must not occur. A free one is chosen if not given.
-    pub nodata: Option<f32>,
-}
-
 /// Writes one layer of a world with the usual options; see [`write_rows`].
 ///
 /// # Errors
@@ -142,15 +130,6 @@ pub fn write_rows(
         RasterFormat::Exr => exr_write::write_exr(path, &mut [(about, rows)]),
         RasterFormat::Zarr => zarr::write_store(path, &mut [(about, rows)], &serde_json::Map::new()),
     }
-}
-
-/// Width and height as the 32-bit numbers that PNG and TIFF store.
-pub(crate) fn size_u32(path: &Path, width: usize, height: usize) -> Result<(u32, u32)> {
-    // PNG allows 2^31 - 1 and TIFF readers commonly the same.
-    let fit = |n: usize| u32::try_from(n).ok().filter(|&n| n <= i32::MAX as u32);
-    fit(width).zip(fit(height)).ok_or_else(|| {
-        Error::format(path, format!("{width}x{height} cells are too many for this format"), "write R32 or fewer cells")
-    })
 }
 
 #[cfg(test)]

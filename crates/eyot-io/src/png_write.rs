@@ -3,7 +3,7 @@
 use crate::about::About;
 use crate::atomic::{Watched, watched, write_atomically};
 use crate::error::{Error, Result};
-use crate::format::{WriteOptions, size_u32};
+use crate::options::{WriteOptions, size_u32};
 use crate::rows::{Rows, band_rows, each_band};
 use crate::scale::Scale;
 use png::{BitDepth, ColorType, Encoder, EncodingError};

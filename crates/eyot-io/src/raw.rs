@@ -4,7 +4,7 @@ use crate::about::About;
 use crate::atomic::{put, write_atomically};
 use crate::error::{Error, Result};
 use crate::fill::Missing;
-use crate::format::WriteOptions;
+use crate::options::WriteOptions;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::rows::{Rows, band_rows, each_band, each_band_from_south};
 use crate::sample::{ByteOrder, Narrowed, RowOrder, Sample};

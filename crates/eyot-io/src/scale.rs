@@ -2,7 +2,7 @@
 
 use crate::about::About;
 use crate::error::{Error, Result};
-use crate::format::WriteOptions;
+use crate::options::WriteOptions;
 use crate::raster::{Numbers, Raster, ReadOptions};
 use crate::rows::{Rows, range_of};
 use eyot_core::remedy;

@@ -122,6 +122,14 @@ impl Client {
         self.send(Message::Binary(Record::from(Body::Order(order)).encode().into()))
     }
 
+    /// Asks for a change of the run, by a path such as `hydraulic.rain` and a value in JSON.
+    ///
+    /// # Errors
+    /// If the connection has ended.
+    pub fn set(&mut self, path: &str, value: &str) -> Result<(), Gone> {
+        self.order(Order::Set { path: path.to_owned(), value: value.to_owned() })
+    }
+
     /// Sends anything, as a client that is not of this crate might.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
-//! Who may give orders.
+//! Who may give orders, and which.
 
+use crate::record::Permission;
 use std::collections::hash_map::RandomState;
 use std::fmt;
 use std::hash::BuildHasher;
@@ -52,11 +53,12 @@ impl Control {
         }
     }
 
-    /// What to say to those who may not.
-    pub(crate) fn refusal(&self) -> &'static str {
-        match self {
-            Self::Nobody => "this server takes no orders",
-            Self::Token(_) | Self::Everybody => "orders need the token that the server printed when it began",
+    /// What to say to those who may not do what an order needs; `changes` says whether anybody may change anything.
+    pub(crate) fn refusal(&self, needs: Permission, changes: bool) -> &'static str {
+        match (self, needs) {
+            (Self::Nobody, _) => "this server takes no orders",
+            (_, Permission::Change) if !changes => "nobody may change this run: the server was not told to allow it",
+            (Self::Token(_) | Self::Everybody, _) => "orders need the token that the server printed when it began",
         }
     }
 }

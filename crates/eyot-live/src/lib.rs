@@ -2,7 +2,8 @@
 //!
 //! A [`Server`] knows the last [`Scene`] that was published and speaks WebSocket. Whoever connects gets a [`Hello`], the whole
 //! state, and then the changes of each moment, as length-checked binary [`Record`]s; a [`Mirror`] puts the state together again,
-//! exactly. Clients that the server allows it ([`Control`]) may pause, resume and step ([`Order`]), and nothing else. None of that knows a recipe or a
+//! exactly. Clients that the server allows it ([`Control`]) may pause, resume and step, and
+//! where it allows that, too, change the run ([`Order`]); nothing else. None of that knows a recipe or a
 //! process; what serves runs of recipes is the feature `serve`.
 //!
 //! ```
@@ -42,8 +43,8 @@ pub use client::{Client, Gone};
 pub use control::Control;
 pub use mirror::Mirror;
 pub use record::{
-    Alga, Body, Colony, Ending, HEADER, Hello, LayerInfo, MAGIC, MAX_RECORD, MAX_STEPS, Malformed, Moment, Order, PART,
-    RAYS, Record, SpeciesInfo, Status, Tile, VERSION, Why,
+    Alga, Body, Changed, Colony, Ending, HEADER, Hello, LayerInfo, MAGIC, MAX_RECORD, MAX_STEPS, Malformed, Moment,
+    Order, PART, Permission, RAYS, Record, SpeciesInfo, Status, Tile, VERSION, Why,
 };
 pub use scene::{Raster, Scene};
 pub use server::{Error, Notice, Options, Server};

@@ -1,6 +1,7 @@
 //! What waits to be sent to one client: never more than a bound, never in the way of the others.
 
 use crate::frame;
+use crate::record::Permission;
 use std::collections::VecDeque;
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -36,8 +37,8 @@ pub(crate) struct Line {
     pub(crate) number: u64,
     /// Where it is.
     pub(crate) address: SocketAddr,
-    /// Whether it may give orders.
-    pub(crate) may_order: bool,
+    /// What it may do.
+    pub(crate) may: Permission,
     stream: TcpStream,
     queue: Mutex<Queue>,
     ready: Condvar,
@@ -100,7 +101,7 @@ pub(crate) struct Patience {
 }
 
 impl Line {
-    pub(crate) fn new(number: u64, address: SocketAddr, stream: TcpStream, may_order: bool, most: usize) -> Self {
+    pub(crate) fn new(number: u64, address: SocketAddr, stream: TcpStream, may: Permission, most: usize) -> Self {
         let queue = Queue {
             greeting: None,
             items: VecDeque::new(),
@@ -112,7 +113,7 @@ impl Line {
             reason: None,
             pinged: None,
         };
-        Self { number, address, may_order, stream, queue: Mutex::new(queue), ready: Condvar::new(), most }
+        Self { number, address, may, stream, queue: Mutex::new(queue), ready: Condvar::new(), most }
     }
 
     fn lock(&self) -> MutexGuard<'_, Queue> {
@@ -120,10 +121,10 @@ impl Line {
     }
 
     /// The first record of all; what waits so far comes after it.
-    pub(crate) fn greet(&self, hello: &[Arc<Vec<u8>>; 2]) {
+    pub(crate) fn greet(&self, hello: &[Arc<Vec<u8>>; 3]) {
         let mut q = self.lock();
         if !q.ends {
-            q.greeting = Some(hello[usize::from(self.may_order)].clone());
+            q.greeting = Some(hello[self.may as usize].clone());
             self.ready.notify_all();
         }
     }

@@ -1,6 +1,6 @@
 //! What a client knows: the state put together from records.
 
-use crate::record::{Alga, Body, Colony, Ending, Hello, Moment, Record, Status, Why};
+use crate::record::{Alga, Body, Changed, Colony, Ending, Hello, Moment, Record, Status, Why};
 use crate::scene::{Raster, Scene};
 use std::collections::BTreeMap;
 
@@ -23,6 +23,7 @@ pub struct Mirror {
     end: Option<(Ending, String)>,
     snapshots: u64,
     refused: Option<String>,
+    changed: Option<Changed>,
 }
 
 impl Default for Mirror {
@@ -46,6 +47,7 @@ impl Mirror {
             end: None,
             snapshots: 0,
             refused: None,
+            changed: None,
         }
     }
 
@@ -146,6 +148,10 @@ impl Mirror {
                 self.refused = Some(message);
                 return Ok(false);
             }
+            Body::Changed(changed) => {
+                self.changed = Some(changed);
+                return Ok(false);
+            }
             Body::Order(_) => return Err("an order from a server".to_owned()),
         }
         if self.more > 0 {
@@ -191,6 +197,11 @@ impl Mirror {
     /// Whole states that came: more than one if this client was too slow for all changes.
     pub fn snapshots(&self) -> u64 {
         self.snapshots
+    }
+
+    /// The last change by hand since this client is here.
+    pub fn changed(&self) -> Option<&Changed> {
+        self.changed.as_ref()
     }
 
     /// Why the last order was refused, if one was.

@@ -5,7 +5,7 @@ use crate::bytes::{Put, Take};
 /// The first four bytes of every record.
 pub const MAGIC: [u8; 4] = *b"EYST";
 /// Version of the protocol.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Bytes before a record's own: magic, version, kind, length, and how many records of the same moment follow.
 pub const HEADER: usize = 16;
 /// Longest record, bytes. Those of a server are at most about [`PART`] long.
@@ -81,12 +81,38 @@ pub enum Body {
     },
     /// An order was refused; the connection stays.
     Refused(String),
+    /// The run was changed by hand.
+    Changed(Changed),
     /// What a client may ask for.
     Order(Order),
 }
 
+/// A change by hand.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Changed {
+    /// Number of the recipe's step, from 1.
+    pub recipe_step: u32,
+    /// Steps of it that were done before.
+    pub step: u64,
+    /// What was changed, as the run's journal has it: `hydraulic.rain = 0.004`.
+    pub set: String,
+}
+
+/// What a client may do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Permission {
+    /// Watch.
+    #[default]
+    Watch,
+    /// Also pause, resume and step the run, which changes no byte of its result.
+    Pause,
+    /// Also change its parameters, its sea and its layers.
+    Change,
+}
+
 /// What a client may ask for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Order {
     /// Wait after the present step.
@@ -95,6 +121,24 @@ pub enum Order {
     Resume,
     /// Do so many steps, then wait.
     Step(u64),
+    /// Change the simulation under way.
+    Set {
+        /// Keys with dots between them: `hydraulic.rain`, `sea_level`, `layer.water`; empty if the value is a table of several changes that
+        /// are made together.
+        path: String,
+        /// The new value, JSON.
+        value: String,
+    },
+}
+
+impl Order {
+    /// What a client needs for it.
+    pub fn needs(&self) -> Permission {
+        match self {
+            Self::Pause | Self::Resume | Self::Step(_) => Permission::Pause,
+            Self::Set { .. } => Permission::Change,
+        }
+    }
 }
 
 /// Why individuals are listed.
@@ -151,8 +195,8 @@ pub struct Hello {
     pub every: u64,
     /// Whether colonies come with rays.
     pub rays: bool,
-    /// Whether the server takes orders.
-    pub orders: bool,
+    /// What this client may do.
+    pub may: Permission,
     /// Version of the engine.
     pub engine: String,
     /// Name of the recipe.
@@ -204,6 +248,8 @@ pub struct Moment {
     pub step: [u64; 2],
     /// Mean temperature of the sea in this step, C; not a number where nobody knows.
     pub temperature_c: f32,
+    /// Level of the sea, m; in full precision where it began in [`Hello`].
+    pub sea_level_m: f32,
     /// Colonies and algae that live.
     pub living: [u32; 2],
     /// The census by the columns of [`Hello`], or nothing.
@@ -280,9 +326,11 @@ impl Body {
             Self::Status(_) => 8,
             Self::End { .. } => 9,
             Self::Refused(_) => 10,
+            Self::Changed(_) => 11,
             Self::Order(Order::Pause) => 32,
             Self::Order(Order::Resume) => 33,
             Self::Order(Order::Step(_)) => 34,
+            Self::Order(Order::Set { .. }) => 35,
         }
     }
 }
@@ -358,7 +406,17 @@ impl Record {
                 out.text(message);
             }
             Body::Refused(message) => out.text(message),
+            Body::Changed(c) => {
+                out.u32(c.recipe_step);
+                out.u32(0);
+                out.u64(c.step);
+                out.text(&c.set);
+            }
             Body::Order(Order::Step(n)) => out.u64(*n),
+            Body::Order(Order::Set { path, value }) => {
+                out.text(path);
+                out.text(value);
+            }
             Body::Order(Order::Pause | Order::Resume) => {}
         }
         let length = out.len() as u32;
@@ -474,12 +532,18 @@ fn body(kind: u16, take: &mut Take<'_>) -> Result<Body, Malformed> {
             Body::End { how, message: take.text()? }
         }
         10 => Body::Refused(take.text()?),
+        11 => {
+            let recipe_step = take.u32()?;
+            take.zeros(4)?;
+            Body::Changed(Changed { recipe_step, step: take.u64()?, set: take.text()? })
+        }
         32 => Body::Order(Order::Pause),
         33 => Body::Order(Order::Resume),
         34 => match take.u64()? {
             n @ 1..=MAX_STEPS => Body::Order(Order::Step(n)),
             n => return Err(take.wrong(format!("{n} steps; ask for 1 to {MAX_STEPS}"))),
         },
+        35 => Body::Order(Order::Set { path: take.text()?, value: take.text()? }),
         n => return Err(Malformed { at: 6, what: format!("kind {n}, which there is not") }),
     })
 }
@@ -501,7 +565,7 @@ fn put_hello(out: &mut Vec<u8>, h: &Hello) {
     out.f64(h.sea_level_m);
     out.u64(h.every);
     out.u16(if h.rays { RAYS as u16 } else { 0 });
-    out.u16(u16::from(h.orders));
+    out.u16(h.may as u16);
     for count in [h.species.len(), h.layers.len(), h.columns.len()] {
         out.u16(count.min(MAX) as u16);
     }
@@ -531,7 +595,12 @@ fn hello(take: &mut Take<'_>) -> Result<Hello, Malformed> {
         n if usize::from(n) == RAYS => true,
         n => return Err(take.wrong(format!("{n} rays; there are 0 or {RAYS}"))),
     };
-    let orders = flag(take)?;
+    let may = match take.u16()? {
+        0 => Permission::Watch,
+        1 => Permission::Pause,
+        2 => Permission::Change,
+        n => return Err(take.wrong(format!("permission {n}, which there is not"))),
+    };
     let [species, layers, columns] = [take.u16()?, take.u16()?, take.u16()?];
     take.zeros(6)?;
     Ok(Hello {
@@ -541,7 +610,7 @@ fn hello(take: &mut Take<'_>) -> Result<Hello, Malformed> {
         sea_level_m,
         every,
         rays,
-        orders,
+        may,
         engine: take.text()?,
         recipe: take.text()?,
         species: (0..species)
@@ -577,7 +646,7 @@ fn put_moment(out: &mut Vec<u8>, m: &Moment) {
     out.f32(m.temperature_c);
     m.living.into_iter().for_each(|v| out.u32(v));
     out.u32(m.census.len() as u32);
-    out.u32(0);
+    out.f32(m.sea_level_m);
     m.census.iter().for_each(|&v| out.f64(v));
 }
 
@@ -585,11 +654,10 @@ fn moment(take: &mut Take<'_>) -> Result<Moment, Malformed> {
     let [number, steps_done, step, total] = [take.u64()?, take.u64()?, take.u64()?, take.u64()?];
     let (recipe_step, temperature_c) = (take.u32()?, take.f32()?);
     let living = [take.u32()?, take.u32()?];
-    let count = take.u32()?;
-    take.zeros(4)?;
+    let (count, sea_level_m) = (take.u32()?, take.f32()?);
     let count = take.table(count.into(), 8)?;
     let census = (0..count).map(|_| take.f64()).collect::<Result<_, _>>()?;
-    Ok(Moment { number, steps_done, recipe_step, step: [step, total], temperature_c, living, census })
+    Ok(Moment { number, steps_done, recipe_step, step: [step, total], temperature_c, sea_level_m, living, census })
 }
 
 fn colony(take: &mut Take<'_>, has_rays: bool) -> Result<Colony, Malformed> {
@@ -623,7 +691,7 @@ mod tests {
             Colony { id: 7, settled: -3, species: 2, bleached: true, radius: 0.5, reach: 0.75, ..Colony::default() };
         let bytes = Record::from(Body::Colonies { why: Why::Changed, rays: false, rows: vec![c] }).encode();
         assert_eq!(&bytes[..4], b"EYST");
-        assert_eq!(bytes[4..16], [1, 0, 4, 0, 64, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(bytes[4..16], [2, 0, 4, 0, 64, 0, 0, 0, 0, 0, 0, 0]);
         assert_eq!(bytes[16..24], [1, 0, 0, 0, 2, 0, 0, 0]);
         assert_eq!((bytes[24], bytes[36], bytes[38]), (7, 2, 1));
         assert_eq!(bytes[32..36], (-3_i32).to_le_bytes());
@@ -632,10 +700,20 @@ mod tests {
             (0.5_f32.to_le_bytes().into(), 0.75_f32.to_le_bytes().into())
         );
         let pause = Record::from(Body::Order(Order::Pause)).encode();
-        assert_eq!(pause, [b'E', b'Y', b'S', b'T', 1, 0, 32, 0, 16, 0, 0, 0, 0, 0, 0, 0]);
-        let moment = Moment { steps_done: 5, temperature_c: 1.0, census: vec![2.0], ..Moment::default() };
+        assert_eq!(pause, [b'E', b'Y', b'S', b'T', 2, 0, 32, 0, 16, 0, 0, 0, 0, 0, 0, 0]);
+        let set = Order::Set { path: "a.b".into(), value: "1.5".into() };
+        let bytes = Record::from(Body::Order(set)).encode();
+        assert_eq!(bytes[6..10], [35, 0, 26, 0]);
+        assert_eq!(bytes[16..], *b"\x03\0a.b\x03\x001.5");
+        let changed = Changed { recipe_step: 2, step: 7, set: "a = 1".into() };
+        let bytes = Record::from(Body::Changed(changed)).encode();
+        assert_eq!((bytes[6], bytes[16], bytes[24]), (11, 2, 7));
+        assert_eq!(bytes[32..], *b"\x05\0a = 1");
+        let moment =
+            Moment { steps_done: 5, sea_level_m: 3.0, temperature_c: 1.0, census: vec![2.0], ..Moment::default() };
         let bytes = Record { more: 3, body: Body::Step(moment) }.encode();
         assert_eq!((bytes.len(), bytes[12], bytes[24]), (80, 3, 5));
+        assert_eq!(bytes[68..72], 3.0_f32.to_le_bytes());
         assert_eq!(
             (bytes[52..56].to_vec(), bytes[72..80].to_vec()),
             (1.0_f32.to_le_bytes().into(), 2.0_f64.to_le_bytes().into())

@@ -4,7 +4,7 @@ use crate::control::Control;
 use crate::door::{Handshakes, accept};
 use crate::frame;
 use crate::line::{Line, Next, Patience};
-use crate::record::{Body, Ending, Hello, Order, Record, Status};
+use crate::record::{Body, Changed, Ending, Hello, Order, Permission, Record, Status};
 use crate::scene::Scene;
 use std::collections::VecDeque;
 use std::io;
@@ -38,6 +38,8 @@ pub struct Options {
     pub ping: Duration,
     /// Who may pause and step the run.
     pub control: Control,
+    /// Whether those may change it, too.
+    pub changes: bool,
     /// Messages of a client in a second; twice as many at once. Whoever sends more is closed.
     pub messages_per_s: u32,
 }
@@ -55,6 +57,7 @@ impl Default for Options {
             stall: Duration::from_secs(30),
             ping: Duration::from_secs(10),
             control: Control::Nobody,
+            changes: false,
             messages_per_s: 20,
         }
     }
@@ -150,8 +153,8 @@ struct Published {
 
 #[derive(Default)]
 struct State {
-    /// The hello; its frames for those who may not give orders, and for those who may.
-    hello: Option<(Hello, [Arc<Vec<u8>>; 2])>,
+    /// The hello; its frames for each permission.
+    hello: Option<(Hello, [Arc<Vec<u8>>; 3])>,
     scene: Option<Arc<Scene>>,
     /// The frames of the whole scene, once somebody needed them.
     snapshot: Option<Arc<Vec<u8>>>,
@@ -204,11 +207,11 @@ impl Server {
         self.address
     }
 
-    /// What the stream is about; to be said once, before the first state. Whether it says that orders are taken is up to
-    /// [`Options::control`].
+    /// What the stream is about; to be said once, before the first state. What it says that a client may do is up to
+    /// [`Options::control`] and [`Options::changes`].
     pub fn hello(&self, hello: Hello) {
-        let frames = [false, true].map(|orders| {
-            let hello = Hello { orders, ..hello.clone() };
+        let frames = [Permission::Watch, Permission::Pause, Permission::Change].map(|may| {
+            let hello = Hello { may, ..hello.clone() };
             Arc::new(frame::messages(&[Body::Hello(hello).into()]))
         });
         let mut state = self.hub.lock();
@@ -248,6 +251,15 @@ impl Server {
                 let frames = status_frames(status);
                 state.lines.iter().for_each(|l| l.note(&frames));
             }
+        }
+    }
+
+    /// Tells all clients that the run was changed by hand.
+    pub fn changed(&self, changed: Changed) {
+        let frames = Arc::new(frame::messages(&[Body::Changed(changed).into()]));
+        let state = self.hub.lock();
+        if state.hello.is_some() {
+            state.lines.iter().for_each(|l| l.note(&frames));
         }
     }
 
@@ -419,13 +431,13 @@ impl Hub {
     }
 
     /// A client that has shaken hands. `None` if the server is about to end.
-    pub(crate) fn join(&self, stream: TcpStream, address: SocketAddr, may_order: bool) -> Option<Arc<Line>> {
+    pub(crate) fn join(&self, stream: TcpStream, address: SocketAddr, may: Permission) -> Option<Arc<Line>> {
         let mut state = self.lock();
         if self.is_closing() {
             return None;
         }
         let number = self.clients.fetch_add(1, Ordering::Relaxed);
-        let line = Arc::new(Line::new(number, address, stream, may_order, self.options.queue_bytes));
+        let line = Arc::new(Line::new(number, address, stream, may, self.options.queue_bytes));
         if let Some((_, hello)) = &state.hello {
             line.greet(hello);
             line.note(&status_frames(state.status));

@@ -4,7 +4,7 @@ use crate::door::Handshake;
 use crate::frame;
 use crate::line::{Item, Line};
 use crate::origin;
-use crate::record::{Body, Order, Record};
+use crate::record::{Body, Order, Permission, Record};
 use crate::server::{Hub, Notice, Place};
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpStream};
@@ -17,7 +17,7 @@ use tungstenite::http::StatusCode;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket};
 
-/// Longest message of a client, bytes: an order has 24.
+/// Longest message of a client, bytes: most orders have 24, and a change is a name and a value.
 const MAX_MESSAGE: usize = 1024;
 /// After a close of ours, a client may take so long to answer.
 const FAREWELL: Duration = Duration::from_secs(2);
@@ -37,14 +37,14 @@ mod code {
 pub(crate) fn receive(hub: &Arc<Hub>, stream: TcpStream, address: SocketAddr, handshake: Handshake) {
     let accepted = shake(hub, &stream, address);
     drop(handshake);
-    let Guest { mut socket, place, may_order } = match accepted {
+    let Guest { mut socket, place, may } = match accepted {
         Ok(accepted) => accepted,
         Err(reason) => {
             hub.tell(Notice::Refused { address, reason });
             return;
         }
     };
-    let Some((line, sender)) = open(hub, &stream, address, may_order) else { return };
+    let Some((line, sender)) = open(hub, &stream, address, may) else { return };
     socket.get_mut().turn_to(line.clone());
     listen(hub, &line, &mut socket);
     // The last item is on its way; the sender ends with it, or with the connection.
@@ -60,7 +60,7 @@ pub(crate) fn receive(hub: &Arc<Hub>, stream: TcpStream, address: SocketAddr, ha
 struct Guest {
     socket: WebSocket<Wire>,
     place: Place,
-    may_order: bool,
+    may: Permission,
 }
 
 /// The handshake, in the time that it may take.
@@ -77,7 +77,7 @@ fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<Gues
         line: None,
         held: Vec::new(),
     };
-    let (mut place, mut refusal, mut may_order) = (None, None, false);
+    let (mut place, mut refusal, mut may) = (None, None, Permission::Watch);
     let judge = |request: &Request, response: Response| {
         let mut refuse = |status: StatusCode, reason: String| {
             refusal = Some(reason.clone());
@@ -92,7 +92,11 @@ fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<Gues
                 return refuse(StatusCode::FORBIDDEN, format!("pages of `{shown}` may not connect"));
             }
         }
-        may_order = hub.options.control.admits(request.uri().query());
+        may = match hub.options.control.admits(request.uri().query()) {
+            false => Permission::Watch,
+            true if hub.options.changes => Permission::Change,
+            true => Permission::Pause,
+        };
         place = hub.place();
         if place.is_none() {
             return refuse(
@@ -113,7 +117,7 @@ fn shake(hub: &Arc<Hub>, stream: &TcpStream, address: SocketAddr) -> Result<Gues
         HandshakeError::Interrupted(_) => Error::Io(ErrorKind::TimedOut.into()),
     });
     match (socket, place) {
-        (Ok(socket), Some(place)) => Ok(Guest { socket, place, may_order }),
+        (Ok(socket), Some(place)) => Ok(Guest { socket, place, may }),
         (Err(e), _) => Err(refusal.unwrap_or_else(|| {
             answer(stream, &e);
             format!("no handshake with {address}: {e}")
@@ -159,12 +163,12 @@ fn open(
     hub: &Arc<Hub>,
     stream: &TcpStream,
     address: SocketAddr,
-    may_order: bool,
+    may: Permission,
 ) -> Option<(Arc<Line>, std::thread::JoinHandle<()>)> {
     stream.set_read_timeout(None).ok()?;
     stream.set_write_timeout(Some(hub.options.stall)).ok()?;
     let (cutter, mut writer) = (stream.try_clone().ok()?, stream.try_clone().ok()?);
-    let line = hub.join(cutter, address, may_order)?;
+    let line = hub.join(cutter, address, may)?;
     let (theirs, here) = (hub.clone(), line.clone());
     let sender =
         std::thread::Builder::new().name("eyot-send".to_owned()).spawn(move || send(&theirs, &here, &mut writer));
@@ -217,8 +221,9 @@ fn listen(hub: &Hub, line: &Line, socket: &mut WebSocket<Wire>) {
         }
         match message {
             Message::Binary(bytes) => match Order::decode(&bytes) {
-                Ok(_) if !line.may_order => {
-                    let refused = Record::from(Body::Refused(hub.options.control.refusal().to_owned()));
+                Ok(order) if line.may < order.needs() => {
+                    let reason = hub.options.control.refusal(order.needs(), hub.options.changes);
+                    let refused = Record::from(Body::Refused(reason.to_owned()));
                     line.note(&Arc::new(frame::messages(&[refused])));
                 }
                 Ok(order) => hub.tell(Notice::Order { client: line.number, order }),

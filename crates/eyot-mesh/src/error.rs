@@ -1,6 +1,6 @@
 //! Errors of meshing.
 
-use crate::solid::{Point, Primitive};
+use crate::primitive::{Point, Primitive};
 use eyot_core::remedy::{Remedy, Worded};
 
 /// Result with the meshing [`Error`].

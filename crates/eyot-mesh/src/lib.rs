@@ -29,6 +29,7 @@
 
 mod error;
 mod lod;
+mod primitive;
 mod simplifier;
 mod solid;
 mod terrain;
@@ -38,8 +39,9 @@ pub use lod::{Lod, levels_of_detail, levels_of_detail_controlled};
 /// True if this build can make coarser levels of detail (feature `simplify`).
 pub const SIMPLIFIES: bool = cfg!(feature = "simplify");
 
+pub use primitive::{Point, Primitive};
 pub use solid::{
-    Blend, Blobs, Kernel, Lattice, MeshingOptions, Point, Primitive, Quality, Remesher, ScalarField, Solid, SolidLod,
-    Topology, Update, Volume, Within, mesh_field, solid_levels,
+    Blend, Blobs, Kernel, Lattice, MeshingOptions, Quality, Remesher, ScalarField, Solid, SolidLod, Topology, Update,
+    Volume, Within, mesh_field, solid_levels,
 };
 pub use terrain::{Attribute, MeshOptions, Terrain, TerrainMesh, terrain, terrain_bytes};

@@ -1,11 +1,16 @@
 //! Changes as values: what `key=value` texts say.
 
-use crate::diagnostic::{Diagnostic, Problems, Source};
-use crate::node::{Kind, Node, Span};
+use crate::diagnostic::{Problems, Source};
+use crate::node::{Kind, Node};
 use crate::{set, toml_text};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::fmt;
+
+/// The key of the sea's level in changes to a world at work, as in recipes.
+pub(crate) const SEA_LEVEL: &str = "sea_level";
+/// The key before a layer's name in changes to a world at work.
+pub(crate) const LAYER: &str = "layer";
 
 /// A change to one value of a recipe, or of a process that is at work.
 ///
@@ -19,7 +24,8 @@ use std::fmt;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Change {
-    /// Keys from the outermost: a key of the recipe, `step` and its number or name, a process, or the name of a step.
+    /// Keys from the outermost: a key of the recipe, `step` and its number or name, a process, or the name of a step; at work also
+    /// `layer` and a layer's name. None at all if the value is a table of several changes that are made together.
     pub path: Vec<String>,
     /// The new value; a table is united with the one that is there.
     pub value: Value,
@@ -31,22 +37,42 @@ impl Change {
         Self { path: path.split('.').map(str::to_owned).collect(), value: value.into() }
     }
 
-    /// Reads `key=value`, where the value is TOML, or a bare word that is taken as a text.
+    /// Changes that are made together or not at all, such as those of a parameter that processes share.
+    #[must_use]
+    pub fn together(changes: impl IntoIterator<Item = Self>) -> Self {
+        let mut all = Value::Object(Map::new());
+        for change in changes {
+            let mut place = &mut all;
+            for key in change.path {
+                if !place.is_object() {
+                    *place = Value::Object(Map::new());
+                }
+                place = &mut place[key];
+            }
+            *place = change.value;
+        }
+        Self { path: Vec::new(), value: all }
+    }
+
+    /// Whether it changes the world itself, and not only parameters: the level of the sea, or a layer.
+    pub fn touches_world(&self) -> bool {
+        let is_world = |key: &str| [SEA_LEVEL, LAYER].contains(&key);
+        match self.path.first() {
+            Some(first) => is_world(first),
+            None => self.value.as_object().is_some_and(|entries| entries.keys().any(|key| is_world(key))),
+        }
+    }
+
+    /// Reads `key=value`, where the value is TOML, or a bare word that is taken as a text; or several of them, a line for each.
     ///
     /// # Errors
-    /// If this is no such text, or sets several values.
+    /// If this is no such text.
     pub fn parse(text: &str) -> Result<Self, Problems> {
         let (text, parsed) = set::parse(text, 0);
-        let end = text.len();
-        let fail = |problems| Problems::new(vec![Source { name: Source::SET.to_owned(), text }], problems);
-        let node = match parsed {
-            Ok(node) => node,
-            Err(problems) => return Err(fail(problems)),
-        };
+        let node =
+            parsed.map_err(|problems| Problems::new(vec![Source { name: Source::SET.to_owned(), text }], problems))?;
         let [(first, value)] = node.entries() else {
-            let span = Span { source: 0, start: 0, end };
-            let help = "give each change of its own";
-            return Err(fail(vec![Diagnostic::at(span, "several values are set", "more than one").help(help)]));
+            return Ok(Self { path: Vec::new(), value: node.to_json() });
         };
         let (mut path, mut value): (Vec<String>, &Node) = (vec![first.name.clone()], value);
         while let Kind::Table(entries) = &value.kind
@@ -59,9 +85,14 @@ impl Change {
     }
 }
 
-/// The text that [`Change::parse`] reads, and [`crate::Overrides::set`] takes.
+/// The text that [`Change::parse`] reads, and [`crate::Overrides::set`] takes; of several changes, a line for each.
 impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let (true, Value::Object(entries)) = (self.path.is_empty(), &self.value) {
+            let mut lines = String::new();
+            toml_text::lines(&mut lines, "", entries);
+            return f.write_str(lines.trim_end());
+        }
         let path: Vec<String> = self.path.iter().map(|k| toml_text::key(k)).collect();
         write!(f, "{} = {}", path.join("."), toml_text::inline(&self.value))
     }
@@ -93,7 +124,13 @@ mod tests {
             assert_eq!(change, Change { path: path.into_iter().map(str::to_owned).collect(), value }, "{text}");
             assert_eq!(Change::parse(&change.to_string()).unwrap(), change, "{text}");
         }
-        for (text, words) in [("seed", "sets nothing"), ("a=1\nb=2", "several values"), ("a=[", "not valid TOML")] {
+        let both = Change::together([Change::new("a.tilt", 3.0), Change::new("a.b", 1), Change::new("b.tilt", 3.0)]);
+        assert_eq!(both.to_string(), "a.tilt = 3.0\na.b = 1\nb.tilt = 3.0");
+        assert_eq!(Change::parse(&both.to_string()).unwrap(), both);
+        let world = |c: &Change| c.touches_world();
+        assert!(world(&Change::new("sea_level", 3)) && world(&Change::together([Change::new("layer.water", 0.0)])));
+        assert!(!world(&both) && !world(&Change::new("reef.sea_level", 3)));
+        for (text, words) in [("seed", "sets nothing"), ("a=[", "not valid TOML")] {
             let problems = Change::parse(text).unwrap_err().to_string();
             assert!(problems.contains(words), "{problems}");
         }

@@ -14,7 +14,7 @@ const ENGINE: [(&str, &[&str]); 4] = [
     ("Eyot", &["eyot"]),
     ("random numbers", &["steele2014"]),
     ("elementary functions", &["moshier1992"]),
-    ("eyot stats", &["barnes2014", "jasiewicz2013"]),
+    ("statistics of terrain", &["barnes2014", "jasiewicz2013"]),
 ];
 
 /// One source.

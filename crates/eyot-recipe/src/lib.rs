@@ -48,6 +48,7 @@ mod looks;
 pub mod memory;
 pub mod merge;
 mod node;
+mod parse;
 pub mod process_set;
 mod recipe;
 mod registry;

@@ -1,43 +1,72 @@
-//! Changes to a process while it runs: `hydraulic.rain=0.004`, `hydraulic.rain="0.004 * u"`, `thermal.enabled=false`.
+//! Changes to a simulation at work: to its processes (`hydraulic.rain=0.004`, `hydraulic.rain="0.004 * u"`, `thermal.enabled=false`)
+//! and to its world (`sea_level=-20`, `layer.water=0`).
 
+use crate::change::{LAYER, SEA_LEVEL};
 use crate::check;
 use crate::diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
 use crate::keys::Schedule;
-use crate::node::Node;
+use crate::node::{Key, Node};
 use crate::recipe::{Actor, ProcessUse};
 use crate::registry::{Registry, SCHEDULE_KEYS};
 use crate::set;
 use crate::texts;
-use crate::validate::{rules, terms};
-use eyot_core::Grid;
+use crate::validate::{clock, rules, shared, terms};
 use eyot_core::process::{over, schema_of};
 use eyot_core::remedy;
 use eyot_core::remedy::Remedy;
+use eyot_core::{Grid, LayerSpec};
 use eyot_expr::ParseError;
 use serde_json::Value;
 
-/// Applies a change to the processes of a step, or says why not; then nothing has changed. `has` says which layers are there.
+pub use clock::foresee;
+
+/// What a change does to the world, beside the processes.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum WorldChange {
+    /// The sea stands at this level now, m.
+    SeaLevel(f64),
+    /// All cells of a layer have this value now.
+    Layer {
+        /// Its name.
+        name: String,
+        /// The value, in the layer's unit.
+        value: f32,
+    },
+}
+
+/// Applies a change to the processes of a step and says what else it does, or says why not; then nothing has changed. `has` says which
+/// layers are there.
 ///
 /// # Errors
-/// If no such process acts in the step, or it does not take the value.
+/// If no such process acts in the step, or it does not take the value, or the processes of the step would not agree any more on
+/// what they share.
 pub fn apply(
     uses: &mut [ProcessUse],
     flag: &str,
     registry: &Registry,
     grid: &Grid,
     has: &dyn Fn(&str) -> bool,
-) -> Result<(), Problems> {
+) -> Result<Vec<WorldChange>, Problems> {
     let (text, parsed) = set::parse(flag, 0);
     let fail = |diagnostics| Problems::new(vec![Source { name: "set".to_owned(), text: text.clone() }], diagnostics);
     let node = parsed.map_err(fail)?;
     let mut out = Vec::new();
     let (mut changes, mut expressions) = (Vec::new(), Vec::new());
+    let mut world = Vec::new();
     for (key, table) in node.entries() {
+        if [SEA_LEVEL, LAYER].contains(&key.name.as_str()) {
+            world_changes(key, table, has, &mut world, &mut out);
+            continue;
+        }
         let Some(i) = uses.iter().position(|u| u.actor.name() == key.name) else {
             let names = uses.iter().map(|u| u.actor.name());
             let help = match nearest(&key.name, names.clone()) {
                 Some(n) => format!("did you mean `{n}`?"),
-                None => format!("this step simulates {}", alternatives(names)),
+                None => format!(
+                    "this step simulates {}; `{SEA_LEVEL}` and `{LAYER}.NAME` change the world",
+                    alternatives(names)
+                ),
             };
             let message = format!("this step does not simulate `{}`", key.name);
             out.push(Diagnostic::at(key.span.clone(), message, "not here").help(help));
@@ -62,6 +91,10 @@ pub fn apply(
         return Err(fail(out));
     }
     let mut changed = uses.to_vec();
+    let named: Vec<(usize, String)> = {
+        let texts = expressions.iter().flat_map(|(i, texts)| texts.iter().map(|(key, _)| (*i, key.name.clone())));
+        changes.iter().map(|(i, key, _)| (*i, key.clone())).chain(texts).collect()
+    };
     for (i, key, value) in changes {
         let u = &mut changed[i];
         match key.as_str() {
@@ -107,6 +140,54 @@ pub fn apply(
             }
         }
     }
+    // A process that is switched on brings all that it shares.
+    let given = |name: &str, key: &str| {
+        let is_on = |i: usize| !uses[i].enabled && changed[i].enabled;
+        named.iter().any(|(i, k)| changed[*i].actor.name() == name && (k == key || is_on(*i)))
+    };
+    if let Some(c) = shared::conflicts(&changed, &given).into_iter().next() {
+        return Err(fail(vec![Diagnostic::whole(c.message).help(c.help)]));
+    }
     uses.clone_from_slice(&changed);
-    Ok(())
+    Ok(world)
+}
+
+/// Reads what a change says of the world.
+fn world_changes(
+    key: &Key,
+    value: &Node,
+    has: &dyn Fn(&str) -> bool,
+    world: &mut Vec<WorldChange>,
+    out: &mut Vec<Diagnostic>,
+) {
+    let mut number = |node: &Node| {
+        let number = node.to_json().as_f64().filter(|n| n.is_finite());
+        if number.is_none() {
+            let message = format!("this must be a number, not {}", node.describe());
+            out.push(Diagnostic::at(node.span.clone(), message, "here"));
+        }
+        number
+    };
+    if key.name == SEA_LEVEL {
+        world.extend(number(value).map(WorldChange::SeaLevel));
+        return;
+    }
+    let found: Vec<_> = value
+        .entries()
+        .iter()
+        .filter_map(|(name, node)| {
+            Some((name, WorldChange::Layer { name: name.name.clone(), value: number(node)? as f32 }))
+        })
+        .collect();
+    if value.entries().is_empty() {
+        let help = format!("write {LAYER}.NAME = NUMBER, for example {LAYER}.water = 0");
+        out.push(Diagnostic::at(value.span.clone(), "no layer is named", "which one?").help(help));
+    }
+    for (name, change) in found {
+        if has(&name.name) && LayerSpec::is_name(&name.name) {
+            world.push(change);
+        } else {
+            out.push(Diagnostic::at(name.span.clone(), format!("there is no layer `{}`", name.name), "not here"));
+        }
+    }
 }

@@ -1,14 +1,10 @@
 //! Recipes: the documents that say everything that decides the bytes.
 
 use crate::builtin;
-use crate::diagnostic::Problems;
-use crate::doc::RecipeDoc;
 use crate::keys::{Export, Preset, View};
 use crate::merge::Merge;
-use crate::registry::Registry;
-use crate::validate;
 use eyot_core::process::{Entry, Generator, Process, Scheduled, over};
-use eyot_core::{Georeference, Grid, Limits};
+use eyot_core::{Georeference, Grid};
 use eyot_expr::{ExprProcess, ParameterizedProcess, Scope, Terms, TextRule};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -277,46 +273,6 @@ fn unfit(owner: &str, e: &serde_json::Error) -> eyot_core::Error {
 }
 
 impl Recipe {
-    /// Checks a document and makes a recipe of it.
-    ///
-    /// # Errors
-    /// Everything that is wrong with it, in one go.
-    pub fn parse(
-        source: RecipeSource,
-        overrides: Overrides,
-        registry: &Registry,
-        limits: &Limits,
-    ) -> Result<Self, Problems> {
-        validate::recipe(source, overrides, registry, limits, Texts::new())
-    }
-
-    /// As [`Recipe::parse`], with text files that were read before: those are not asked for again.
-    ///
-    /// # Errors
-    /// As [`Recipe::parse`].
-    pub fn parse_with(
-        source: RecipeSource,
-        overrides: Overrides,
-        registry: &Registry,
-        limits: &Limits,
-        texts: Texts,
-    ) -> Result<Self, Problems> {
-        validate::recipe(source, overrides, registry, limits, texts)
-    }
-
-    /// Checks a document that was built in code. What is wrong points into [`RecipeDoc::to_toml`].
-    ///
-    /// # Errors
-    /// As [`Recipe::parse`].
-    pub fn check(
-        doc: &RecipeDoc,
-        overrides: Overrides,
-        registry: &Registry,
-        limits: &Limits,
-    ) -> Result<Self, Problems> {
-        Self::parse(doc.source(), overrides, registry, limits)
-    }
-
     /// The steps that will be done.
     pub fn enabled_steps(&self) -> impl Iterator<Item = &Step> {
         self.steps.iter().filter(|s| s.enabled)

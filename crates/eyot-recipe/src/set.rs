@@ -92,12 +92,12 @@ fn place(doc: &mut Node, key: &Key, value: &Node, registry: &Registry) -> Result
         return if found { Ok(()) } else { Err(nobody(key, "simulates", doc)) };
     }
     if let Some(step) = steps_mut(doc).iter_mut().find(|s| s.get("name").and_then(Node::text) == Some(name)) {
-        return into_table(step, key, value);
+        return into_table(step, &key.name, key, value);
     }
     if registry.generator(name).is_some() {
         let mut found = false;
         for step in steps_mut(doc).iter_mut().filter(|s| s.get("generate").and_then(Node::text) == Some(name)) {
-            into_table(step, key, value)?;
+            into_table(step, &key.name, key, value)?;
             found = true;
         }
         return if found { Ok(()) } else { Err(nobody(key, "generates with", doc)) };
@@ -140,20 +140,18 @@ fn into_element(doc: &mut Node, key: &Key, value: &Node) -> Result<(), Diagnosti
             let help = format!("it has {count}, counted from 1; a step's `name` will do as well");
             return Err(Diagnostic::at(which.span.clone(), message, "not there").help(help));
         };
-        into_table(&mut items[i], which, change)?;
+        into_table(&mut items[i], &format!("{}.{}", key.name, which.name), which, change)?;
     }
     Ok(())
 }
 
-fn into_table(target: &mut Node, key: &Key, value: &Node) -> Result<(), Diagnostic> {
+/// Puts a table of values into a part of the document, which is called `path` from its top.
+fn into_table(target: &mut Node, path: &str, key: &Key, value: &Node) -> Result<(), Diagnostic> {
     if !matches!(value.kind, Kind::Table(_)) {
-        let help = format!("write {}.parameter=value", key.name);
-        return Err(Diagnostic::at(
-            key.span.clone(),
-            format!("`{}` alone cannot be set", key.name),
-            "which parameter?",
-        )
-        .help(help));
+        let help = format!("write {path}.parameter=value");
+        return Err(
+            Diagnostic::at(key.span.clone(), format!("`{path}` alone cannot be set"), "which parameter?").help(help)
+        );
     }
     value.entries().iter().try_for_each(|(k, v)| target.put(k, v.clone()))
 }

@@ -100,12 +100,12 @@ impl Block {
         Some(mul(self.strata(s, p, ground), light))
     }
 
-    /// Beds that follow the surface a little and the deep a lot, with soil on top.
+    /// Beds that lie nearly level, so that valleys cut through them, with soil on top.
     fn strata(&self, s: &Scene, p: V3, ground: f32) -> V3 {
         let along = (p[0] + 1.37 * p[1]) / s.stage.extent;
         let thick = self.top - self.base;
         let below = ground - p[2];
-        let bent = p[2] + 0.35 * below + 0.05 * thick * fbm(5.0 * along, 0.2, 3, 5);
+        let bent = p[2] + 0.05 * thick * fbm(5.0 * along, 0.2, 3, 5);
         let t = 11.0 * bent / thick + 0.4 * noise(9.0 * along, 3.1, 8);
         let (i, f) = (t.floor(), t - t.floor());
         let pick = |i: f32| LAYERS[eyot_noise::picture::hash(i as i32, 7, 19) as usize % LAYERS.len()];

@@ -4,6 +4,7 @@ use eyot_core::Limits;
 use eyot_core::engine::{CpuEngine, CpuRunner, DeviceError, Engine};
 use eyot_core::remedy::Remedy;
 use serde::{Deserialize, Serialize};
+use std::any::Any;
 
 /// Which engine a run wants.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,6 +48,11 @@ pub trait OpenEngine: Send {
 
     /// The session has come to an end, or waits for one: what was compiled may be kept for the next.
     fn keep(&self) {}
+
+    /// Itself, for hosts that know of which type it is, such as a window that draws what lies on the card.
+    fn as_any(&self) -> Option<&dyn Any> {
+        None
+    }
 
     /// For tests: takes the device away.
     #[doc(hidden)]

@@ -17,7 +17,8 @@ pub enum Command {
     Resume,
     /// Do so many steps, then wait.
     Step(u64),
-    /// Change a parameter of the simulating step that is under way.
+    /// Change the simulating step that is under way: a parameter of one of its processes (`hydraulic.rain`), the level of the sea
+    /// (`sea_level`, m), or all cells of a layer (`layer.water`, its unit). What a recipe could not have is refused.
     Change(Change),
     /// Send the world as it is.
     Snapshot,
@@ -47,7 +48,7 @@ pub struct JournalEntry {
     pub recipe_step: usize,
     /// Steps of this simulation that were done when it took effect.
     pub step: u64,
-    /// `process.field=value`.
+    /// `process.field = value`, `sea_level = value` or `layer.name = value`; a line for each of those that were changed together.
     pub set: String,
 }
 
@@ -132,8 +133,15 @@ pub enum Event {
     },
     /// The run goes on.
     Resumed,
-    /// A parameter was changed.
+    /// Something was changed by hand.
     Changed(JournalEntry),
+    /// A change by hand was not made; the run goes on.
+    NotChanged {
+        /// As in [`JournalEntry::set`].
+        set: String,
+        /// One sentence.
+        reason: Remedy,
+    },
     /// Something that the client should know; the run goes on.
     Warning {
         /// One sentence.
@@ -252,6 +260,9 @@ impl Event {
     pub fn worded(&self, wording: &dyn Wording) -> Self {
         match self {
             Self::Warning { message } => Self::Warning { message: message.worded(wording).into() },
+            Self::NotChanged { set, reason } => {
+                Self::NotChanged { set: set.clone(), reason: reason.worded(wording).into() }
+            }
             Self::Failed { message, help } => Self::Failed {
                 message: message.worded(wording).into(),
                 help: help.as_ref().map(|h| h.worded(wording).into()),

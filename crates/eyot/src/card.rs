@@ -5,6 +5,7 @@ use eyot_core::engine::{DeviceError, Engine};
 use eyot_core::remedy;
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_session::{EngineChoice, EngineOptions, OpenEngine, Opened};
+use std::any::Any;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -38,6 +39,12 @@ pub fn polled(gpu: Gpu, limits: Limits) -> Result<Opened, DeviceError> {
     Ok(Opened { engine: Box::new(Card(engine)), warning: None })
 }
 
+/// The engine of a session that works on a graphics card, so that a window can draw the layers that lie there
+/// (`eyot::view::Scene::follow`); `None` if the processor works.
+pub fn on_card(engine: &dyn OpenEngine) -> Option<&GpuEngine> {
+    engine.as_any()?.downcast_ref::<Card>().map(|card| &card.0)
+}
+
 struct Card(GpuEngine);
 
 impl OpenEngine for Card {
@@ -55,6 +62,10 @@ impl OpenEngine for Card {
 
     fn keep(&self) {
         keep_pipelines(&self.0);
+    }
+
+    fn as_any(&self) -> Option<&dyn Any> {
+        Some(self)
     }
 
     fn lose_device(&mut self) {

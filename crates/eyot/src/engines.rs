@@ -3,10 +3,10 @@
 use eyot_core::engine::CpuEngine;
 
 #[cfg(feature = "gpu")]
-pub use crate::card::{Engines, adapter, card, keep_pipelines, polled};
+pub use crate::card::{Engines, adapter, card, keep_pipelines, on_card, polled};
 pub use eyot_core::isa::Isa;
 #[cfg(feature = "gpu")]
-pub use eyot_gpu::Gpu;
+pub use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking, wgpu};
 #[cfg(not(feature = "gpu"))]
 pub use eyot_session::Processor as Engines;
 

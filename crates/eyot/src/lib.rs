@@ -118,15 +118,18 @@ pub mod film {
 pub mod live {
     pub use eyot_live::serve::{ServeOptions, Serving};
     pub use eyot_live::{
-        Alga, Body, Client, Colony, Control, Ending, Error, Gone, HEADER, Hello, LayerInfo, Mirror, Moment, Notice,
-        Options, Order, Raster, Record, Scene, Server, SpeciesInfo, Status, Tile, Why,
+        Alga, Body, Changed, Client, Colony, Control, Ending, Error, Gone, HEADER, Hello, LayerInfo, Mirror, Moment,
+        Notice, Options, Order, Permission, Raster, Record, Scene, Server, SpeciesInfo, Status, Tile, Why,
     };
 }
 
-/// Views of a world from a camera, by the processor or a graphics card.
+/// Views of a world from a camera, by the processor or a graphics card, and what a window needs to draw its own.
 #[cfg(feature = "film")]
 pub mod view {
     pub use eyot_film::{Drawn, ViewRequest, draw_view};
+    pub use eyot_render::{Camera, MapOptions, Picture, Stage, ViewOptions};
+    #[cfg(feature = "view")]
+    pub use eyot_view::{Canvas, Renderer, Scene, Shot};
 }
 
 pub use registry::{Registry, component_kinds};

@@ -1,7 +1,6 @@
 //! Every rule of the living world: lanes = scalar = reference bit by bit on all shapes and rims; the traced graph means
 //! the same.
 
-use eyot_climate::PROCESSES;
 use eyot_core::conformance;
 use eyot_core::plan::Plan;
 use eyot_core::process::Moment;
@@ -60,28 +59,4 @@ fn a_step_is_lean() {
     }
     println!("a step: {operations:.0} operations, {:.0} bytes", 4.0 * accesses);
     assert!(operations < 1000.0 && 4.0 * accesses < 400.0, "{operations} operations, {} bytes", 4.0 * accesses);
-}
-
-#[test]
-fn registry_is_sound() {
-    for e in PROCESSES {
-        let process = (e.make)((e.defaults)()).unwrap_or_else(|err| panic!("{}: {err}", e.name));
-        let layers = process.layers();
-        let mut names: Vec<&str> = layers.iter().map(|l| &*l.spec.name).collect();
-        names.sort_unstable();
-        names.dedup();
-        assert_eq!(names.len(), layers.len(), "{} names a layer twice", e.name);
-        let schema = (e.schema)();
-        for (name, p) in schema.as_value()["properties"].as_object().unwrap() {
-            assert!(p["description"].is_string(), "{}.{name} says nothing about itself", e.name);
-            if p["type"] == "number" || p["type"] == "integer" {
-                assert!(
-                    p["unit"].is_string() && p["minimum"].is_number() && p["maximum"].is_number(),
-                    "{}.{name}: {p}",
-                    e.name
-                );
-            }
-        }
-        process.check(&Grid::new(8, 8, 1e5, Boundary::WRAP, &Limits::default()).unwrap()).unwrap();
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::{Decoder, Encoder};
 use crate::error::{Error, Result};
-use crate::world::Fingerprint;
+use crate::fingerprint::Fingerprint;
 
 /// Columns of a table at most.
 const MAX_COLUMNS: usize = 1 << 14;

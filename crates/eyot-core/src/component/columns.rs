@@ -3,10 +3,11 @@
 //! Runs of a cell are kept bottom first in slots, and slot `s` of all cells is one plane: what is done to all cells alike goes along
 //! planes, in lanes. Unused slots hold zeros.
 
-use super::{Component, ComponentKind, Decoder, Encoder};
+use super::{Attribute, Component, ComponentKind, Decoder, Encoder, Shape, Table, Values, View};
 use crate::error::{Error, Result};
+use crate::fingerprint::Fingerprint;
 use crate::limits::Limits;
-use crate::world::Fingerprint;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A stretch of one material in a column.
@@ -89,6 +90,34 @@ impl Columns {
     /// Thickness of all runs of a cell, m.
     pub fn thickness_m(&self, cell: usize) -> f64 {
         self.runs(cell).map(|r| f64::from(r.thickness_m)).sum()
+    }
+
+    /// The runs as rows, cell by cell and bottom first: number of the cell, of the run from the bottom, and of the material, height of the
+    /// run's bottom over that of the column (m), and thickness (m).
+    fn table(&self) -> Result<Table> {
+        let rows = self.counts.iter().map(|c| usize::from(*c)).sum();
+        let (mut cells, mut numbers) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
+        let (mut materials, mut bottoms) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
+        let mut thicknesses = Vec::with_capacity(rows);
+        for cell in 0..self.cells {
+            let mut bottom = 0.0f64;
+            for (number, run) in self.runs(cell).enumerate() {
+                cells.push(cell as u64);
+                numbers.push(number as u8);
+                materials.push(run.material);
+                bottoms.push(bottom as f32);
+                thicknesses.push(run.thickness_m);
+                bottom += f64::from(run.thickness_m);
+            }
+        }
+        let column = |name: &str, unit: &str, values| Attribute { name: name.into(), unit: unit.into(), values };
+        Table::of(vec![
+            column("cell", "1", Values::U64(cells)),
+            column("run", "1", Values::U8(numbers)),
+            column("material", "1", Values::U8(materials)),
+            column("bottom_m", "m", Values::F32(bottoms)),
+            column("thickness_m", "m", Values::F32(thicknesses)),
+        ])
     }
 
     /// Thickness of all runs of each cell, m.
@@ -284,5 +313,13 @@ impl Component for Columns {
 
     fn bytes(&self) -> usize {
         self.counts.len() + self.materials.len() + size_of_val(&*self.thicknesses)
+    }
+
+    fn views(&self) -> &'static [(&'static str, Shape)] {
+        &[("", Shape::Table)]
+    }
+
+    fn view(&self, name: &str) -> Option<View<'_>> {
+        name.is_empty().then(|| self.table().map(|t| View::Table(Cow::Owned(t))).ok()).flatten()
     }
 }

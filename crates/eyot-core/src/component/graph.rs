@@ -2,7 +2,7 @@
 
 use super::{Attributes, Component, ComponentKind, Encoder, Points, Shape, Type, View};
 use crate::error::{Error, Result};
-use crate::world::Fingerprint;
+use crate::fingerprint::Fingerprint;
 use std::borrow::Cow;
 use std::sync::Arc;
 

@@ -2,7 +2,8 @@
 //!
 //! A [`Component`] encodes itself, has its share of the world's fingerprint and says how much memory it holds. Its
 //! [`ComponentKind`] names it and decodes it again, from bytes that anybody may have written. [`Components`] are those of one world,
-//! by name. Checkpoints, recordings and streams take this one way, so that a process with a state of its own writes no file format.
+//! by name. Checkpoints and recordings take this one way, so that a process with a state of its own writes no file format; what others
+//! are shown of it, in files, is a [`View`].
 //!
 //! # What every decoder keeps to
 //! 1. Counts are read by [`Decoder::count`], which knows how many bytes are left: nothing is allocated for what is not there.
@@ -29,7 +30,7 @@ pub use points::Points;
 pub use set::Components;
 pub use table::Table;
 
-use crate::world::Fingerprint;
+use crate::fingerprint::Fingerprint;
 use std::any::Any;
 use std::borrow::Cow;
 use std::fmt::Debug;

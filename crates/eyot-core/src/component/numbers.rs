@@ -1,7 +1,7 @@
 //! A plain list of numbers.
 
 use super::{Component, ComponentKind, Decoder, Encoder};
-use crate::world::Fingerprint;
+use crate::fingerprint::Fingerprint;
 use std::sync::Arc;
 
 /// Numbers whose meaning only their process knows, any bits. What is more than a handful deserves a kind of its own.

@@ -2,7 +2,7 @@
 
 use super::{Attribute, Attributes, Component, ComponentKind, Decoder, Encoder, Shape, Type, View};
 use crate::error::{Error, Result};
-use crate::world::Fingerprint;
+use crate::fingerprint::Fingerprint;
 use std::borrow::Cow;
 use std::sync::Arc;
 

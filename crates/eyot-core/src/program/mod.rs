@@ -8,12 +8,12 @@
 mod compile;
 mod run;
 
+use crate::erased::{ErasedRule, RuleKind, View};
 use crate::error::{Error, Result};
 use crate::graph::{Graph, Op};
 use crate::isa::Isa;
 use crate::kernel::RowJob;
 use crate::names::intern;
-use crate::plan::{ErasedRule, RuleKind, View};
 use crate::rule::{MAX_REACH, MAX_READS, MAX_TALLIES, MAX_WRITES, Read, Side, Tally};
 use compile::{Code, Constant};
 use std::sync::Arc;

@@ -276,3 +276,23 @@ fn views_are_found_by_name() {
     assert!(matches!(all.view("rivers.log"), Some(View::Table(t)) if t.len() == 2));
     assert!(["raw", "rivers.none", "riverslog", "river"].iter().all(|name| all.view(name).is_none()));
 }
+
+#[test]
+fn columns_are_seen_as_a_table_of_their_runs() {
+    let columns = columns();
+    let Some(View::Table(table)) = columns.view("") else { panic!("no table") };
+    let names: Vec<&str> = table.columns().iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["cell", "run", "material", "bottom_m", "thickness_m"]);
+    let mut row = 0;
+    for cell in 0..columns.cells() {
+        let mut bottom = 0.0;
+        for (number, run) in columns.runs(cell).enumerate() {
+            let want = [cell as f64, number as f64, f64::from(run.material), bottom, f64::from(run.thickness_m)];
+            assert!(table.row(row).zip(want).all(|(a, b)| (a - b).abs() < 1e-6), "row {row}");
+            bottom += f64::from(run.thickness_m);
+            row += 1;
+        }
+    }
+    assert!(row > 3 && row == table.len());
+    assert!(columns.view("other").is_none());
+}

@@ -19,7 +19,7 @@ mod timer;
 use crate::arena::Pending;
 use crate::device::Gpu;
 use crate::error::{GpuError, Result};
-use crate::group::{Bounds, JOB_WORDS};
+use crate::group::{Bounds, JOB_BYTES, SHARED_BYTES};
 use crate::layer_view::LayerView;
 use crate::reduce::Reducer;
 use dispatch::Batch;
@@ -38,12 +38,8 @@ pub(crate) use dispatch::Misfit;
 pub use options::{Options, Work};
 pub(crate) use resident::block_end;
 
-/// Bytes of the uniform block of a dispatch.
-pub(crate) const JOB_BYTES: u64 = 4 * JOB_WORDS as u64;
 /// Most dispatches of one submission.
 const MAX_DISPATCHES: usize = 4096;
-/// Bytes of a workgroup's memory that every WebGPU device has.
-pub(crate) const SHARED_BYTES: usize = 16384;
 /// Numbers in a workgroup's memory that every WebGPU device has, less those that the sums need.
 pub(crate) const SHARED: usize = SHARED_BYTES / 4 - 4 * crate::group::THREADS;
 /// Below so many cells the time of a dispatch is that of its launch, and several steps go into one.

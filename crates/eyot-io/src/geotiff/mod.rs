@@ -11,7 +11,7 @@ mod pyramid;
 use crate::about::About;
 use crate::atomic::{put, watched, write_atomically};
 use crate::error::{Error, Result};
-use crate::format::{WriteOptions, size_u32};
+use crate::options::{WriteOptions, size_u32};
 use crate::rows::{Rows, band_rows, each_band, each_marked_band};
 use directory::{Tagged, directory, header, header_bytes};
 use metadata::{GDAL_METADATA, TEXTS};

@@ -71,23 +71,3 @@ fn graphs_mean_what_the_rules_mean() {
         conformance::check_graphs(&processes, grid);
     }
 }
-
-#[test]
-fn registry_is_sound() {
-    for e in PROCESSES {
-        let process = (e.make)((e.defaults)()).unwrap_or_else(|err| panic!("{}: {err}", e.name));
-        assert!(!process.layers().is_empty());
-        let schema = (e.schema)();
-        let properties = schema.as_value()["properties"].as_object().unwrap();
-        for (name, p) in properties {
-            assert!(p["description"].is_string(), "{}.{name} says nothing about itself", e.name);
-            if p["type"] == "number" || p["type"] == "integer" {
-                assert!(
-                    p["unit"].is_string() && p["minimum"].is_number() && p["maximum"].is_number(),
-                    "{}.{name}: {p}",
-                    e.name
-                );
-            }
-        }
-    }
-}

@@ -1,12 +1,13 @@
 //! Runs that others watch over the network: a run whose every step goes to the clients of a [`Server`].
 //!
 //! The run's own thread looks at the world ([`Watch`](eyot_session::Watch)) and publishes it; the server sends what has changed. Clients that
-//! it allows it may pause, resume and step the run. They reach nothing else of it. Whoever has paused it holds it: until that client
-//! resumes it or goes, others' orders are refused.
+//! it allows it may pause, resume and step the run, and change it, if that is allowed, too. They reach nothing else of it. Whoever has
+//! paused it holds it: until that client resumes it or goes, others' orders are refused.
 
+mod changes;
 mod stage;
 
-use crate::{Control, Ending, Notice, Order, Server, Status};
+use crate::{Changed, Control, Ending, Notice, Order, Server, Status};
 use eyot_core::Limits;
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
@@ -20,6 +21,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use changes::Pending;
 use stage::Stage;
 
 /// What is sent, to whom, and how fast.
@@ -75,6 +77,7 @@ struct ServerState {
     waits: AtomicBool,
     /// The client that holds the run, or 0; when it leaves, the run goes on.
     held_by: AtomicU64,
+    changes: Pending,
     events: Mutex<Sender<Event>>,
 }
 
@@ -109,6 +112,7 @@ impl Serving {
             here: AtomicUsize::new(0),
             waits: AtomicBool::new(options.wait > 0),
             held_by: AtomicU64::new(0),
+            changes: Pending::default(),
             events: Mutex::new(sender),
         });
         let theirs = state.clone();
@@ -193,6 +197,16 @@ fn pass_on(handle: Handle, state: &ServerState, server: &Server) -> Result<Outco
             Event::Paused { .. } if !state.waits.load(Ordering::Acquire) => server.status(Status::Paused),
             Event::Resumed => server.status(Status::Runs),
             Event::Writing { .. } => server.status(Status::Writes),
+            Event::Changed(entry) => {
+                state.changes.made(&entry.set);
+                let set = entry.set.clone();
+                server.changed(Changed { recipe_step: entry.recipe_step as u32, step: entry.step, set });
+            }
+            Event::NotChanged { set, reason } => {
+                if let Some(client) = state.changes.made(set) {
+                    server.refuse(client, &format!("not changed: `{set}`: {reason}"));
+                }
+            }
             // Messages name files of this machine, which are none of the clients' business.
             Event::Done { .. } => server.end(Ending::Done, "the run is done"),
             Event::Stopped { .. } => server.end(Ending::Stopped, "the run was stopped"),
@@ -201,6 +215,9 @@ fn pass_on(handle: Handle, state: &ServerState, server: &Server) -> Result<Outco
         }
         ended |= event.is_last();
         state.tell(event);
+    }
+    for client in state.changes.end() {
+        server.refuse(client, changes::OVER);
     }
     let outcome = handle.join();
     if !ended {
@@ -235,29 +252,51 @@ impl ServerState {
                 }
             }
             Notice::Refused { address, reason } => self.tell(Event::Refused { address: address.to_string(), reason }),
-            // Nobody hurries a run along that waits for others.
-            Notice::Order { .. } if self.waits.load(Ordering::Acquire) => {}
             Notice::Order { client, order } => {
-                let held = self.held_by.compare_exchange(0, client, Ordering::AcqRel, Ordering::Acquire);
-                if let Err(holder) = held
-                    && holder != client
-                {
-                    if let Some(server) = self.server.get().and_then(Weak::upgrade) {
-                        server.refuse(client, &format!("client {holder} holds the run, until it resumes it or goes"));
-                    }
-                    return;
-                }
-                if order == Order::Resume {
-                    self.held_by.store(0, Ordering::Release);
-                }
-                if let Some(remote) = self.remote.get() {
-                    remote.send(match order {
-                        Order::Pause => Command::Pause,
-                        Order::Resume => Command::Resume,
-                        Order::Step(n) => Command::Step(n),
-                    });
+                if let Err(reason) = self.obey(client, order) {
+                    self.refuse(client, &reason);
                 }
             }
+        }
+    }
+
+    /// Does what a client asks for, or says why not.
+    fn obey(&self, client: u64, order: Order) -> Result<(), String> {
+        let is_change = matches!(order, Order::Set { .. });
+        if self.waits.load(Ordering::Acquire) {
+            // Nobody hurries a run along that waits for others.
+            return if is_change { Err("the run waits for its first clients".to_owned()) } else { Ok(()) };
+        }
+        // Who changes it does not hold it.
+        let held = match is_change {
+            true => Some(self.held_by.load(Ordering::Acquire)).filter(|&h| h != 0).map_or(Ok(0), Err),
+            false => self.held_by.compare_exchange(0, client, Ordering::AcqRel, Ordering::Acquire),
+        };
+        if let Err(holder) = held
+            && holder != client
+        {
+            return Err(format!("client {holder} holds the run, until it resumes it or goes"));
+        }
+        let Some(remote) = self.remote.get() else { return Ok(()) };
+        let command = match order {
+            Order::Pause => Command::Pause,
+            Order::Resume => {
+                self.held_by.store(0, Ordering::Release);
+                Command::Resume
+            }
+            Order::Step(n) => Command::Step(n),
+            Order::Set { path, value } => {
+                let change = changes::change(&path, &value)?;
+                return self.changes.give(client, change, |change| remote.send(Command::Change(change)));
+            }
+        };
+        remote.send(command);
+        Ok(())
+    }
+
+    fn refuse(&self, client: u64, reason: &str) {
+        if let Some(server) = self.server.get().and_then(Weak::upgrade) {
+            server.refuse(client, reason);
         }
     }
 

@@ -1,7 +1,7 @@
 //! What clients of a run see: its world as the scene of a stream.
 
 use super::ServeOptions;
-use crate::{Alga, Colony, Hello, LayerInfo, Moment, Raster, Scene, Server, SpeciesInfo};
+use crate::{Alga, Colony, Hello, LayerInfo, Moment, Permission, Raster, Scene, Server, SpeciesInfo};
 use eyot_core::component::Table;
 use eyot_core::process::parameters_from;
 use eyot_core::remedy;
@@ -45,6 +45,7 @@ impl Stage {
                 recipe_step: look.recipe_step as u32,
                 step: [look.step, look.total],
                 temperature_c: f32::NAN,
+                sea_level_m: world.sea_level_m as f32,
                 ..Moment::default()
             },
             layers: self.options.layers.iter().map(|name| raster(world, name)).collect(),
@@ -163,7 +164,7 @@ pub(super) fn hello(recipe: &Recipe, options: &ServeOptions, limits: &Limits) ->
         every: options.every.max(1),
         rays: options.rays && corals.is_some(),
         // It differs from client to client; the server fills it in.
-        orders: false,
+        may: Permission::Watch,
         engine: eyot_session::VERSION.to_owned(),
         recipe: recipe.name.clone(),
         species: species.collect(),

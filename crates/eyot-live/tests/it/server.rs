@@ -2,7 +2,7 @@
 
 use eyot_live::{
     Alga, Body, Client, Colony, Control, Ending, Gone, Hello, LayerInfo, Message, Mirror, Moment, Notice, Options,
-    Order, Raster, Record, Scene, Server, SpeciesInfo, Status,
+    Order, Permission, Raster, Record, Scene, Server, SpeciesInfo, Status,
 };
 use std::collections::HashSet;
 use std::io::{Read, Write};
@@ -325,7 +325,7 @@ fn orders_arrive_or_are_refused() {
     let mut c = Client::connect_with(server.address(), "open-sesame").unwrap();
     c.set_patience(Some(LONG)).unwrap();
     for order in orders {
-        c.order(order).unwrap();
+        c.order(order.clone()).unwrap();
         loop {
             if let Notice::Order { client, order: heard } = inbox.recv_timeout(LONG).unwrap() {
                 assert_eq!((client, heard), (1, order));
@@ -337,7 +337,13 @@ fn orders_arrive_or_are_refused() {
     while c.mirror().status() != Status::Paused {
         c.follow().unwrap();
     }
-    assert!(c.mirror().hello().unwrap().orders);
+    assert_eq!(c.mirror().hello().unwrap().may, Permission::Pause);
+    // The token lets nobody change anything where the server does not.
+    c.set("hydraulic.rain", "0.5").unwrap();
+    while c.mirror().refused().is_none() {
+        c.follow().unwrap();
+    }
+    assert!(c.mirror().refused().unwrap().contains("nobody may change this run"));
     // Whoever does not know the token watches, pages of this machine too.
     let page = Client::connect_from(server.address(), "http://localhost:8000").unwrap();
     let guess = Client::connect_with(server.address(), "open-sesam").unwrap();
@@ -350,7 +356,7 @@ fn orders_arrive_or_are_refused() {
         while c.mirror().refused().is_none() {
             c.follow().unwrap();
         }
-        assert!(c.mirror().refused().unwrap().contains(reason) && !c.mirror().hello().unwrap().orders);
+        assert!(c.mirror().refused().unwrap().contains(reason) && c.mirror().hello().unwrap().may == Permission::Watch);
         server.publish(scene(0));
         while c.follow().unwrap().is_none() {}
     }

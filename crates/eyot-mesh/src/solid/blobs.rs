@@ -11,53 +11,16 @@
 //! # Source
 //! Blinn 1982, Wyvill and others 1986, Nishimura and others 1985, Muraki 1991 for kernels and sums.
 
-use super::field::{Point, ScalarField, Within};
+use super::field::{ScalarField, Within};
 use super::kernel::Kernel;
 use super::vector::{dot, sub};
 use crate::error::{Error, Result};
+use crate::primitive::{Point, Primitive};
 use eyot_core::Limits;
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::{LaneBlock, WIDTH};
 use eyot_core::real::Real;
 use eyot_core::rng::mix64;
-
-/// A ball, a rounded cylinder or a rounded cone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Primitive {
-    /// Ends of the axis.
-    pub ends: [Point; 2],
-    /// Radius at either end.
-    pub radii: [f32; 2],
-}
-
-impl Primitive {
-    /// A ball.
-    pub const fn ball(centre: Point, radius: f32) -> Self {
-        Self { ends: [centre; 2], radii: [radius; 2] }
-    }
-
-    /// A cylinder with rounded ends.
-    pub const fn cylinder(from: Point, to: Point, radius: f32) -> Self {
-        Self { ends: [from, to], radii: [radius; 2] }
-    }
-
-    /// A cone with rounded ends; the radius goes linearly from one end of the axis to the other.
-    pub const fn cone(from: Point, to: Point, radii: [f32; 2]) -> Self {
-        Self { ends: [from, to], radii }
-    }
-
-    /// The box of all points that are nearer to the axis than `factor` radii of the thicker end.
-    fn reach(&self, factor: f32) -> [Point; 2] {
-        let r = factor * self.radii[0].max(self.radii[1]);
-        let [a, b] = self.ends;
-        [std::array::from_fn(|i| a[i].min(b[i]) - r), std::array::from_fn(|i| a[i].max(b[i]) + r)]
-    }
-
-    fn is_sound(&self) -> bool {
-        let finite = self.ends.as_flattened().iter().chain(&self.radii).all(|v| v.is_finite());
-        finite && self.radii.iter().all(|&r| r > 0.0)
-    }
-}
 
 /// What becomes of primitives that overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

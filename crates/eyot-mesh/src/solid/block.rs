@@ -5,9 +5,10 @@
 //! ([`Raw::vertex_on`]): enough for its neighbours to find the vertices that they share.
 
 use super::cubes::{EDGES, MIDDLE, Table};
-use super::field::{Boxed, Point, ScalarField, Within};
+use super::field::{Boxed, ScalarField, Within};
 use super::lattice::{BLOCK, BlockId, Lattice};
 use crate::error::{Error, Result};
+use crate::primitive::Point;
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
 use eyot_core::lanes::LaneBlock;
 use std::cell::RefCell;

@@ -1,7 +1,6 @@
 //! What can be meshed: a number at every point of space, above 0 inside the body.
 
-/// A point or a vector.
-pub type Point = [f32; 3];
+use crate::primitive::Point;
 
 /// A scalar field. Where its value is above 0 is the body; where it is 0 is the body's surface.
 ///

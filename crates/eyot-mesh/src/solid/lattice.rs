@@ -1,7 +1,7 @@
 //! The lattice of points at which a field is sampled, and its blocks.
 
-use super::field::Point;
 use crate::error::{Error, Result};
+use crate::primitive::Point;
 use eyot_core::Limits;
 
 /// Cells along the side of a block: its rows of points fill the lanes of `eyot_core::lanes`.

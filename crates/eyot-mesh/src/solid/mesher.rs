@@ -1,12 +1,13 @@
 //! From a field to the surface of a body, block by block, and again when the field has changed.
 
 use super::block::{Corner, Raw, Source, extract};
-use super::field::{Point, ScalarField};
+use super::field::ScalarField;
 use super::lattice::{BlockId, Lattice};
 use super::relax::{Net, Vertex, each_block};
 use super::solid_mesh::Solid;
 use super::vector::{add, cross, dot, sub, unit};
 use crate::error::{Error, Result};
+use crate::primitive::Point;
 use eyot_core::{Error as CoreError, Limits};
 use rayon::prelude::*;
 use std::ops::Range;

@@ -18,8 +18,8 @@ mod topology;
 mod vector;
 mod volume;
 
-pub use blobs::{Blend, Blobs, Primitive};
-pub use field::{Point, ScalarField, Within};
+pub use blobs::{Blend, Blobs};
+pub use field::{ScalarField, Within};
 pub use kernel::Kernel;
 pub use lattice::Lattice;
 pub use mesher::{MeshingOptions, Remesher, Update, mesh_field};

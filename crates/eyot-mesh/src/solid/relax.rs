@@ -8,8 +8,8 @@
 //! No vertex goes farther than half a voxel from where it was. All vertices move at once, so their order does not matter.
 
 use super::block::Source;
-use super::field::Point;
 use super::vector::{add, dot, scale, sub};
+use crate::primitive::Point;
 use rayon::prelude::*;
 use std::ops::Range;
 

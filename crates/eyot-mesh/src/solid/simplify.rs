@@ -4,8 +4,8 @@
 //! than two neighbours in common, so that now and then sheets end up stuck together. The vertices of such places are locked and
 //! the level is made again.
 
-use super::field::Point;
 use super::solid_mesh::Solid;
+use crate::primitive::Point;
 use crate::simplifier;
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! A closed surface of triangles.
 
-use super::field::Point;
 use super::vector::{cross, dot, sub};
+use crate::primitive::Point;
 
 /// A closed surface. All vertex arrays have the same length.
 #[derive(Clone, Debug, PartialEq, Default)]

@@ -1,8 +1,8 @@
 //! Is a mesh the surface of a body? How good are its triangles?
 
-use super::field::Point;
 use super::solid_mesh::Solid;
 use super::vector::{cross, dot, sub};
+use crate::primitive::Point;
 
 /// How the triangles of a mesh hang together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -1,6 +1,6 @@
 //! Vectors of three floats.
 
-use super::field::Point;
+use crate::primitive::Point;
 pub(crate) use eyot_core::vec3::{add, cross, dot, scale, sub};
 
 /// `a` with length 1, or `None` if it has no length.

@@ -1,8 +1,9 @@
 //! Fields that are there already, as numbers on a lattice: scans, simulations, samples of something slow.
 
-use super::field::{Point, ScalarField};
+use super::field::ScalarField;
 use super::lattice::Lattice;
 use crate::error::{Error, Result};
+use crate::primitive::Point;
 use eyot_core::Limits;
 use eyot_core::lanes::WIDTH;
 

@@ -94,8 +94,9 @@ pub(crate) fn recipe(
     })
 }
 
-mod clock;
+pub(crate) mod clock;
 pub(crate) mod rules;
+pub(crate) mod shared;
 mod steps;
 pub(crate) mod terms;
 

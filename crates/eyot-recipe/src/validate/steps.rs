@@ -1,6 +1,6 @@
 //! The `[[step]]` tables: what each does, with whose parameters, and what it leaves for the next.
 
-use super::{Validator, terms, without};
+use super::{Validator, shared, terms, without};
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, alternatives, nearest};
 use crate::keys::{self, Names, Schedule};
@@ -13,9 +13,10 @@ use eyot_core::LayerSpec;
 use eyot_core::layer::known;
 use eyot_core::process::{Entry, Generator, Process, schema_of};
 use eyot_core::remedy;
-use eyot_core::remedy::{Action, Setting, Worded};
+use eyot_core::remedy::{Action, Remedy, Setting, Worded};
+use eyot_core::rng::mix64;
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 impl Validator<'_> {
@@ -204,11 +205,11 @@ impl Validator<'_> {
         let entry = self.registry.generator(name);
         if entry.is_none() {
             let help = if self.registry.process(name).is_some() {
-                format!("`{name}` is a process: write simulate = [\"{name}\"]")
+                Remedy::from(format!("`{name}` is a process: write simulate = [\"{name}\"]"))
             } else if let Some(help) = value_of_another(self.registry, name) {
-                help
+                help.into()
             } else {
-                suggestion(name, self.registry.generator_names().collect(), "eyot list")
+                suggestion(name, self.registry.generator_names().collect())
             };
             self.out.push(
                 Diagnostic::at(node.span.clone(), format!("there is no generator `{name}`"), "unknown generator")
@@ -239,11 +240,11 @@ impl Validator<'_> {
                 Some(found) => uses.push((n, found)),
                 None => {
                     let help = if self.registry.generator(name).is_some() {
-                        format!("`{name}` is a generator: write generate = \"{name}\"")
+                        Remedy::from(format!("`{name}` is a generator: write generate = \"{name}\""))
                     } else {
                         let mut known: Vec<&str> = self.registry.process_names().collect();
                         known.extend(self.own.iter().map(|o| o.name.as_str()));
-                        suggestion(name, known, "eyot list")
+                        suggestion(name, known)
                     };
                     self.out.push(
                         Diagnostic::at(n.span.clone(), format!("there is no process `{name}`"), "unknown process")
@@ -309,33 +310,12 @@ impl Validator<'_> {
         Some(Step { number, name, enabled: keys.enabled, work })
     }
 
-    /// Parameters that belong to the world and not to one process (`shared` in their schema) are the same in all processes
-    /// of a step.
+    /// Finds parameters that processes share and do not agree on.
     fn shared(&mut self, node: &Node, processes: &[ProcessUse]) {
-        let mut values: BTreeMap<String, Vec<(&str, Value)>> = BTreeMap::new();
-        for u in processes.iter().filter(|u| u.enabled) {
-            let schema = u.actor.schema();
-            let shared = schema["properties"].as_object().into_iter().flatten().filter(|(_, p)| p["shared"] == true);
-            for (key, property) in shared {
-                let number = || u.parameters.get(key).unwrap_or(&property["default"]).clone();
-                let term = u.terms.list().iter().find(|t| t.parameter() == *key);
-                let value = term.map_or_else(number, |t| Value::from(t.text()));
-                values.entry(key.clone()).or_default().push((u.actor.name(), value));
-            }
-        }
-        // Parameters are single precision, and their defaults would show it.
-        let number = |v: &Value| v.as_f64().map(|x| x as f32);
-        let told = |v: &Value| number(v).map_or_else(|| v.to_string(), |x| x.to_string());
-        let same = |a: &Value, b: &Value| number(a) == number(b);
-        for (key, of) in values {
-            let given = |name: &str| node.get(name).and_then(|table| table.get(&key));
-            let Some((name, value)) = of.iter().find(|(name, _)| given(name).is_some()) else { continue };
-            let others: Vec<&str> = of.iter().filter(|(_, v)| !same(v, value)).map(|(n, _)| *n).collect();
-            let (Some(first), Some(place)) = (of.iter().find(|(_, v)| !same(v, value)), given(name)) else { continue };
-            let message = format!("`{name}.{key}` is {}, but `{}.{key}` is {}", told(value), first.0, told(&first.1));
-            let remedy: Vec<String> = others.iter().map(|n| format!("{n}.{key} = {}", told(value))).collect();
-            let help = format!("the processes of a world share it: write {} as well", remedy.join(" and "));
-            self.out.push(Diagnostic::at(place.span.clone(), message, "not what the others have").help(help));
+        let place = |name: &str, key: &str| node.get(name).and_then(|table| table.get(key));
+        for c in shared::conflicts(processes, &|name, key| place(name, key).is_some()) {
+            let span = place(c.process, &c.key).map_or_else(|| node.span.clone(), |n| n.span.clone());
+            self.out.push(Diagnostic::at(span, c.message, "not what the others have").help(c.help));
         }
     }
 
@@ -438,6 +418,8 @@ fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
         eyot_core::Error::BadParameter { field, .. } => node.get(field),
         _ => None,
     };
+    // Where no parameter is wrong, it is the file, if there is one.
+    let field = field.or_else(|| node.get("file")).or_else(|| node.get("generate"));
     let span = field.map_or_else(|| node.span.clone(), |n| n.span.clone());
     let help = remedy![Action::Describe(owner.to_owned()), " says what its parameters mean"];
     Diagnostic::at(span, e.sentence(), "this does not work").help(help)
@@ -461,18 +443,15 @@ fn value_of_another(registry: &Registry, name: &str) -> Option<String> {
     Some(format!("`{name}` is a value of `{key}` of {generators}: write generate = \"{first}\" and {key} = \"{name}\""))
 }
 
-fn suggestion(name: &str, known: Vec<&str>, command: &str) -> String {
+fn suggestion(name: &str, known: Vec<&str>) -> Remedy {
     match nearest(name, known.iter().copied()) {
-        Some(n) => format!("did you mean `{n}`? `{command}` shows all of them"),
-        None if known.is_empty() => "this build of Eyot has none".to_owned(),
-        None => format!("there is {}; `{command}` says what they do", alternatives(known)),
+        Some(n) => remedy![format!("did you mean `{n}`? "), Action::List, " shows all of them"],
+        None if known.is_empty() => "this build of Eyot has none".into(),
+        None => remedy![format!("there is {}; ", alternatives(known)), Action::List, " says what they do"],
     }
 }
 
-/// The seed of a step (splitmix64), so that neighbouring steps and seeds share nothing.
+/// The seed of a step, so that neighbouring steps and seeds share nothing.
 fn step_seed(seed: u64, position: u64) -> u64 {
-    let mut z = seed.wrapping_add(position.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    mix64(seed.wrapping_add(position.wrapping_sub(1).wrapping_mul(0x9e37_79b9_7f4a_7c15)))
 }

@@ -24,6 +24,7 @@
 //! # Ok::<(), eyot_session::RunError>(())
 //! ```
 
+mod change;
 mod device;
 mod end;
 mod generate;
@@ -228,6 +229,11 @@ impl Session {
     /// The world as it is. With a graphics card at work it may be some steps behind: [`Command::Snapshot`] brings it up to date.
     pub fn world(&self) -> &World {
         &self.world
+    }
+
+    /// The engine that works for it; the processor's until the session has begun.
+    pub fn engine(&self) -> &dyn OpenEngine {
+        &*self.engine
     }
 
     /// What it runs.

@@ -43,9 +43,13 @@ impl Requests {
         self.queue.push_back(command);
     }
 
-    /// True if somebody wants to see the world.
+    /// True if somebody wants to see the world, or to change it.
     pub(crate) fn want_world(&self) -> bool {
-        self.queue.contains(&Command::Snapshot)
+        self.queue.iter().any(|c| match c {
+            Command::Snapshot => true,
+            Command::Change(change) => change.touches_world(),
+            _ => false,
+        })
     }
 
     /// Steps that may be done before the next look; at least one.

@@ -4,14 +4,12 @@ use super::device::{Failure, Layers};
 use super::trial::{After, Trial};
 use super::{CHUNK_TIME, Heard, Phase, Session, Turn, label, overall};
 use crate::error::RunError;
-use crate::event::{Event, JournalEntry, Progress};
+use crate::event::{Event, Progress};
 use eyot_core::engine::{DeviceError, EngineError};
 use eyot_core::process::Span;
-use eyot_core::remedy;
-use eyot_core::remedy::{Remedy, Worded};
 use eyot_core::stepper;
 use eyot_core::{Control, Error};
-use eyot_recipe::{Change, Problems, ProcessUse, SimulateStep, Step, Work, process_set, schedule};
+use eyot_recipe::{ProcessUse, SimulateStep, Step, Work, schedule};
 use std::time::Duration;
 
 /// A simulation under way.
@@ -110,7 +108,8 @@ impl Session {
         }
         let fail = |source| RunError::Step { step: label(step), source };
         let is_over = self.state.done >= work.steps;
-        if (is_over || self.requests.want_world()) && !self.is_brought_back() {
+        let wanted = self.requests.want_world() || self.is_world_change_due(step);
+        if (is_over || wanted) && !self.is_brought_back() {
             return Ok(Next::Later(Turn::Waiting));
         }
         if is_over {
@@ -284,45 +283,10 @@ impl Session {
     fn scheduled(&self, step: &Step, work: &SimulateStep) -> Result<(Vec<ProcessUse>, stepper::Simulation), RunError> {
         let mut uses = work.processes.clone();
         for entry in self.state.journal.iter().filter(|e| e.recipe_step == step.number) {
+            // What it did to the world is in the world.
             self.apply(&mut uses, &entry.set).map_err(RunError::Recipe)?;
         }
         let scheduled = schedule(&uses).map_err(|source| RunError::Step { step: label(step), source })?;
         Ok((uses, stepper::Simulation::new(scheduled)))
-    }
-
-    fn replay_due(&mut self, step: &Step, uses: &mut [ProcessUse]) -> Result<(), RunError> {
-        while let Some(i) =
-            self.state.replay.iter().position(|e| e.recipe_step == step.number && e.step <= self.state.done)
-        {
-            let entry = self.state.replay.remove(i);
-            self.apply(uses, &entry.set).map_err(RunError::Recipe)?;
-            self.keep_time(uses);
-            self.state.journal.push(JournalEntry { step: self.state.done, ..entry });
-        }
-        Ok(())
-    }
-
-    fn apply(&self, uses: &mut [ProcessUse], set: &str) -> Result<(), Problems> {
-        let has = |name: &str| self.world.get(name).is_some();
-        process_set::apply(uses, set, &self.host.registry, &self.world.grid, &has)
-    }
-
-    /// Changes a parameter of the simulation under way, or warns why not.
-    pub(super) fn change(&mut self, step: &Step, uses: Option<&mut Vec<ProcessUse>>, change: &Change) {
-        let set = change.to_string();
-        let refused = match uses {
-            None => Remedy::from("no simulation is under way"),
-            Some(uses) => match self.apply(uses, &set) {
-                Ok(()) => {
-                    self.go_on_from_here();
-                    self.keep_time(uses);
-                    let entry = JournalEntry { recipe_step: step.number, step: self.state.done, set };
-                    self.state.journal.push(entry.clone());
-                    return self.tell(Event::Changed(entry));
-                }
-                Err(problems) => problems.sentence(),
-            },
-        };
-        self.tell(Event::Warning { message: remedy![format!("`{set}` was not set: "), refused] });
     }
 }

@@ -42,12 +42,12 @@ fn bed(i: f32) -> vec3f {
     return frame.beds[hash(i32(i), 7, 19u) % 5u].rgb;
 }
 
-// Beds that follow the surface a little and the deep a lot, with soil on top.
+// Beds that lie nearly level, so that valleys cut through them, with soil on top.
 fn strata(p: vec3f, ground: f32) -> vec3f {
     let along = (p.x + 1.37 * p.y) / frame.scale.x;
     let thick = frame.block.y - frame.block.x;
     let below = ground - p.z;
-    let bent = p.z + 0.35 * below + 0.05 * thick * fbm(vec2f(5.0 * along, 0.2), 3u, 5u);
+    let bent = p.z + 0.05 * thick * fbm(vec2f(5.0 * along, 0.2), 3u, 5u);
     let t = 11.0 * bent / thick + 0.4 * noise(vec2f(9.0 * along, 3.1), 8u);
     let i = floor(t);
     var c = mix(bed(i), bed(i + 1.0), soft(0.80, 1.0, t - i));

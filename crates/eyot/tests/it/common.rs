@@ -1,9 +1,10 @@
 //! What the tests of files share: recipes from text, finished runs, and their files.
 
-use eyot::{Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot::{Event, Handle, Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
 use eyot_io::{Raster, ReadOptions, read_raster};
 use serde_json::Value;
 use std::path::Path;
+use std::time::Duration;
 
 /// A recipe from `text` and some `[[export]]` tables, or its complaints.
 pub(crate) fn parse(text: &str, exports: &[&str], overrides: Overrides, limits: &Limits) -> Result<Recipe, String> {
@@ -30,4 +31,14 @@ pub(crate) fn json(path: &Path) -> Value {
 /// A raster that says of itself all that must be known.
 pub(crate) fn raster(path: &Path) -> Raster {
     read_raster(path, &ReadOptions::default(), &Limits::default()).unwrap()
+}
+
+/// The next event that is wanted; what comes before it is dropped.
+pub(crate) fn wait_for(handle: &Handle, wanted: impl Fn(&Event) -> bool) -> Event {
+    loop {
+        let event = handle.events().recv_timeout(Duration::from_secs(60)).expect("the run went silent");
+        if wanted(&event) {
+            return event;
+        }
+    }
 }

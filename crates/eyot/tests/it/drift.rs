@@ -1,11 +1,9 @@
 //! Plates beside a living world: whatever stops, edits or sets back a run, the world is the one that it would have been.
 
+use crate::common;
 use eyot::timeline::{Moment, rewind};
-use eyot::{
-    Command, Event, Handle, Limits, Outcome, Overrides, Recipe, RecipeSource, Record, Registry, Run, RunOptions,
-};
+use eyot::{Command, Event, Limits, Outcome, Overrides, Recipe, RecipeSource, Record, Registry, Run, RunOptions};
 use std::path::Path;
-use std::time::Duration;
 
 const TEXT: &str = r#"
 name = "Drifting"
@@ -41,23 +39,14 @@ fn options(out: Option<&Path>, threads: usize) -> RunOptions {
     RunOptions { threads: Some(threads), out: out.map(Path::to_owned), record, ..RunOptions::default() }
 }
 
-fn wait_for(handle: &Handle, wanted: impl Fn(&Event) -> bool) {
-    loop {
-        let event = handle.events().recv_timeout(Duration::from_secs(60)).expect("the run went silent");
-        if wanted(&event) {
-            return;
-        }
-    }
-}
-
 /// Plates are hurried while a step of theirs is under way, then asked for a new cycle.
 fn touched(out: Option<&Path>, threads: usize) -> Outcome {
     let handle = Run::start(recipe(), RunOptions { paused: true, ..options(out, threads) }).unwrap();
     for (steps, at, set) in [(18, 17, "plates.speed=0.1"), (14, 31, "plates.restarts=1")] {
         handle.send(Command::Step(steps));
-        wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 2, step } if *step == at));
+        common::wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 2, step } if *step == at));
         handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
-        wait_for(&handle, |e| matches!(e, Event::Changed(_)));
+        common::wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     }
     handle.send(Command::Resume);
     handle.join().unwrap()

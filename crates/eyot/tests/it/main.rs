@@ -30,3 +30,4 @@ mod streaming;
 mod stubs;
 mod terms;
 mod validation;
+mod window;

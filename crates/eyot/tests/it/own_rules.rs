@@ -10,7 +10,6 @@ use eyot::{
 use eyot_core::engine::CpuEngine;
 use eyot_core::process::{Scheduled, Span};
 use std::path::Path;
-use std::time::Duration;
 
 /// A small recipe with everything that a layer and a rule may have.
 const OWN: &str = r#"
@@ -102,24 +101,20 @@ fn the_ledger_knows_what_a_rule_takes_and_clamps() {
     assert!((water - net).abs() < 1e-3 * net.abs().max(1.0), "{water} of {net} m3: {accounts:?}");
 }
 
-fn wait_for(handle: &eyot::Handle, wanted: impl Fn(&Event) -> bool) {
-    while !wanted(&handle.events().recv_timeout(Duration::from_secs(60)).expect("the run went silent")) {}
-}
-
 #[test]
 fn a_stopped_and_changed_run_goes_on_and_replays() {
     let folder = tempfile::tempdir().unwrap();
     let o = RunOptions { paused: true, chunk: Some(4), ..options(2, Some(folder.path())) };
     let handle = Run::start(parse(OWN, &[]).unwrap(), o).unwrap();
     handle.send(Command::Step(12));
-    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
-    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     handle.send(Command::Change(eyot::Change::parse("seep.share=0.5").unwrap()));
-    wait_for(&handle, |e| matches!(e, Event::Changed(_)));
+    common::wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     handle.send(Command::Change(eyot::Change::parse("seep.shar=0.5").unwrap()));
-    wait_for(
+    common::wait_for(
         &handle,
-        |e| matches!(e, Event::Warning { message } if message.to_string().contains("did you mean `share`?")),
+        |e| matches!(e, Event::NotChanged { reason, .. } if reason.to_string().contains("did you mean `share`?")),
     );
     handle.send(Command::Stop);
     handle.join().unwrap();

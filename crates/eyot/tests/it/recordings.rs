@@ -1,13 +1,13 @@
 //! Recorded runs: the same bytes with and without, every frame the world of its step, and exact ways back.
 
+use crate::common;
 use eyot::timeline::{Branching, Moment, Timeline, branch, rewind};
 use eyot::{
-    Command, Event, Handle, Limits, Outcome, Overrides, Recipe, RecipeSource, Record, Registry, Run, RunError,
-    RunOptions, store,
+    Command, Event, Limits, Outcome, Overrides, Recipe, RecipeSource, Record, Registry, Run, RunError, RunOptions,
+    store,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 const TEXT: &str = r#"
 name = "Recorded"
@@ -121,15 +121,6 @@ fn places(t: &Timeline) -> Vec<(u64, usize, u64)> {
     t.frames().iter().map(|f| (f.steps_done, f.recipe_step, f.step)).collect()
 }
 
-fn wait_for(handle: &Handle, wanted: impl Fn(&Event) -> bool) -> Event {
-    loop {
-        let event = handle.events().recv_timeout(Duration::from_secs(60)).expect("the run went silent");
-        if wanted(&event) {
-            return event;
-        }
-    }
-}
-
 #[test]
 fn frames_are_the_worlds_of_their_steps_and_the_results_those_of_an_unrecorded_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -197,9 +188,9 @@ fn touched(out: &Path) -> Outcome {
     for (steps, set) in [(14, "hydraulic.rain=0.01"), (7, "thermal.enabled=false")] {
         handle.send(Command::Step(steps));
         let at = if steps == 14 { 13 } else { 20 };
-        wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 2, step } if *step == at));
+        common::wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 2, step } if *step == at));
         handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
-        wait_for(&handle, |e| matches!(e, Event::Changed(_)));
+        common::wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     }
     handle.send(Command::Resume);
     handle.join().unwrap()
@@ -266,30 +257,30 @@ fn a_paused_run_goes_back_and_forth() {
     let first = touched(&whole);
     let handle = Run::start(recipe(&[]), RunOptions { paused: true, ..options(Some(&out), Some(RECORD)) }).unwrap();
     handle.send(Command::Step(14));
-    wait_for(&handle, |e| matches!(e, Event::Paused { step: 13, .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { step: 13, .. }));
     handle.send(Command::Change(eyot::Change::parse("hydraulic.rain=0.01").unwrap()));
     handle.send(Command::Step(7));
-    wait_for(&handle, |e| matches!(e, Event::Paused { step: 20, .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { step: 20, .. }));
     handle.send(Command::Change(eyot::Change::parse("thermal.enabled=false").unwrap()));
     // The ash is a step, too.
     handle.send(Command::Step(27 + 1 + 14));
-    wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 4, step: 14 }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { recipe_step: 4, step: 14 }));
     let go = |step| {
         handle.send(Command::Rewind { step, forget: false });
-        wait_for(&handle, |e| matches!(e, Event::Rewound { .. } | Event::Warning { .. }))
+        common::wait_for(&handle, |e| matches!(e, Event::Rewound { .. } | Event::Warning { .. }))
     };
     for (step, at) in [(15, 10), (61, 60), (0, 0), (47, 47), (29, 20)] {
         let back = go(step);
         assert!(matches!(back, Event::Rewound { steps_done, .. } if steps_done == at), "{back:?}");
         handle.send(Command::Snapshot);
-        let Event::Snapshot { world, .. } = wait_for(&handle, |e| matches!(e, Event::Snapshot { .. })) else {
+        let Event::Snapshot { world, .. } = common::wait_for(&handle, |e| matches!(e, Event::Snapshot { .. })) else {
             panic!()
         };
         let t = timeline(&whole);
         assert_eq!(*world, t.load(t.find(Moment::Step(at)).unwrap().frame, &eyot::component_kinds()).unwrap());
     }
     handle.send(Command::Branch { step: 12, out: other.clone() });
-    wait_for(&handle, |e| matches!(e, Event::Branched { steps_done: 10, .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Branched { steps_done: 10, .. }));
     // Stopped there, it stays there: the frames beyond belong to a future that may not be.
     handle.send(Command::Stop);
     assert_eq!(handle.join().unwrap().world.step, 20);
@@ -305,11 +296,11 @@ fn a_paused_run_that_went_back_takes_another_way() {
     let out = folder.path().join("out");
     let handle = Run::start(recipe(&[]), RunOptions { paused: true, ..options(Some(&out), Some(RECORD)) }).unwrap();
     handle.send(Command::Step(34));
-    wait_for(&handle, |e| matches!(e, Event::Paused { step: 33, .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { step: 33, .. }));
     handle.send(Command::Rewind { step: 10, forget: true });
-    wait_for(&handle, |e| matches!(e, Event::Rewound { frame: 1, .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Rewound { frame: 1, .. }));
     handle.send(Command::Change(eyot::Change::parse("hydraulic.rain=0.01").unwrap()));
-    wait_for(&handle, |e| matches!(e, Event::Changed(entry) if entry.step == 10));
+    common::wait_for(&handle, |e| matches!(e, Event::Changed(entry) if entry.step == 10));
     assert_eq!(places(&timeline(&out)), [(0, 2, 0), (10, 2, 10)]);
     handle.send(Command::Resume);
     let other = handle.join().unwrap();
@@ -339,7 +330,7 @@ fn a_run_resumes_from_its_last_frame_if_that_is_later_than_its_checkpoint() {
     let started = |what: &str| {
         let handle =
             Run::resume(&out, &Registry::standard(), RunOptions { paused: true, ..options(None, None) }).unwrap();
-        let at = wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+        let at = common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
         handle.send(Command::Stop);
         handle.join().unwrap();
         assert!(matches!(at, Event::Paused { .. }), "{what}");
@@ -384,7 +375,7 @@ fn a_recording_that_cannot_be_is_refused_and_one_that_fails_is_a_warning() {
     let out = folder.path().join("broken");
     let handle = Run::start(recipe(&[]), RunOptions { paused: true, ..options(Some(&out), Some(RECORD)) }).unwrap();
     handle.send(Command::Step(14));
-    wait_for(&handle, |e| matches!(e, Event::Paused { step: 13, .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { step: 13, .. }));
     std::fs::remove_dir_all(out.join("timeline.zarr")).unwrap();
     std::fs::write(out.join("timeline.zarr"), "x").unwrap();
     handle.send(Command::Resume);
@@ -399,12 +390,12 @@ fn a_folder_at_work_is_not_set_back_and_a_new_run_has_no_old_frames() {
     let out = folder.path().join("out");
     run(&out, Some(RECORD));
     let handle = Run::start(recipe(&[]), RunOptions { paused: true, ..options(Some(&out), Some(RECORD)) }).unwrap();
-    let removed = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
+    let removed = common::wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
     assert!(
         matches!(&removed, Event::Warning { message } if message.to_string().contains("was removed")),
         "{removed:?}"
     );
-    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     assert!(matches!(
         rewind(&out, Moment::Step(0), false, &Registry::standard(), &Limits::default()),
         Err(RunError::Busy { .. })
@@ -494,7 +485,7 @@ fn lost_frames_are_told_and_the_others_lead_back() {
     let last = torn.join("timeline.zarr/height/c/8/0/0");
     std::fs::write(&last, "damaged").unwrap();
     let handle = Run::resume(&torn, &Registry::standard(), options(None, None)).unwrap();
-    let told = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
+    let told = common::wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
     assert!(format!("{told:?}").contains("frame 8 of step 70"), "{told:?}");
     handle.join().unwrap();
     assert_same(&whole, &results(&torn), "torn");

@@ -1,7 +1,9 @@
 //! The standard registry: its keys, its schema and its literature.
 
 use biblatex::Bibliography;
-use eyot::{Registry, all_citations, recipe_schema};
+use eyot::{Boundary, Grid, Limits, Registry, all_citations, recipe_schema};
+use eyot_core::conformance;
+use eyot_core::process::Scheduled;
 use eyot_recipe::{DOCUMENT_KEYS, GENERATE_KEYS, REFERENCES, SCHEDULE_KEYS, SIMULATE_KEYS};
 
 /// A parameter with one of the recipe's own keys could not be reached from a recipe.
@@ -93,5 +95,40 @@ fn names_titles_and_notes_are_readable() {
     for c in &all {
         assert!(!c.text.contains(['{', '}', '\\']), "{}", c.text);
         assert!(c.bibtex.starts_with('@') && c.bibtex.trim_end().ends_with('}'), "{}", c.bibtex);
+    }
+}
+
+/// Of every process it is known whether a part of a grid will do, and where it will, parts make the bytes of the whole.
+#[test]
+fn every_process_works_in_windows_or_says_that_it_needs_the_whole() {
+    let whole = ["corals", "drainage", "plates", "streampower"];
+    for e in Registry::standard().processes() {
+        let process = (e.make)(serde_json::json!({})).unwrap();
+        let alone = [Scheduled { name: e.name, process, every: 1 }];
+        let compared = conformance::check_windows(&alone, &|_, u| u).unwrap();
+        assert_eq!(compared, !whole.contains(&e.name), "{}", e.name);
+    }
+}
+
+/// What a process says of itself: its layers once, of each parameter what it means, of each number its unit and range.
+#[test]
+fn every_process_says_what_it_is() {
+    let grid = Grid::new(8, 8, 1e5, Boundary::WRAP, &Limits::default()).unwrap();
+    for e in Registry::standard().processes() {
+        let process = (e.make)((e.defaults)()).unwrap_or_else(|err| panic!("{}: {err}", e.name));
+        let layers = process.layers();
+        let mut names: Vec<&str> = layers.iter().map(|l| &*l.spec.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert!(!names.is_empty() && names.len() == layers.len(), "{}: {names:?}", e.name);
+        let schema = (e.schema)();
+        for (name, p) in schema.as_value()["properties"].as_object().unwrap() {
+            assert!(p["description"].is_string(), "{}.{name} says nothing about itself", e.name);
+            if p["type"] == "number" || p["type"] == "integer" {
+                let whole = p["unit"].is_string() && p["minimum"].is_number() && p["maximum"].is_number();
+                assert!(whole, "{}.{name}: {p}", e.name);
+            }
+        }
+        process.check(&grid).unwrap_or_else(|err| panic!("{}: {err}", e.name));
     }
 }

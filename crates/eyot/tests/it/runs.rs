@@ -1,5 +1,6 @@
 //! Runs as conversations: commands, events, checkpoints, the same bytes however a run was cut.
 
+use crate::common;
 use crate::stubs;
 
 use eyot::{
@@ -20,15 +21,6 @@ fn recipe(steps: u64) -> Recipe {
 
 fn events(handle: &Handle) -> Vec<Event> {
     handle.events().iter().collect()
-}
-
-fn wait_for(handle: &Handle, wanted: impl Fn(&Event) -> bool) -> Event {
-    loop {
-        let event = handle.events().recv_timeout(Duration::from_secs(20)).expect("the run went silent");
-        if wanted(&event) {
-            return event;
-        }
-    }
 }
 
 #[test]
@@ -78,8 +70,8 @@ fn stopped_after(recipe: Recipe, out: &Path, steps: u64) -> Outcome {
     let handle = Run::start(recipe, RunOptions { chunk: Some(5), paused: true, ..options(Some(out)) }).unwrap();
     // A generator counts as one step.
     handle.send(Command::Step(steps));
-    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
-    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     assert!(handle.send(Command::Stop));
     assert!(matches!(events(&handle).last(), Some(Event::Stopped { checkpoint: Some(_) })));
     handle.join().unwrap()
@@ -117,18 +109,18 @@ fn changes_by_hand_are_kept_in_the_journal_and_replay() {
     let folder = tempfile::tempdir().unwrap();
     let handle = Run::start(recipe(40), RunOptions { paused: true, ..options(Some(folder.path())) }).unwrap();
     handle.send(Command::Step(11));
-    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
-    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     handle.send(Command::Change(eyot::Change::parse("hydraulic.rain=0.5").unwrap()));
-    let changed = wait_for(&handle, |e| matches!(e, Event::Changed(_)));
+    let changed = common::wait_for(&handle, |e| matches!(e, Event::Changed(_)));
     handle.send(Command::Change(eyot::Change::parse("hydraulic.rian=0.5").unwrap()));
-    let warning = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
+    let warning = common::wait_for(&handle, |e| matches!(e, Event::NotChanged { .. }));
     assert!(
-        matches!(&warning, Event::Warning { message } if message.to_string().contains("did you mean `rain`?")),
+        matches!(&warning, Event::NotChanged { reason, .. } if reason.to_string().contains("did you mean `rain`?")),
         "{warning:?}"
     );
     handle.send(Command::Snapshot);
-    wait_for(&handle, |e| matches!(e, Event::Snapshot { step: 10, .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Snapshot { step: 10, .. }));
     // Stop and resume in between: the change must survive.
     handle.send(Command::Stop);
     handle.join().unwrap();
@@ -251,11 +243,11 @@ fn a_change_that_would_end_the_run_is_not_made() {
     let recipe = standard(RAIN, &Limits::default()).unwrap();
     let handle = Run::start(recipe, RunOptions { paused: true, ..options(None) }).unwrap();
     handle.send(Command::Step(3));
-    wait_for(&handle, |e| matches!(e, Event::Paused { step: 2, .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { step: 2, .. }));
     handle.send(Command::Change(eyot::Change::parse("hydraulic.springs=0.5").unwrap()));
-    let warning = wait_for(&handle, |e| matches!(e, Event::Warning { .. }));
+    let warning = common::wait_for(&handle, |e| matches!(e, Event::NotChanged { .. }));
     assert!(
-        matches!(&warning, Event::Warning { message } if message.to_string().contains("needs the layer `springs`")),
+        matches!(&warning, Event::NotChanged { reason, .. } if reason.to_string().contains("needs the layer `springs`")),
         "{warning:?}"
     );
     handle.send(Command::Resume);
@@ -313,7 +305,7 @@ fn a_folder_that_is_moved_away_and_made_anew_gets_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let (out, away, other) = (folder.path().join("out"), folder.path().join("away"), folder.path().join("other"));
         let handle = Run::start(recipe(50), RunOptions { paused: true, ..options(Some(&out)) }).unwrap();
-        wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+        common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
         std::fs::rename(&out, &away).unwrap();
         std::fs::create_dir(&other).unwrap();
         if linked {
@@ -333,7 +325,7 @@ fn a_folder_that_is_moved_away_and_made_anew_gets_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let handle = Run::start(recipe(50), RunOptions { paused: true, ..options(Some(&out)) }).unwrap();
-    wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
+    common::wait_for(&handle, |e| matches!(e, Event::Paused { .. }));
     std::fs::remove_dir_all(&out).unwrap();
     handle.send(Command::Resume);
     assert!(handle.join().is_err() && !out.exists());

@@ -1,6 +1,6 @@
 //! Runs that are served: clients know what the run knows, and cannot hold it up.
 
-use eyot::live::{Client, Control, Ending, Gone, Options, Order, Scene, Status};
+use eyot::live::{Body, Client, Control, Ending, Gone, Options, Order, Permission, Scene, Status};
 use eyot::live::{ServeOptions, Serving};
 use eyot::{Command, Event, Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World, host};
 use eyot_reef::corals::Corals;
@@ -246,4 +246,83 @@ fn what_cannot_be_served_is_refused_before_anything_begins() {
     assert!(e.help().unwrap().to_string().contains("the address"), "{e}");
     while !matches!(serving.events().recv_timeout(LONG).unwrap(), Event::Done { .. }) {}
     assert!(serving.join(LONG).unwrap().finished);
+}
+
+/// What a client changes stands in the journal and is made again by a replay; what cannot be is refused, and the run goes on.
+#[test]
+fn clients_with_the_permission_change_the_run_and_its_journal_replays() {
+    let run = || RunOptions { paused: true, ..RunOptions::default() };
+    let server = Options { control: Control::Everybody, changes: true, ..Options::default() };
+    let options = ServeOptions { server, layers: layers(&["height", "water"]), ..ServeOptions::default() };
+    let serving = Serving::start(island(), run(), options, &host(&Registry::standard())).unwrap();
+    let mut c = client(&serving);
+    c.order(Order::Step(11)).unwrap();
+    while c.mirror().moment().is_none_or(|m| m.step[0] < 10) {
+        c.follow().unwrap();
+    }
+    assert_eq!(c.mirror().hello().unwrap().may, Permission::Change);
+    for (path, value, words) in [
+        ("hydraulic.rian", "0.5", "did you mean `rain`?"),
+        ("hydraulic.rain", "-1", "rain"),
+        ("hydraulic.rain", "1e999", "no JSON"),
+        ("hydraulic.rain", "null", "null"),
+        ("thermal.talus", "30", "this step simulates `hydraulic`"),
+        ("", "3", "say what to change"),
+        ("sea_level", "1e9", "the sea would stand at"),
+        ("sea_level", "\"low\"", "must be a number"),
+        ("layer.snow", "0", "no layer `snow`"),
+        ("layer.water", "-2", "takes 0 to 12000 m"),
+        ("layer.flux_x", "1", "takes 0 alone"),
+        ("layer", "3", "no layer is named"),
+    ] {
+        c.set(path, value).unwrap();
+        let told = loop {
+            if let Body::Refused(told) = c.record().unwrap().body {
+                break told;
+            }
+        };
+        assert!(told.contains(words), "{path}={value}: {told}");
+    }
+    let sets = [
+        ("hydraulic.rain", "0.002"),
+        ("sea_level", "20"),
+        ("", r#"{"layer":{"water":0.5},"hydraulic":{"rain":0.001}}"#),
+    ];
+    for (path, value) in sets {
+        c.set(path, value).unwrap();
+        let changed = loop {
+            match c.record().unwrap().body {
+                Body::Changed(changed) => break changed,
+                Body::Refused(told) => panic!("{told}"),
+                _ => {}
+            }
+        };
+        assert_eq!((changed.recipe_step, changed.step), (2, 10));
+    }
+    // Who comes now sees what was changed, though the run still waits.
+    let mut late = client(&serving);
+    while late.follow().unwrap().is_none() {}
+    let scene = late.mirror().scene().unwrap();
+    assert!(scene.layers[1].as_ref().unwrap().values.iter().all(|v| *v == 0.5));
+    assert_eq!((scene.moment.sea_level_m, scene.moment.step[0]), (20.0, 10));
+    c.order(Order::Resume).unwrap();
+    let closing = std::thread::spawn(move || serving.join(LONG).unwrap());
+    while c.record().is_ok() {}
+    assert_eq!(to_the_close(&mut late).0, 1000);
+    let outcome = closing.join().unwrap();
+    let journal: Vec<_> = outcome.journal.iter().map(|e| (e.step, &*e.set)).collect();
+    let both = "layer.water = 0.5\nhydraulic.rain = 0.001";
+    assert_eq!(journal[..2], [(10, "hydraulic.rain = 0.002"), (10, "sea_level = 20")]);
+    assert!(journal.len() == 3 && (journal[2] == (10, both) || journal[2].1.lines().count() == 2), "{journal:?}");
+    assert_eq!(outcome.world.sea_level_m, 20.0);
+    assert!(outcome.world.ledger.amount("water.by_hand") > 0.0);
+    let replay = outcome.journal.clone();
+    for chunk in [None, Some(3)] {
+        let again = RunOptions { replay: replay.clone(), chunk, ..RunOptions::default() };
+        let again = Run::start(island(), again).unwrap().join().unwrap();
+        assert_eq!((again.fingerprint, &again.journal), (outcome.fingerprint, &replay));
+        assert_eq!(again.world, outcome.world);
+    }
+    let untouched = Run::start(island(), RunOptions::default()).unwrap().join().unwrap();
+    assert_ne!(untouched.fingerprint, outcome.fingerprint);
 }

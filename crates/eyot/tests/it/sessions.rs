@@ -3,7 +3,9 @@
 use crate::stubs::{GOOD, parse, registry};
 
 use eyot::session::{Budget, Clock, Host, Session, SessionOptions, Status};
-use eyot::{Change, Command, Event, JournalEntry, Recipe, Record, Run, RunOptions};
+use eyot::{
+    Change, Command, Event, JournalEntry, Limits, Overrides, Recipe, RecipeSource, Record, Registry, Run, RunOptions,
+};
 use eyot_io::storage::Memory;
 use std::time::{Duration, Instant};
 
@@ -76,8 +78,9 @@ fn a_paused_session_returns_at_once_and_takes_typed_commands() {
     until_paused(&mut s);
     let entry = JournalEntry { recipe_step: 2, step: 10, set: "hydraulic.rain = 0.5".into() };
     match &s.events()[..] {
-        [Event::Changed(e), Event::Warning { message }] => {
-            assert!(*e == entry && message.to_string().contains("did you mean `rain`?"), "{message}");
+        [Event::Changed(e), Event::NotChanged { set, reason }] => {
+            assert!(*e == entry && reason.to_string().contains("did you mean `rain`?"), "{reason}");
+            assert_eq!(set, "hydraulic.rian = 0.5");
         }
         other => panic!("{other:?}"),
     }
@@ -163,9 +166,14 @@ fn a_session_that_was_dropped_at_its_start_begins_anew() {
 
 /// A reef whose sea rises by `rise` metres in each of `steps` steps of a year.
 fn drowning(rise: f64, steps: u64) -> Result<Recipe, String> {
+    drowning_every(1, rise, steps)
+}
+
+/// The same in every so many steps.
+fn drowning_every(every: u64, rise: f64, steps: u64) -> Result<Recipe, String> {
     let text = format!(
         "[grid]\nsize = 8\n[[step]]\ngenerate = \"cone\"\nheight = 300.0\n[[step]]\nsimulate = [\"reef\"]\nsteps = {steps}\n\
-         reef.years_per_step = 10000\nreef.sea_level_rise = {}\n",
+         reef.years_per_step = 10000\nreef.sea_level_rise = {}\nreef.every = {every}\n",
         rise / 10000.0
     );
     crate::common::parse(&text, &[], eyot::Overrides::default(), &eyot::Limits::default())
@@ -180,31 +188,52 @@ fn a_sea_that_would_leave_the_range_of_heights_is_refused_before_the_run() {
     assert!(drowning(-4.0, 3001).err().unwrap().contains("-12004.0 m"));
 }
 
+/// Farther than the check looks the run itself finds out, before the step.
 #[test]
-fn a_run_that_drowns_by_hand_ends_before_and_leaves_a_checkpoint_that_can_be_read() {
+fn a_run_that_drowns_ends_before_and_leaves_a_checkpoint_that_can_be_read() {
     let memory = Memory::new();
     let host = || Host::new(&eyot::Registry::standard(), Clock::system()).with_storage(memory.clone());
     let options = || SessionOptions { chunk: Some(100), ..SessionOptions::default() };
-    let mut s = Session::new(drowning(4.0, 2000).unwrap(), options(), host()).unwrap();
+    let recipe = drowning_every(10, 3.6, 40_000).unwrap();
+    let mut s = Session::new(recipe, options(), host()).unwrap();
     while s.world().step < 1000 {
         assert_eq!(s.advance(Budget::Piece).unwrap(), Status::Working);
     }
-    s.command(Command::Change(Change::new("reef.sea_level_rise", 0.0012)));
-    assert_eq!(s.advance(Budget::Piece).unwrap(), Status::Working);
     s.command(Command::Stop);
     while s.advance(Budget::Piece).unwrap() == Status::Working {}
-    // With twelve metres a step from step 1000 on.
     let mut s = Session::resume(options(), host()).unwrap();
-    assert_eq!(s.world().step, 1100);
     let e = loop {
         if let Err(e) = s.advance(Budget::Piece) {
             break e;
         }
     };
-    assert!(e.to_string().contains("after step 1667 the sea would stand at 12004.0 m"), "{e}");
-    assert!(e.help().is_some() && s.world().step == 1600);
+    assert!(e.to_string().contains("after step 33331 the sea would stand at 12002.4 m"), "{e}");
+    assert!(e.help().is_some() && s.world().step == 33_300);
     let again = Session::resume(options(), host()).unwrap();
-    assert!(again.world().step >= 1100 && again.world().sea_level_m <= 12000.0);
+    assert!(again.world().step >= 1000 && again.world().sea_level_m <= 12000.0);
+}
+
+/// What `check` would refuse of a recipe is refused at work, too, and the run goes on.
+#[test]
+fn a_change_that_would_drown_the_world_is_not_made() {
+    let options = SessionOptions { chunk: Some(50), ..SessionOptions::default() };
+    let host = Host::new(&eyot::Registry::standard(), Clock::system());
+    let mut s = Session::new(drowning(4.0, 200).unwrap(), options, host).unwrap();
+    while s.world().step < 100 {
+        assert_eq!(s.advance(Budget::Piece).unwrap(), Status::Working);
+    }
+    s.events();
+    for change in [Change::new("reef.sea_level_rise", 0.012), Change::new("sea_level", 11_900.0)] {
+        s.command(Command::Change(change));
+        assert_eq!(s.advance(Budget::Piece).unwrap(), Status::Working);
+        let events = s.events();
+        let refused =
+            |e: &Event| matches!(e, Event::NotChanged { reason, .. } if reason.to_string().contains("the sea would"));
+        assert!(events.iter().any(refused), "{events:?}");
+    }
+    while s.advance(Budget::Piece).unwrap() == Status::Working {}
+    let outcome = s.into_outcome().unwrap();
+    assert!(outcome.finished && outcome.journal.is_empty());
 }
 
 /// What the frames of a recording say of their runs, but for times.
@@ -287,4 +316,44 @@ fn a_run_that_will_take_minutes_says_so_early_and_once() {
     let (told, quick) = announced(300, 1);
     assert!(told.is_empty(), "{told:?}");
     assert_eq!(slow, quick, "the announcement changed the bytes");
+}
+
+/// Each crosses what `check` would refuse of a whole recipe: what processes share, and where the sea comes to.
+#[test]
+fn changes_are_checked_as_recipes_are() {
+    let text = "[grid]\nsize = 12\ncell = 1000.0\n[[step]]\ngenerate = \"cone\"\nheight = 100.0\n[[step]]\nsimulate = [\"temperature\", \
+                \"wind\", \"reef\"]\nsteps = 30\n[view]\nenabled = false\n";
+    let source = RecipeSource { name: "t.toml".into(), text: text.into(), folder: ".".into() };
+    let recipe =
+        || Recipe::parse(source.clone(), Overrides::default(), &Registry::standard(), &Limits::default()).unwrap();
+    let options = SessionOptions { paused: true, ..SessionOptions::default() };
+    let mut s = Session::new(recipe(), options, Host::new(&Registry::standard(), Clock::system())).unwrap();
+    let until_paused = |s: &mut Session| while s.advance(Budget::Piece).unwrap() != Status::Paused {};
+    s.command(Command::Step(4));
+    until_paused(&mut s);
+    s.events();
+    for (change, words) in [
+        (Change::new("wind.tilt", 3.0), "write temperature.tilt = 3 as well"),
+        (
+            Change::together([Change::new("reef.sea_level_rise", 1.0), Change::new("reef.years_per_step", 1000.0)]),
+            "the sea would stand at",
+        ),
+    ] {
+        s.command(Command::Change(change));
+        until_paused(&mut s);
+        match &s.events()[..] {
+            [Event::NotChanged { reason, .. }] => assert!(reason.to_string().contains(words), "{reason}"),
+            other => panic!("{other:?}"),
+        }
+    }
+    let tilt = |process: &str| Change::new(&format!("{process}.tilt"), 3.0);
+    s.command(Command::Change(Change::together([tilt("wind"), tilt("temperature")])));
+    s.command(Command::Change(Change::new("layer.height", 5.0)));
+    s.command(Command::Resume);
+    while s.advance(Budget::Piece).unwrap() == Status::Working {}
+    let outcome = s.into_outcome().unwrap();
+    assert_eq!(outcome.journal.len(), 2);
+    assert!(outcome.world.ledger.amount("ground.by_hand") < 0.0);
+    let o = RunOptions { replay: outcome.journal.clone(), ..RunOptions::default() };
+    assert_eq!(Run::start(recipe(), o).unwrap().join().unwrap().fingerprint, outcome.fingerprint);
 }

@@ -308,7 +308,7 @@ fn expressions_set_by_hand_are_those_of_the_recipe() {
     ] {
         handle.send(Command::Change(eyot::Change::parse(set).unwrap()));
         let told = std::cell::RefCell::new(String::new());
-        wait(&|e| matches!(e, Event::Warning { message } if { told.replace(message.to_string()); true }));
+        wait(&|e| matches!(e, Event::NotChanged { reason, .. } if { told.replace(reason.to_string()); true }));
         let told = told.into_inner();
         assert!(told.contains(place) && told.contains(words), "{set}:\n{told}");
     }

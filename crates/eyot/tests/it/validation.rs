@@ -199,6 +199,7 @@ fn wrong_flags_are_named_with_what_was_meant() {
         ("hydralic.rain=1", "did you mean `hydraulic`?"),
         ("step.7.height=1", "this recipe has no step `7` (not there)\n  help: it has 3, counted from 1"),
         ("step=3", "`step` alone cannot be set"),
+        ("step.1=1", "write step.1.parameter=value"),
         ("base=3", "`base` alone cannot be set"),
         ("seed", "write key=value"),
         ("", "write key=value"),
