@@ -803,7 +803,7 @@ mod tests {
     #[test]
     fn every_simulation_reports_sound_numbers() {
         for (what, classic, held, moved) in [
-            (BenchSubject::Hydraulic, false, 14, Some(34)),
+            (BenchSubject::Hydraulic, false, 14, Some(29)),
             (BenchSubject::Signed, false, 10, Some(21)),
             (BenchSubject::Hydraulic, true, 11, Some(26)),
             (BenchSubject::Thermal, false, 2, Some(2)),

@@ -27,6 +27,8 @@ rule_params! {
         push_d,
         /// Share of the flux that friction leaves, 1.
         keep,
+        /// Time step, s.
+        dt,
         /// Level of the sea, m; far below the ground where there is none.
         sea,
         /// First column that has no column west of it; before all columns where the rim wraps.
@@ -40,7 +42,7 @@ rule_params! {
     }
 }
 
-/// Equation (1): new fluxes. Those of a cell's other four pipes are its neighbours', so that none is computed twice.
+/// Equations (1) and (2): new fluxes, and how much of them each cell can afford.
 pub struct EightFlux;
 
 impl Rule for EightFlux {
@@ -48,78 +50,48 @@ impl Rule for EightFlux {
     const READS: &'static [Read] = &[
         read("height", 1),
         read("water", 1),
-        read("flux_x", 0),
-        read("flux_y", 0),
-        read("flux_se", 0),
-        read("flux_sw", 0),
-    ];
-    const WRITES: &'static [&'static str] = &["raw_x", "raw_y", "raw_se", "raw_sw"];
-    type Params = EightParams<()>;
-    type Out<R: Real> = [R; 4];
-    type Sums<R: Real> = [R; 0];
-
-    #[inline(always)]
-    fn cell<R: Real>(p: &EightParams<R>, c: &impl Cell<R>) -> ([R; 4], [R; 0]) {
-        let (x, y, zero) = (c.x(), c.y(), R::of(0.0));
-        // What diagonal pipes may be pushed by on each side: nothing over a rim.
-        let (west, east) = (p.first_x.lt(x).pick(p.push_d, zero), x.lt(p.last_x).pick(p.push_d, zero));
-        let (north, south) = (p.first_y.lt(y).pick(p.push_d, zero), y.lt(p.last_y).pick(p.push_d, zero));
-        let push_x = (p.push_x - (north + south)).named("(1) push_x");
-        let push_y = (p.push_y - (west + east)).named("(1) push_y");
-        let here = head(p.sea, c, 0, 0).named("head");
-        let to_east = pushed(p, c, 2, push_x, here, (1, 0)).named("(1) east");
-        let to_south = pushed(p, c, 3, push_y, here, (0, 1)).named("(1) south");
-        let to_se = pushed(p, c, 4, south.min(east), here, (1, 1)).named("(1) south_east");
-        let to_sw = pushed(p, c, 5, south.min(west), here, (-1, 1)).named("(1) south_west");
-        ([to_east.flushed(), to_south.flushed(), to_se.flushed(), to_sw.flushed()], [])
-    }
-}
-
-/// The flux of `slot` to a neighbour, pushed by the difference of the heads.
-#[inline(always)]
-fn pushed<R: Real>(p: &EightParams<R>, c: &impl Cell<R>, slot: usize, push: R, here: R, (dx, dy): (isize, isize)) -> R {
-    p.keep * c.here(slot) + push * (here - head(p.sea, c, dx, dy))
-}
-
-rule_params! {
-    /// Parameters of [`EightAfford`].
-    pub struct AffordParams {
-        /// Time step, s.
-        dt,
-    }
-}
-
-/// Equation (2): how much of the new fluxes each cell can afford.
-pub struct EightAfford;
-
-impl Rule for EightAfford {
-    const NAME: &'static str = "hydraulic_eight_afford";
-    const READS: &'static [Read] = &[
-        read("water", 0),
         read("sediment", 0),
-        read("raw_x", 1),
-        read("raw_y", 1),
-        read("raw_se", 1),
-        read("raw_sw", 1),
+        read("flux_x", 1),
+        read("flux_y", 1),
+        read("flux_se", 1),
+        read("flux_sw", 1),
     ];
-    const WRITES: &'static [&'static str] = &["afford", "afford_sediment"];
-    type Params = AffordParams<()>;
-    type Out<R: Real> = [R; 2];
+    const WRITES: &'static [&'static str] = &["raw_x", "raw_y", "raw_se", "raw_sw", "afford", "afford_sediment"];
+    type Params = EightParams<()>;
+    type Out<R: Real> = [R; 6];
     type Sums<R: Real> = [R; 0];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &AffordParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 0]) {
+    fn cell<R: Real>(p: &EightParams<R>, c: &impl Cell<R>) -> ([R; 6], [R; 0]) {
+        let [water, sediment, flux_x, flux_y, flux_se, flux_sw] = [1, 2, 3, 4, 5, 6];
+        let (x, y) = (c.x(), c.y());
+        let (to_west, to_east) = (p.first_x.lt(x).one(), x.lt(p.last_x).one());
+        let (to_north, to_south) = (p.first_y.lt(y).one(), y.lt(p.last_y).one());
+        let push_x = (p.push_x - p.push_d * (to_north + to_south)).named("(1) push_x");
+        let push_y = (p.push_y - p.push_d * (to_west + to_east)).named("(1) push_y");
+        let here = head(p.sea, c, 0, 0).named("head");
+        // (1) A pipe's flux is pushed by the difference of the heads at its two ends.
+        let east = (p.keep * c.here(flux_x) + push_x * (here - head(p.sea, c, 1, 0))).named("(1) east");
+        let west = (p.keep * c.at(flux_x, -1, 0) + push_x * (head(p.sea, c, -1, 0) - here)).named("(1) west");
+        let south = (p.keep * c.here(flux_y) + push_y * (here - head(p.sea, c, 0, 1))).named("(1) south");
+        let north = (p.keep * c.at(flux_y, 0, -1) + push_y * (head(p.sea, c, 0, -1) - here)).named("(1) north");
+        let (d, keep) = (p.push_d, p.keep);
+        let se = ((to_south * to_east) * (keep * c.here(flux_se) + d * (here - head(p.sea, c, 1, 1)))).named("(1) se");
+        let nw = ((to_north * to_west) * (keep * c.at(flux_se, -1, -1) + d * (head(p.sea, c, -1, -1) - here)))
+            .named("(1) nw");
+        let sw = ((to_south * to_west) * (keep * c.here(flux_sw) + d * (here - head(p.sea, c, -1, 1)))).named("(1) sw");
+        let ne =
+            ((to_north * to_east) * (keep * c.at(flux_sw, 1, -1) + d * (head(p.sea, c, 1, -1) - here))).named("(1) ne");
+        // (2) What flows out during dt must be there.
         let zero = R::of(0.0);
-        let x = c.here(2).positive() - c.at(2, -1, 0).min(zero);
-        let y = c.here(3).positive() - c.at(3, 0, -1).min(zero);
-        let falling = c.here(4).positive() - c.at(4, -1, -1).min(zero);
-        let rising = c.here(5).positive() - c.at(5, 1, -1).min(zero);
-        let out = (p.dt * ((x + y) + (falling + rising))).named("(2) out");
-        let depth = c.here(0);
+        let beside = (east.positive() - west.min(zero)) + (south.positive() - north.min(zero));
+        let across = (se.positive() - nw.min(zero)) + (sw.positive() - ne.min(zero));
+        let out = (p.dt * (beside + across)).named("(2) out");
+        let depth = c.here(water);
         let afford = depth.lt(out).pick(depth / out, R::of(1.0)).named("(2) afford");
         // The sediment that a unit of raw outflow carries: concentration times what the cell can afford.
-        let concentration = (c.here(1) / depth.max(R::of(1e-6))).named("(2) concentration");
-        ([afford, afford * concentration], [])
+        let concentration = (c.here(sediment) / depth.max(R::of(1e-6))).named("(2) concentration");
+        ([east.flushed(), south.flushed(), se.flushed(), sw.flushed(), afford, afford * concentration], [])
     }
 }
 

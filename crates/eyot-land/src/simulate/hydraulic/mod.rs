@@ -67,7 +67,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use classic::{ClassicAdvect, ClassicErode, ClassicFlux};
-pub use eight::{AffordParams, EightAfford, EightErode, EightFlux, EightParams};
+pub use eight::{EightErode, EightFlux, EightParams};
 pub use signed::{Erode, ErodeParams, Flux, FluxParams, Spring, SpringParams};
 
 /// Rain runs down, digs where it is fast and settles where it is slow: valleys, rivers, fans.
@@ -291,6 +291,7 @@ impl Process for Hydraulic {
             push_y: flux.push_y,
             push_d: (dt * c2 / (3.0 * (dx * dx + dy * dy))).into(),
             keep: flux.keep,
+            dt: flux.dt,
             sea: flux.sea,
             first_x: first_x.into(),
             last_x: last_x.into(),
@@ -327,7 +328,6 @@ impl Process for Hydraulic {
                     let scratch = [&RAW_X, &RAW_Y, &RAW_SE, &RAW_SW, &AFFORD, &AFFORD_SEDIMENT];
                     scratch.into_iter().for_each(|s| plan.scratch(s));
                     plan.push_given::<EightFlux>(eight);
-                    plan.push::<EightAfford>(AffordParams { dt });
                     plan.push_given::<EightErode>(erode);
                 }
                 FluxForm::Signed => {
