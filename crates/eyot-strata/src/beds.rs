@@ -46,9 +46,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Beds above the one without a bottom.
-const MOST_BEDS: usize = 12;
+pub const MOST_BEDS: usize = 12;
 /// Folds and faults, of each.
-const MOST_BENDS: usize = 4;
+pub const MOST_BENDS: usize = 4;
 
 /// Surface of the bedrock.
 pub const BEDROCK: LayerSpec =
@@ -57,8 +57,12 @@ pub const BEDROCK: LayerSpec =
 pub const BED_DATUM: LayerSpec =
     LayerSpec::new("bed_datum", "m", "Height of the top of the uppermost bed, worn away or not", (-1e6, 1e6));
 /// What a recipe adds to where the beds lie.
-pub const BED_SHIFT: LayerSpec =
-    LayerSpec::new("bed_shift", "m", "How much higher the beds lie here than elsewhere, made by a generator", (-1e5, 1e5));
+pub const BED_SHIFT: LayerSpec = LayerSpec::new(
+    "bed_shift",
+    "m",
+    "How much higher the beds lie here than elsewhere, made by a generator",
+    (-1e5, 1e5),
+);
 /// What lies at the surface.
 pub const MATERIAL: LayerSpec =
     LayerSpec::new("material", "1", "Material at the surface, its number in the list of materials", (0.0, 255.0));
@@ -373,44 +377,348 @@ impl Beds {
     }
 }
 
-/// Declares a set of parameters that are lists of groups of four, and some single ones.
-macro_rules! listed_params {
-    ($(#[$meta:meta])* struct $name:ident { lists { $($(#[$lmeta:meta])* $list:ident: [$inner:literal; $n:ident]),* $(,)? } groups { $($(#[$gmeta:meta])* $group:ident: $size:literal),* $(,)? } single { $($(#[$smeta:meta])* $single:ident),* $(,)? } }) => {
-        $(#[$meta])*
-        #[derive(Clone, Copy, Debug)]
-        pub struct $name<T> {
-            $($(#[$lmeta])* pub $list: [[T; $inner]; $n],)*
-            $($(#[$gmeta])* pub $group: [T; $size],)*
-            $($(#[$smeta])* pub $single: T,)*
+/// Parameters of [`Expose`].
+#[derive(Clone, Copy, Debug)]
+pub struct ExposeParams<T> {
+    /// The beds from the top: bottom below the datum (m), number of the material, erodibility, tangent of the steepest slope. Those
+    /// that are missing end above everything.
+    pub beds: [[T; 4]; MOST_BEDS],
+    /// The bed without a bottom, in the same way.
+    pub last: [T; 4],
+    /// Loose ground, in the same way.
+    pub loose: [T; 4],
+    /// Thickness of the sequence if it repeats, else 0, m.
+    pub sequence: T,
+    /// `1 / sequence`, or 0, 1/m.
+    pub per_sequence: T,
+    /// `1 / cover`, 1/m.
+    pub per_cover: T,
+    /// Bare rock that becomes soil in a step, m.
+    pub soil: T,
+    /// `1 / soil_depth`, 1/m.
+    pub per_soil_depth: T,
+}
+
+const EXPOSE: &[&str] = &[
+    "bottom_0",
+    "material_0",
+    "erodibility_0",
+    "slope_0",
+    "bottom_1",
+    "material_1",
+    "erodibility_1",
+    "slope_1",
+    "bottom_2",
+    "material_2",
+    "erodibility_2",
+    "slope_2",
+    "bottom_3",
+    "material_3",
+    "erodibility_3",
+    "slope_3",
+    "bottom_4",
+    "material_4",
+    "erodibility_4",
+    "slope_4",
+    "bottom_5",
+    "material_5",
+    "erodibility_5",
+    "slope_5",
+    "bottom_6",
+    "material_6",
+    "erodibility_6",
+    "slope_6",
+    "bottom_7",
+    "material_7",
+    "erodibility_7",
+    "slope_7",
+    "bottom_8",
+    "material_8",
+    "erodibility_8",
+    "slope_8",
+    "bottom_9",
+    "material_9",
+    "erodibility_9",
+    "slope_9",
+    "bottom_10",
+    "material_10",
+    "erodibility_10",
+    "slope_10",
+    "bottom_11",
+    "material_11",
+    "erodibility_11",
+    "slope_11",
+    "last_bottom",
+    "last_material",
+    "last_erodibility",
+    "last_slope",
+    "loose_bottom",
+    "loose_material",
+    "loose_erodibility",
+    "loose_slope",
+    "sequence",
+    "per_sequence",
+    "per_cover",
+    "soil",
+    "per_soil_depth",
+];
+
+impl ParamSet for ExposeParams<()> {
+    type Of<T: Copy + 'static> = ExposeParams<T>;
+    const NAMES: &'static [&'static str] = EXPOSE;
+
+    fn build<U: Copy + 'static>(mut f: impl FnMut(&'static str) -> U) -> ExposeParams<U> {
+        let mut names = EXPOSE.iter();
+        let mut next = || f(names.next().copied().unwrap_or_default());
+        ExposeParams {
+            beds: std::array::from_fn(|_| std::array::from_fn(|_| next())),
+            last: std::array::from_fn(|_| next()),
+            loose: std::array::from_fn(|_| next()),
+            sequence: next(),
+            per_sequence: next(),
+            per_cover: next(),
+            soil: next(),
+            per_soil_depth: next(),
         }
-        impl ParamSet for $name<()> {
-            type Of<T: Copy + 'static> = $name<T>;
-            const NAMES: &'static [&'static str] = &names::$name();
-            fn build<U: Copy + 'static>(mut f: impl FnMut(&'static str) -> U) -> $name<U> {
-                let mut i = 0;
-                let mut next = || {
-                    i += 1;
-                    f(<Self as ParamSet>::NAMES[i - 1])
-                };
-                $name {
-                    $($list: std::array::from_fn(|_| std::array::from_fn(|_| next())),)*
-                    $($group: std::array::from_fn(|_| next()),)*
-                    $($single: next(),)*
-                }
-            }
-            #[inline(always)]
-            fn map<T: Copy + 'static, U: Copy + 'static>(p: &$name<T>, mut f: impl FnMut(&'static str, T) -> U) -> $name<U> {
-                let mut i = 0;
-                let mut next = |v: T| {
-                    i += 1;
-                    f(<Self as ParamSet>::NAMES[i - 1], v)
-                };
-                $name {
-                    $($list: p.$list.map(|group| group.map(&mut next)),)*
-                    $($group: p.$group.map(&mut next),)*
-                    $($single: next(p.$single),)*
-                }
-            }
+    }
+
+    #[inline(always)]
+    fn map<T: Copy + 'static, U: Copy + 'static>(
+        p: &ExposeParams<T>,
+        mut f: impl FnMut(&'static str, T) -> U,
+    ) -> ExposeParams<U> {
+        let mut names = EXPOSE.iter();
+        let mut next = |v: T| f(names.next().copied().unwrap_or_default(), v);
+        ExposeParams {
+            beds: p.beds.map(|bed| bed.map(&mut next)),
+            last: p.last.map(&mut next),
+            loose: p.loose.map(&mut next),
+            sequence: next(p.sequence),
+            per_sequence: next(p.per_sequence),
+            per_cover: next(p.per_cover),
+            soil: next(p.soil),
+            per_soil_depth: next(p.per_soil_depth),
         }
-    };
+    }
+}
+
+/// Equations (1) to (4).
+pub struct Expose;
+
+impl Rule for Expose {
+    const NAME: &'static str = "beds_expose";
+    const READS: &'static [Read] = &[read("height", 0), read("bedrock", 0), read("bed_datum", 0)];
+    const WRITES: &'static [&'static str] = &["bedrock", "material", "erodibility", "rock_slope"];
+    const TALLIES: &'static [Tally] = &[
+        Tally {
+            account: "rock.worn",
+            unit: TallyUnit::Thickness,
+            sign: 0,
+            meaning: "Bedrock that others took from the height",
+        },
+        Tally { account: "rock.weathered", unit: TallyUnit::Thickness, sign: 0, meaning: "Bedrock that became soil" },
+    ];
+    type Params = ExposeParams<()>;
+    type Out<R: Real> = [R; 4];
+    type Sums<R: Real> = [R; 2];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &ExposeParams<R>, c: &impl Cell<R>) -> ([R; 4], [R; 2]) {
+        let (height, before, datum) = (c.here(0), c.here(1), c.here(2));
+        let worn = before.min(height);
+        let buried = height - worn;
+        let rock = (worn - p.soil * (-(buried * p.per_soil_depth)).exp()).named("(2) bedrock");
+        let depth = datum - rock;
+        let depth = depth - p.sequence * (depth * p.per_sequence).floor();
+        let mut here = p.last;
+        // From below, so that the uppermost bed that reaches down to here is the last to be chosen.
+        let mut i = MOST_BEDS;
+        while i > 0 {
+            i -= 1;
+            let bed = p.beds[i];
+            let inside = depth.lt(bed[0]);
+            here = [
+                here[0],
+                depth.lt(bed[0]).pick(bed[1], here[1]),
+                depth.lt(bed[0]).pick(bed[2], here[2]),
+                inside.pick(bed[3], here[3]),
+            ];
+        }
+        let loose = height - rock;
+        let bare = (-(loose * p.per_cover)).exp();
+        // As in (4), a cover that shelters two thirds is what one sees.
+        let material = (loose * p.per_cover).lt(R::of(1.0)).pick(here[1], p.loose[1]);
+        let erodibility = p.loose[2] + (here[2] - p.loose[2]) * bare;
+        ([rock, material, erodibility, here[3]], [before - worn, worn - rock])
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Lift`].
+    pub struct LiftParams {
+        /// What land and beds rise by in a step, m.
+        risen,
+    }
+}
+
+/// Equation (6).
+pub struct Lift;
+
+impl Rule for Lift {
+    const NAME: &'static str = "beds_lift";
+    const READS: &'static [Read] = &[read("height", 0), read("bedrock", 0), read("bed_datum", 0)];
+    const WRITES: &'static [&'static str] = &["height", "bedrock", "bed_datum"];
+    const TALLIES: &'static [Tally] =
+        &[Tally { account: "ground.uplifted", unit: TallyUnit::Thickness, sign: 1, meaning: "Ground that rose" }];
+    type Params = LiftParams<()>;
+    type Out<R: Real> = [R; 3];
+    type Sums<R: Real> = [R; 1];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &LiftParams<R>, c: &impl Cell<R>) -> ([R; 3], [R; 1]) {
+        let height = c.here(0) + p.risen;
+        // All by what the height really rose by, so that nothing loose comes or goes by rounding.
+        let risen = height - c.here(0);
+        ([height, c.here(1) + risen, c.here(2) + risen], [risen])
+    }
+}
+
+rule_params! {
+    /// Parameters of [`Bury`].
+    pub struct BuryParams {
+        /// Thickness of the loose ground, m.
+        regolith,
+    }
+}
+
+/// The bedrock at the start: below the loose ground.
+pub struct Bury;
+
+impl Rule for Bury {
+    const NAME: &'static str = "beds_bury";
+    const READS: &'static [Read] = &[read("height", 0)];
+    const WRITES: &'static [&'static str] = &["bedrock"];
+    type Params = BuryParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &BuryParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        ([c.here(0) - p.regolith], [])
+    }
+}
+
+/// Parameters of [`Lie`].
+#[derive(Clone, Copy, Debug)]
+pub struct LieParams<T> {
+    /// The middle of the grid, column and row.
+    pub middle: [T; 2],
+    /// Height of the top there, m.
+    pub top: T,
+    /// What beds sink by to the next column and row, m.
+    pub sink: [T; 2],
+    /// Folds: radians to the next column and row, radians at the middle, amplitude (m).
+    pub folds: [[T; 4]; MOST_BENDS],
+    /// Faults: metres away from it to the next column and row, metres at the middle, throw (m).
+    pub faults: [[T; 4]; MOST_BENDS],
+}
+
+const LIE: &[&str] = &[
+    "middle_x",
+    "middle_y",
+    "top",
+    "sink_x",
+    "sink_y",
+    "fold_x_0",
+    "fold_y_0",
+    "fold_phase_0",
+    "fold_amplitude_0",
+    "fold_x_1",
+    "fold_y_1",
+    "fold_phase_1",
+    "fold_amplitude_1",
+    "fold_x_2",
+    "fold_y_2",
+    "fold_phase_2",
+    "fold_amplitude_2",
+    "fold_x_3",
+    "fold_y_3",
+    "fold_phase_3",
+    "fold_amplitude_3",
+    "fault_x_0",
+    "fault_y_0",
+    "fault_distance_0",
+    "fault_throw_0",
+    "fault_x_1",
+    "fault_y_1",
+    "fault_distance_1",
+    "fault_throw_1",
+    "fault_x_2",
+    "fault_y_2",
+    "fault_distance_2",
+    "fault_throw_2",
+    "fault_x_3",
+    "fault_y_3",
+    "fault_distance_3",
+    "fault_throw_3",
+];
+
+impl ParamSet for LieParams<()> {
+    type Of<T: Copy + 'static> = LieParams<T>;
+    const NAMES: &'static [&'static str] = LIE;
+
+    fn build<U: Copy + 'static>(mut f: impl FnMut(&'static str) -> U) -> LieParams<U> {
+        let mut names = LIE.iter();
+        let mut next = || f(names.next().copied().unwrap_or_default());
+        LieParams {
+            middle: std::array::from_fn(|_| next()),
+            top: next(),
+            sink: std::array::from_fn(|_| next()),
+            folds: std::array::from_fn(|_| std::array::from_fn(|_| next())),
+            faults: std::array::from_fn(|_| std::array::from_fn(|_| next())),
+        }
+    }
+
+    #[inline(always)]
+    fn map<T: Copy + 'static, U: Copy + 'static>(
+        p: &LieParams<T>,
+        mut f: impl FnMut(&'static str, T) -> U,
+    ) -> LieParams<U> {
+        let mut names = LIE.iter();
+        let mut next = |v: T| f(names.next().copied().unwrap_or_default(), v);
+        LieParams {
+            middle: p.middle.map(&mut next),
+            top: next(p.top),
+            sink: p.sink.map(&mut next),
+            folds: p.folds.map(|fold| fold.map(&mut next)),
+            faults: p.faults.map(|fault| fault.map(&mut next)),
+        }
+    }
+}
+
+/// Equation (5).
+pub struct Lie;
+
+impl Rule for Lie {
+    const NAME: &'static str = "beds_lie";
+    const READS: &'static [Read] = &[read("bed_shift", 0)];
+    const WRITES: &'static [&'static str] = &["bed_datum"];
+    type Params = LieParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    #[inline(always)]
+    fn cell<R: Real>(p: &LieParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        let (x, y) = (c.x() - p.middle[0], c.y() - p.middle[1]);
+        let mut datum = p.top + c.here(0) - (p.sink[0] * x + p.sink[1] * y);
+        let mut i = 0;
+        while i < MOST_BENDS {
+            let [fold, fault] = [p.folds[i], p.faults[i]];
+            datum = datum + fold[3] * (fold[0] * x + fold[1] * y - fold[2]).cos();
+            let right = (fault[0] * x + fault[1] * y - fault[2]).gt(R::of(0.0));
+            datum = datum + right.pick(fault[3], R::of(0.0));
+            i += 1;
+        }
+        ([datum], [])
+    }
 }

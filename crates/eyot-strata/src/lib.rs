@@ -6,12 +6,12 @@
 //!
 //! Both are rules of single cells and their neighbours, and run on every engine.
 
-mod beds;
-mod materials;
-mod rockfall;
+pub mod beds;
+pub mod materials;
+pub mod rockfall;
 
-pub use beds::{BEDROCK, BED_DATUM, BED_SHIFT, Bed, Beds, ERODIBILITY, Fault, Fold, MATERIAL, ROCK_SLOPE};
-pub use materials::{Material, standard};
+pub use beds::{BED_DATUM, BED_SHIFT, BEDROCK, Bed, Beds, ERODIBILITY, Fault, Fold, MATERIAL, ROCK_SLOPE};
+pub use materials::{Material, classes, standard};
 pub use rockfall::Rockfall;
 
 use eyot_core::about;

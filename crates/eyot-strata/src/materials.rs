@@ -1,5 +1,6 @@
 //! Materials of which beds are made, and what is known of them.
 
+use eyot_core::layer::{Class, class};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -42,4 +43,41 @@ pub fn standard() -> Vec<Material> {
         material("marble", 65.0, 0.1, 2750.0),
         material("granite", 70.0, 0.05, 2640.0),
     ]
+}
+
+/// Names and colours of the standard materials, and of those that a recipe adds after them.
+const CLASSES: &[Class] = &[
+    class("regolith", [170, 150, 118]),
+    class("sand", [224, 202, 150]),
+    class("sandstone", [190, 112, 70]),
+    class("limestone", [208, 200, 172]),
+    class("schist", [104, 116, 116]),
+    class("marble", [236, 232, 224]),
+    class("granite", [168, 130, 128]),
+    class("material 8", [120, 92, 70]),
+    class("material 9", [92, 108, 140]),
+    class("material 10", [150, 140, 84]),
+    class("material 11", [130, 70, 72]),
+    class("material 12", [84, 120, 90]),
+    class("material 13", [70, 70, 78]),
+    class("material 14", [196, 170, 186]),
+    class("material 15", [148, 168, 178]),
+    class("material 16", [206, 150, 96]),
+];
+
+/// The classes of the layer `material`, by the numbers of the usual materials; `None` for all other layers.
+pub fn classes(layer: &str) -> Option<&'static [Class]> {
+    (layer == "material").then_some(CLASSES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_are_named_as_the_materials_are() {
+        let names: Vec<String> = standard().into_iter().map(|m| m.name).collect();
+        assert!(CLASSES.iter().map(|c| c.name).take(names.len()).eq(names.iter().map(String::as_str)));
+        assert!(classes("height").is_none());
+    }
 }

@@ -16,6 +16,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-climate", &["core", "noise"]),
     ("eyot-plates", &["core", "noise"]),
     ("eyot-reef", &["core", "mesh"]),
+    ("eyot-strata", &["core"]),
     // Layers and rules of a recipe's own.
     ("eyot-expr", &["core"]),
     // What a recipe says, and how it is carried out: no pictures, meshes, cards or network.
@@ -26,7 +27,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-io", &["core", "mesh"]),
     ("eyot-render", &["core", "noise"]),
     ("eyot-view", &["core", "gpu", "noise", "render"]),
-    ("eyot-export", &["climate", "core", "io", "mesh", "recipe", "reef", "render", "session"]),
+    ("eyot-export", &["climate", "core", "io", "mesh", "recipe", "reef", "render", "session", "strata"]),
     ("eyot-film", &["core", "export", "gpu", "io", "recipe", "render", "session", "view"]),
     ("eyot-live", &["core", "recipe", "reef", "session"]),
 ];
