@@ -40,7 +40,7 @@ const ABOVE: &[(&str, &[&str])] = &[
         &["eyot", "eyot-climate", "eyot-core", "eyot-gpu", "eyot-land", "eyot-plates", "eyot-reef", "eyot-expr"],
     ),
     ("eyot-wasm", &["eyot"]),
-    ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land"]),
+    ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-strata"]),
 ];
 
 /// The crates of the workspace, with those of them that each needs.
