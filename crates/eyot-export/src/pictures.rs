@@ -80,7 +80,7 @@ pub fn draw(
 pub fn map_options(layer: &str, size: Option<u32>) -> render::MapOptions {
     let arrows = ["wind_x", "wind_y"];
     render::MapOptions {
-        classes: eyot_climate::zones::classes(layer),
+        classes: eyot_climate::zones::classes(layer).or_else(|| eyot_strata::classes(layer)),
         arrows: arrows.contains(&layer).then_some(arrows),
         size: size.map(|n| n as usize),
         ..Default::default()

@@ -86,6 +86,7 @@ pub mod process {
     pub use eyot_plates::PROCESSES as PLATES;
     pub use eyot_reef::PROCESSES as REEFS;
     pub use eyot_reef::corals::POPULATION as COLONIES;
+    pub use eyot_strata::PROCESSES as STRATA;
 }
 
 /// What to do about errors, as values that front ends word.

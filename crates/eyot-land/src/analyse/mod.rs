@@ -19,6 +19,7 @@
 
 mod curvature;
 mod curves;
+mod diagonals;
 mod geomorphons;
 mod hack;
 mod horton;
@@ -33,6 +34,7 @@ mod variogram;
 
 pub use curvature::curvatures;
 pub use curves::{TerrainCurves, terrain_curves};
+pub use diagonals::diagonal_share;
 pub use geomorphons::{Landform, geomorphons};
 pub use hack::hack_exponent;
 pub use horton::{HortonRatios, StreamOrder, horton_ratios, streams_by_order};
