@@ -70,6 +70,8 @@ pub(crate) enum Verb {
     Film(crate::film::Film),
     /// Print statistics of a finished run or of a height map
     Stats(Stats),
+    /// Run a recipe with each value of some parameters, and compare the results
+    Sweep(Sweep),
     /// Convert a height map, or a layer of a run, into another format
     Convert(Convert),
     /// Measure how fast this machine works
@@ -497,6 +499,48 @@ pub(crate) struct Stats {
     /// As a table of two columns, measure and value
     #[arg(long, conflicts_with = "json")]
     pub(crate) csv: bool,
+    /// Draw the hypsometric curve, slope against drained area, and profiles of the largest rivers into this folder, as SVG and PNG
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plots: Option<PathBuf>,
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  eyot sweep island --set hydraulic.rain=0.001..0.005:5 --out rain
+  eyot sweep island --size 128 --set seed=1..12:12
+  eyot sweep mine.toml --set thermal.talus=20,30,40 --set hydraulic.rain=0.001..0.004:4
+
+The folder gets sweep.csv and sweep.json with the statistics of each run, sheet.png with a picture of each, and runs/ with what is done. \
+Given again, the command goes on where it was stopped, and makes only runs that are not there yet.")]
+pub(crate) struct Sweep {
+    /// A recipe file, or the name of a built-in recipe
+    pub(crate) recipe: String,
+    /// A parameter and its values: KEY=LOW..HIGH:COUNT for values at equal distances, KEY=A,B,C for a list, KEY=VALUE for one; may be
+    /// repeated, and then all combinations are run
+    #[arg(long, value_name = "KEY=VALUES", required = true)]
+    pub(crate) set: Vec<String>,
+    /// Folder for the results [default: the name of the recipe file without .toml and -sweep, here]
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Cells along the longer side, or columns x rows; the extent stays
+    #[arg(long, value_name = "N|WxH", allow_negative_numbers = true, value_parser = size)]
+    pub(crate) size: Option<(u32, Option<u32>)>,
+    /// Memory that all runs together may use, such as 8G or 500M; fewer run at a time if they need more
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) max_memory: Option<u64>,
+    /// Threads of all runs together [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
+    /// Area that must drain through a cell to make it a channel, as of `eyot stats`
+    #[arg(long, value_name = "M2", value_parser = area)]
+    pub(crate) channel_area: Option<f64>,
+    /// Pixels along the longer side of each picture of the sheet
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(32..=1024))]
+    pub(crate) picture: u32,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Args)]
@@ -507,6 +551,7 @@ Examples:
   eyot convert island water.tif --layer water
   eyot convert map.raw map.tif --from-size 1025 --from-type u16le --from-range 0,600 --cell 2
   eyot convert map.tif unreal --preset unreal           into the folder `unreal`
+  eyot convert island land.glb --tiles 4x4              sixteen meshes that fit together
 
 Formats by name: .tif .png .r16 .raw .r32 .exr .npy .zarr, and meshes .glb .obj. Floats of 32 bits keep their bits and whole \
 numbers of 16 bits their values; georeference, cell size and what else a file says of itself go along.")]
@@ -546,6 +591,12 @@ pub(crate) struct Convert {
     /// Vertices along each side, for unreal and unity [default: the program's size nearest to the input's]
     #[arg(long, value_name = "N")]
     pub(crate) size: Option<u32>,
+    /// Cut a mesh into so many tiles with levels of detail and skirts, west-east x north-south: NAME_x0_y0.glb and so on, and NAME.json
+    #[arg(long, value_name = "N|WxH", value_parser = tiles)]
+    pub(crate) tiles: Option<(u32, Option<u32>)>,
+    /// Most vertices of a mesh, or of each of its tiles [default: 1050625, about 80 MB]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(4..=100_000_000))]
+    pub(crate) vertices: Option<u64>,
     /// Order of bytes of an output without header: little or big [default: little]
     #[arg(long, value_name = "ORDER", value_parser = byte_order)]
     pub(crate) bytes: Option<ByteOrder>,
@@ -566,8 +617,8 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, thermal, rule, noise, reef, drainage, streampower, community, slope, bodies, world, plates or drift;
-    /// on a graphics card also island, 3000 steps of the recipe of that name
+    /// What to measure: hydraulic, signed (that with four pipes), thermal, rule, noise, reef, drainage, streampower, community,
+    /// slope, bodies, world, plates or drift; on a graphics card also island, 3000 steps of the recipe of that name
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,
     /// Cells along each side, metres for community, slope and bodies [default: 512, 40 for community, 400 for slope, 10 for
@@ -668,6 +719,13 @@ pub(crate) fn size(text: &str) -> Result<(u32, Option<u32>), String> {
     match text.split_once(['x', 'X']) {
         Some((w, h)) => Ok((side(w)?, Some(side(h)?))),
         None => Ok((side(text)?, None)),
+    }
+}
+
+fn tiles(text: &str) -> Result<(u32, Option<u32>), String> {
+    match size(text) {
+        Ok((x, y)) if x <= 64 && y.unwrap_or(x) <= 64 => Ok((x, y)),
+        _ => Err("write tiles from west to east x from north to south, 1 to 64 each, such as 4x4".to_owned()),
     }
 }
 

@@ -26,6 +26,8 @@ pub(crate) fn convert(args: &Convert) -> Result<(), Failure> {
         cell_m: args.cell,
         preset: args.preset,
         size: args.size,
+        tiles: args.tiles.map(|(x, y)| [x, y.unwrap_or(x)]),
+        vertices: args.vertices,
         force: args.force,
     };
     let done =

@@ -105,6 +105,13 @@ pub(crate) fn stats(args: &Stats) -> Result<(), Failure> {
     let opened = open(&args.from)?;
     let options = TerrainOptions { channel_area_m2: args.channel_area, ..TerrainOptions::default() };
     let stats = store::stats(&opened, &options, &Limits::default()).map_err(|e| report::run(&e))?;
+    if let Some(folder) = &args.plots {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| Failure::Failed(report::plain(&format!("cannot make `{}`: {e}", folder.display()), None)))?;
+        let name = args.from.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let files = store::plots(&opened, &options, &name, folder, &Limits::default()).map_err(|e| report::run(&e))?;
+        files.iter().for_each(|f| print::note(&format!("wrote {}", f.display())));
+    }
     if args.json {
         return print::line(&format!("{stats:#}"));
     }

@@ -16,6 +16,7 @@ mod recipe_cmd;
 mod report;
 mod runs;
 mod serve;
+mod sweep;
 mod timeline;
 mod wording;
 
@@ -120,6 +121,7 @@ fn work(verb: Verb) -> Result<(), Failure> {
         Verb::Render(a) => inspect::render(&a),
         Verb::Film(a) => film::film(&a),
         Verb::Stats(a) => inspect::stats(&a),
+        Verb::Sweep(a) => sweep::sweep(&a),
         Verb::Convert(a) => convert::convert(&a),
         Verb::Bench(a) => inspect::measure(&a),
         Verb::Doctor(a) => doctor::doctor(&a),

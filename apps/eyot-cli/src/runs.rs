@@ -78,6 +78,11 @@ pub(crate) struct Interrupts {
 
 impl Interrupts {
     pub(crate) fn install() -> Self {
+        Self::saying("stopping with a checkpoint; Ctrl-C again ends at once")
+    }
+
+    /// As [`Interrupts::install`], with other words for the first.
+    pub(crate) fn saying(words: &'static str) -> Self {
         let this = Self { count: Arc::default(), remote: Arc::default() };
         let (count, remote) = (this.count.clone(), this.remote.clone());
         let first: Mutex<Option<Instant>> = Mutex::default();
@@ -93,7 +98,7 @@ impl Interrupts {
                 *first = Some(Instant::now());
             }
             let sent = remote.lock().is_ok_and(|r| r.as_ref().is_none_or(|r| r.send(Command::Stop)));
-            print::note(if sent { "stopping with a checkpoint; Ctrl-C again ends at once" } else { "ending" });
+            print::note(if sent { words } else { "ending" });
         };
         if let Err(e) = ctrlc::set_handler(handler) {
             print::note(&format!("warning: Ctrl-C will end the run without a checkpoint: {e}"));

@@ -23,7 +23,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     let (what, classic) = match case.as_str() {
-        "signed" => (BenchSubject::Hydraulic, false),
         "classic" => (BenchSubject::Hydraulic, true),
         name => (name.parse()?, false),
     };

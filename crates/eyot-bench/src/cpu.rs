@@ -32,6 +32,8 @@ use std::time::{Duration, Instant};
 pub enum BenchSubject {
     /// Hydraulic erosion: one step of all its rules.
     Hydraulic,
+    /// The same with pipes to four neighbours, which is what the peers do.
+    Signed,
     /// Thermal erosion.
     Thermal,
     /// Thermal erosion again, as a rule that a recipe could have; it gives the same bytes.
@@ -61,8 +63,9 @@ pub enum BenchSubject {
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Hydraulic,
+        Self::Signed,
         Self::Thermal,
         Self::Rule,
         Self::Noise,
@@ -91,6 +94,7 @@ impl BenchSubject {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Hydraulic => "hydraulic",
+            Self::Signed => "signed",
             Self::Thermal => "thermal",
             Self::Rule => "rule",
             Self::Noise => "noise",
@@ -143,7 +147,7 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`,
+    /// What was measured: `hydraulic`, `hydraulic classic`, `signed`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`,
     /// `community`, `slope`, `bodies`, `world`, `plates` or `drift`.
     pub what: &'static str,
     /// Cells along a side, or metres.
@@ -293,6 +297,9 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
     // Cell size, lowest and highest ground (m), process.
     let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
         (BenchSubject::Hydraulic, false) => (10.0, -350.0, 650.0, Box::new(Hydraulic::default())),
+        (BenchSubject::Signed, _) => {
+            (10.0, -350.0, 650.0, Box::new(Hydraulic { flux: FluxForm::Signed, ..Default::default() }))
+        }
         (BenchSubject::Hydraulic, true) => (1.0, 0.0, 80.0, Box::new(mei_2007())),
         (BenchSubject::Thermal, _) => (10.0, 0.0, 1000.0, Box::new(Thermal::default())),
         (BenchSubject::Rule, _) => (10.0, 0.0, 1000.0, Box::new(rule::thermal(10.0)?)),
@@ -796,7 +803,8 @@ mod tests {
     #[test]
     fn every_simulation_reports_sound_numbers() {
         for (what, classic, held, moved) in [
-            (BenchSubject::Hydraulic, false, 10, Some(21)),
+            (BenchSubject::Hydraulic, false, 14, Some(29)),
+            (BenchSubject::Signed, false, 10, Some(21)),
             (BenchSubject::Hydraulic, true, 11, Some(26)),
             (BenchSubject::Thermal, false, 2, Some(2)),
             (BenchSubject::Reef, false, 6, Some(13)),

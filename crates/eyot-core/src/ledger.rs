@@ -17,6 +17,9 @@ pub mod known {
     pub const EVAPORATED: Tally = thickness("water.evaporated", -1, "Water that evaporated");
     /// Water that left.
     pub const DRAINED: Tally = thickness("water.drained", -1, "Water that reached the sea or left over an open rim");
+    /// Ground out of nothing, or into it.
+    pub const GROUND_ROUNDED: Tally =
+        thickness("ground.rounded", 1, "Ground that rounding of heights made, or lost where negative");
     /// Water out of nothing.
     pub const WATER_CLAMPED: Tally =
         thickness("water.clamped", 1, "Water added where rounding had made a depth negative");

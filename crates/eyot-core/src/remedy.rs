@@ -97,6 +97,10 @@ pub enum Setting {
     Stream,
     /// Threads that work.
     Threads,
+    /// Tiles that a mesh is cut into.
+    Tiles,
+    /// Most vertices of a mesh.
+    Vertices,
 }
 
 impl Setting {
@@ -134,6 +138,8 @@ impl Setting {
             Self::Size => "size",
             Self::Stream => "stream",
             Self::Threads => "threads",
+            Self::Tiles => "tiles",
+            Self::Vertices => "vertices",
         }
     }
 

@@ -4,7 +4,7 @@ use crate::error::ExportError;
 use crate::estimate;
 use crate::files::{self, Job, Layer};
 use crate::import::read_raster;
-use crate::open;
+use crate::{open, terrain};
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
@@ -39,6 +39,10 @@ pub struct ConvertOptions {
     pub preset: Option<Preset>,
     /// Vertices along each side for presets that resample.
     pub size: Option<u32>,
+    /// Tiles of a mesh, from west to east and from north to south: a file each, `NAME_x0_y0.glb` in the north-west, and `NAME.json`.
+    pub tiles: Option<[u32; 2]>,
+    /// Most vertices of a mesh, or of each of its tiles.
+    pub vertices: Option<u64>,
     /// Overwrite what is there already. Nothing tells the output of a former conversion from other files.
     pub force: bool,
 }
@@ -93,7 +97,7 @@ pub fn convert(
     if let Some(message) = job.misplaced() {
         return Err(ExportError::input(message));
     }
-    if options.preset.is_none() {
+    if options.preset.is_none() && options.tiles.is_none() {
         job.check_free([output.to_owned(), beside(output)])?;
     }
     if job.from == Input::Run { job.run() } else { job.file() }
@@ -348,7 +352,13 @@ impl Conversion<'_> {
             RowOrder::SouthFirst => FirstRow::South,
         });
         let export = match self.to {
-            Output::Mesh(format) => Export { what: Some(What::Terrain), format: Some(format), ..Export::default() },
+            Output::Mesh(format) => Export {
+                what: Some(What::Terrain),
+                format: Some(format),
+                tiles: self.options.tiles.unwrap_or([1, 1]),
+                vertices: self.options.vertices.unwrap_or(Export::default().vertices),
+                ..Export::default()
+            },
             _ => Export { preset, size: self.options.size, layers, first_row, ..Export::default() },
         };
         if export.needs_two_cells() && (world.grid.width < 2 || world.grid.height < 2) {
@@ -358,6 +368,14 @@ impl Conversion<'_> {
         if preset.is_some() {
             let files = export.files().into_iter().map(|f| self.output.join(f));
             self.check_free(files.flat_map(|f| [beside(&f), f]))?;
+        }
+        let names = match self.output.file_name().map(|n| n.to_string_lossy().into_owned()) {
+            Some(name) if export.tiles == [1, 1] => vec![name],
+            _ => export
+                .tile_files(&self.output.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned())),
+        };
+        if export.tiles != [1, 1] {
+            self.check_free(names.iter().map(|name| self.output.with_file_name(name)))?;
         }
         let what = format!("`{}`", self.output.display());
         let bytes = estimate::export(&world.grid, &export, self.limits);
@@ -386,7 +404,7 @@ impl Conversion<'_> {
             note: &|n| notes.borrow_mut().push(n),
         };
         let done = match self.to {
-            Output::Mesh(_) => files::write_mesh(&mut job, self.output, &export),
+            Output::Mesh(_) => terrain::write(&mut job, &names, &export),
             _ => files::write(&mut job, &export),
         };
         if done.is_err() && made {

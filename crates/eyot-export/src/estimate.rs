@@ -1,7 +1,7 @@
 //! How much memory the files of a run need, so that it is refused before the work and not in it.
 
-use crate::dive;
 use crate::pictures::{self, Subject};
+use crate::{dive, masks, open_water, terrain};
 use eyot_core::remedy::Remedy;
 use eyot_core::{Grid, Limits, Result, World};
 use eyot_recipe::memory::check_bytes;
@@ -50,15 +50,19 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
     let cells = [grid.width, grid.height];
     let mesh = || {
         render::terrain_colours_bytes(cells)
-            + mesh::terrain_bytes(grid.width, grid.height, &mesh::MeshOptions::default(), limits)
+            + if export.water { open_water::BYTES_PER_CELL * grid.cells() as u128 } else { 0 }
+            + mesh::terrain_bytes(grid, terrain::tiles(export), &terrain::options(export), limits)
     };
     match (export.preset, export.shows()) {
         (Some(Preset::Gis), _) => 0,
         // The mesh, and the shares of a material on their way to its vertices.
-        (Some(Preset::Blender), _) => mesh() + 24 * grid.cells() as u128,
+        (Some(Preset::Blender), _) => mesh() + 24 * grid.cells() as u128 + masks::BYTES_PER_CELL * grid.cells() as u128,
         // What the ground follows from on other vertices, rows on their way there, and one band of shares.
-        (Some(_), _) => 56 * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n)),
+        (Some(_), _) => {
+            (72 + masks::BYTES_PER_CELL) * export.size.map_or(grid.cells() as u128, |n| u128::from(n) * u128::from(n))
+        }
         (None, What::Terrain) => mesh(),
+        (None, What::Layers | What::Mask) if !export.streams() => masks::BYTES_PER_CELL * grid.cells() as u128,
         (None, What::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
         // The pixels; how many colonies there will be, nobody knows yet.
         (None, What::Dive) => dive::least_bytes(),

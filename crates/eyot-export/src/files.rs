@@ -7,14 +7,14 @@ use eyot_core::{Control, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 
 use crate::materials::{self, Ground, Materials};
-use crate::{corals, preset, views};
+use crate::{corals, masks, preset, terrain, views};
 use eyot_io::Source;
-use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, Preset, What};
+use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, What};
 use eyot_reef::corals::Corals;
+use eyot_render as render;
 use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use {eyot_mesh as mesh, eyot_render as render};
 
 /// What all exports of a world share.
 pub struct Job<'a> {
@@ -108,10 +108,15 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let (world, source, files) = (job.world, job.source, export.files());
     let present = |l: &String| world.get(l).is_some();
     let ground = Ground::of(job, export);
+    for layer in export.layers.iter().filter(|l| export.knows(l) && !present(l)) {
+        if let Some(remedy) = masks::missing(world, layer) {
+            job.tell(format!("`{layer}` is not written: {remedy}"));
+        }
+    }
     let formats = export.formats();
     let format = formats[0];
     match export.shows() {
-        What::Terrain => write_mesh(job, Path::new(&files[0]), export),
+        What::Terrain => terrain::write(job, &files, export),
         What::Splat => {
             let path = job.file(&files[0])?;
             write_splat(job, &path, export)
@@ -220,32 +225,6 @@ pub(crate) fn write_layer(
 /// A refusal of the system may pass; values that do not fit a format will not, however often one tries.
 fn export_error(e: io::Error) -> ExportError {
     if matches!(e, io::Error::Io { .. }) { ExportError::file(e) } else { ExportError::Values(e.into()) }
-}
-
-/// The terrain as a mesh, in the job's folder under the name at the end of `name`.
-pub(crate) fn write_mesh(job: &mut Job<'_>, name: &Path, export: &Export) -> Result<(), ExportError> {
-    let path = job.file(&name.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()))?;
-    let world = job.world;
-    let height = &world.layer("height").map_err(ExportError::file)?.field;
-    let colours = render::terrain_colours(world, &job.looks).map_err(ExportError::file)?;
-    let mut terrain = mesh::terrain(height, &world.grid, &colours, &mesh::MeshOptions::default(), job.limits)
-        .map_err(ExportError::file)?;
-    if export.preset == Some(Preset::Blender) {
-        for material in MATERIALS {
-            let found = materials::layer(job.source, material, &Ground::of(job, export), false);
-            let mut shares = vec![0.0; world.grid.cells()];
-            found.map_or(Ok(()), |(_, mut rows)| rows.read(0, &mut shares)).map_err(ExportError::file)?;
-            terrain.add_attribute(material, &shares).map_err(ExportError::file)?;
-        }
-    }
-    if path.extension().is_some_and(|e| e == "obj") {
-        return io::write_terrain_obj(&path, &terrain.mesh, job.name).map_err(ExportError::file);
-    }
-    // Each level has a quarter of the triangles of the one before: half the detail along each axis.
-    let ratios: Vec<f64> = (0..export.levels).map(|i| 0.25_f64.powi(i as i32)).collect();
-    job.control.check().map_err(ExportError::stopped)?;
-    let levels = mesh::levels_of_detail_controlled(&terrain, &ratios, job.control).map_err(ExportError::stopped)?;
-    io::write_terrain_glb(&path, &levels, job.name).map_err(ExportError::file)
 }
 
 /// Writes a text file, whole or not at all.

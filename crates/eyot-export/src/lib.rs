@@ -6,6 +6,7 @@
 //! takes height maps into recipes, [`Files`] resolves the files that recipes name, [`Costs`] says what outputs cost, and [`RunFiles`] writes
 //! what a run has come to.
 
+mod chart;
 pub mod convert;
 pub mod corals;
 mod dive;
@@ -14,13 +15,22 @@ pub mod estimate;
 mod files;
 mod fit;
 mod import;
+mod masks;
 mod materials;
 pub mod open;
+mod open_water;
 mod outputs;
 pub mod pictures;
 mod plots;
 mod preset;
+mod terrain;
+mod terrain_plots;
 mod views;
+
+/// Sheets of small pictures.
+pub mod sheets {
+    pub use eyot_render::{Picture, SheetCell, contact_sheet};
+}
 
 pub use error::ExportError;
 pub use estimate::Costs;
@@ -29,3 +39,4 @@ pub use files::{Job, write, write_text};
 pub use import::{Files, IMPORT, Import, read_raster};
 pub use outputs::RunFiles;
 pub use pictures::Subject;
+pub use terrain_plots::terrain_plots;

@@ -7,6 +7,7 @@
 //! A cell's shares need two rows of neighbours and nothing else, so they are made while they are written.
 
 use crate::files::Job;
+use crate::masks;
 use eyot_core::{Result, World};
 use eyot_io::Source;
 use eyot_io::{self as io, About, Rows};
@@ -16,28 +17,34 @@ use eyot_render::cover::{Cover, HALO, LAYERS, Strip, Weights, materials};
 use rayon::prelude::*;
 
 /// What decides of the shares beside the layers.
-pub(crate) struct Ground {
-    sea_level_m: f64,
-    seed: u64,
-    looks: Looks,
+pub(crate) struct Ground<'a> {
+    /// The world; of a streamed one, an overview in coarser cells.
+    world: &'a World,
+    pub(crate) looks: Looks,
 }
 
-impl Ground {
+impl<'a> Ground<'a> {
+    /// Of a world that looks like this.
+    #[cfg(test)]
+    pub(crate) fn new(world: &'a World, looks: Looks) -> Self {
+        Self { world, looks }
+    }
+
     /// Of the job's world as an export sees it.
-    pub(crate) fn of(job: &Job<'_>, export: &Export) -> Self {
+    pub(crate) fn of(job: &Job<'a>, export: &Export) -> Self {
         let looks = Looks {
             rock_slope_deg: export.rock_slope,
             beach_m: export.beach,
             snow_line_m: export.snow_line.or(job.looks.snow_line_m),
             ..job.looks.clone()
         };
-        Self { sea_level_m: job.world.sea_level_m, seed: job.world.seed, looks }
+        Self { world: job.world, looks }
     }
 }
 
-/// The layers of a world that its ground follows from.
+/// The layers of a world that its ground and its masks follow from.
 pub(crate) fn layers(world: &World) -> Vec<&'static str> {
-    LAYERS.into_iter().filter(|name| world.get(name).is_some()).collect()
+    LAYERS.into_iter().filter(|name| world.get(name).is_some()).chain(masks::layers(world)).collect()
 }
 
 /// The shares of all materials, row by row.
@@ -50,7 +57,7 @@ pub(crate) struct Materials<'a> {
 
 impl<'a> Materials<'a> {
     /// Of the ground of `source`, if there is a height.
-    pub(crate) fn of(source: &'a dyn Source, ground: &Ground) -> Option<Self> {
+    pub(crate) fn of(source: &'a dyn Source, ground: &Ground<'_>) -> Option<Self> {
         let (about, height) = source.layer("height")?;
         let size = height.size();
         let layers = LAYERS.map(|name| source.layer(name).map(|(_, rows)| rows).filter(|rows| rows.size() == size));
@@ -59,7 +66,7 @@ impl<'a> Materials<'a> {
         let looks =
             ground.looks.resolved(|name| LAYERS.iter().zip(&layers).any(|(l, rows)| *l == name && rows.is_some()));
         let cell_m = [about.cell_m.0, about.cell_m.1];
-        let cover = Cover::new(cell_m, low, ground.sea_level_m, ground.seed, &looks);
+        let cover = Cover::new(cell_m, low, ground.world.sea_level_m, ground.world.seed, &looks);
         Some(Self { layers, size, about, cover })
     }
 
@@ -125,16 +132,32 @@ impl Rows for Share<'_> {
     }
 }
 
-/// A layer of the source or else a material or a class: exact shares, or those of `bytes`.
+/// A layer of the source or else a material, a class or one of the [`masks`]: exact, or as shares of `bytes`.
 pub(crate) fn layer<'a>(
     source: &'a dyn Source,
     name: &str,
-    ground: &Ground,
+    ground: &Ground<'_>,
     bytes: bool,
 ) -> Option<(About, Box<dyn Rows + 'a>)> {
     if let Some(found) = source.layer(name) {
         return Some(found);
     }
+    let (place, height) = source.layer("height")?;
+    // A mask is made of the whole world, so there is none of a streamed one.
+    if height.size() == (ground.world.grid.width, ground.world.grid.height)
+        && let Some(mask) = masks::of(ground.world, name, ground).ok().flatten()
+    {
+        let mask = if bytes { mask.shares() } else { mask };
+        let about = About {
+            name: name.to_owned(),
+            unit: mask.unit.to_owned(),
+            meaning: mask.meaning.to_owned(),
+            range: Some(mask.range()),
+            ..place
+        };
+        return Some((about, Box::new(masks::Whole { size: height.size(), values: mask.values })));
+    }
+    drop(height);
     let material = MATERIALS.iter().position(|m| *m == name).map(Part::Material);
     let part = material.or_else(|| GROUND.iter().position(|c| *c == name).map(Part::Class))?;
     let all = Materials::of(source, ground)?;
@@ -155,10 +178,6 @@ mod tests {
     use eyot_core::{Boundary, Field, Grid, Limits, World};
     use eyot_render::{Class, terrain_colours};
 
-    fn ground(looks: Looks) -> Ground {
-        Ground { sea_level_m: 0.0, seed: 1, looks }
-    }
-
     #[test]
     fn recipes_and_pictures_have_the_same_classes() {
         assert_eq!(Class::ALL.map(Class::name), GROUND);
@@ -178,7 +197,7 @@ mod tests {
             _ => 450.0,
         };
         world.put(&known::HEIGHT, Field::from_fn(64, 3, |x, _| z(x))).unwrap();
-        let ground = ground(Looks { snow_line_m: Some(200.0), beach_m: Some(3.0), ..Looks::default() });
+        let ground = Ground::new(&world, Looks { snow_line_m: Some(200.0), beach_m: Some(3.0), ..Looks::default() });
         let mut materials = Materials::of(&world, &ground).unwrap();
         assert_eq!(materials.size(), (64, 3));
         let mut whole = vec![[0; 4]; 64 * 3];
@@ -211,13 +230,12 @@ mod tests {
     /// What the splat map calls rock or grass is what the picture shows: grey, or green and yellow, with little blue.
     #[test]
     fn masks_are_where_pictures_show_them() {
-        // The seed of `ground`: masks and pictures share their noise.
         let mut world = World::new(Grid::new(96, 96, 20.0, Boundary::CLOSED, &Limits::default()).unwrap(), 1);
         let hills = |x: f32, y: f32| 500.0 + 260.0 * (0.09 * x).sin() * (0.11 * y).cos();
         world.put(&known::HEIGHT, Field::from_fn(96, 96, |x, y| hills(x as f32, y as f32))).unwrap();
         let looks = Looks::default();
         let mut shares = vec![[0u8; 4]; 96 * 96];
-        Materials::of(&world, &ground(looks.clone())).unwrap().read_bytes(0, &mut shares).unwrap();
+        Materials::of(&world, &Ground::new(&world, looks.clone())).unwrap().read_bytes(0, &mut shares).unwrap();
         let colours = terrain_colours(&world, &looks).unwrap();
         let (mut grass, mut rock) = (0, 0);
         for (s, c) in shares.iter().zip(&colours) {

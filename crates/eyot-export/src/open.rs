@@ -67,6 +67,12 @@ pub fn open_with(
     of_raster(raster, path, limits)
 }
 
+/// A world that a run left, as the folder of that run would be opened.
+pub fn of_run(world: World, view: View) -> Opened {
+    let has_sea = world.sea_level_m > NO_SEA_M;
+    Opened { world, file: PathBuf::new(), has_sea, view, engines: Vec::new(), notes: Vec::new() }
+}
+
 /// The world of a height map.
 pub fn of_raster(mut raster: io::Raster, path: &Path, limits: &Limits) -> Result<Opened, ExportError> {
     let (dx, dy) = raster.cell_m.unwrap_or((1.0, 1.0));

@@ -201,6 +201,7 @@ impl Outputs<'_> {
             "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
             "ledger": world.ledger,
             "outputs": names,
+            "vertical_exaggeration": recipe.view.enabled.then(|| recipe.view.vertical_exaggeration.unwrap_or(1.0)),
             // So that a later run knows them from files of others.
             "earlier_outputs": stale,
             "set": recipe.overrides.set,

@@ -80,7 +80,7 @@ pub fn draw(
 pub fn map_options(layer: &str, size: Option<u32>) -> render::MapOptions {
     let arrows = ["wind_x", "wind_y"];
     render::MapOptions {
-        classes: eyot_climate::zones::classes(layer),
+        classes: eyot_climate::zones::classes(layer).or_else(|| eyot_strata::classes(layer)),
         arrows: arrows.contains(&layer).then_some(arrows),
         size: size.map(|n| n as usize),
         ..Default::default()
@@ -138,5 +138,42 @@ pub fn relief_options(v: &View, size: Option<u32>) -> render::ReliefOptions {
         sun_elevation_deg: v.sun_elevation.unwrap_or(d.sun_elevation_deg),
         looks: looks(v),
         ..d
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    /// The names of a choice of a recipe's view, each with its text, out of the schema that is made of the enumeration.
+    fn choices(name: &str) -> Vec<(String, String)> {
+        let schema = schemars::schema_for!(View).to_value();
+        let all = schema["$defs"][name]["oneOf"].as_array().cloned().unwrap_or_default();
+        let text = |v: &Value| v.as_str().unwrap_or_default().to_owned();
+        all.iter().map(|c| (text(&c["const"]), text(&c["description"]))).collect()
+    }
+
+    #[test]
+    fn recipes_and_pictures_have_the_same_palettes_and_seasons() {
+        let (palettes, seasons) = (choices("Palette"), choices("Season"));
+        assert!(palettes.len() == 7 && seasons.len() == 4, "{palettes:?} {seasons:?}");
+        for (name, text) in palettes {
+            let palette: Palette = serde_json::from_value(Value::from(name.clone())).unwrap();
+            let drawn = looks(&View { palette, ..View::default() }).palette;
+            assert_eq!(format!("{drawn:?}").to_lowercase(), name);
+            if drawn != render::Palette::Auto {
+                let [trees, snow] = drawn.lines_m();
+                assert!(
+                    text.ends_with(&format!("; trees to {trees} m, snow from {snow} m.")),
+                    "{name}: {text}, {trees} {snow}"
+                );
+            }
+        }
+        for (name, _) in seasons {
+            let season: Season = serde_json::from_value(Value::from(name.clone())).unwrap();
+            let drawn = looks(&View { season, ..View::default() }).season;
+            assert_eq!(format!("{drawn:?}").to_lowercase(), name);
+        }
     }
 }

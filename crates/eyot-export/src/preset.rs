@@ -2,16 +2,15 @@
 
 use crate::error::ExportError;
 use crate::files::write_text;
-use crate::files::{Job, say_place, write_layer, write_mesh, write_splat};
+use crate::files::{Job, say_place, write_layer, write_splat};
 use crate::fit::{Samples, fit};
 use crate::import::row_order;
-use crate::materials;
+use crate::{masks, materials, terrain};
 use eyot_core::{Georeference, World};
-use eyot_io::{self as io, ByteOrder, RasterFormat, WriteOptions};
+use eyot_io::{self as io, ByteOrder, RasterFormat, Rows, WriteOptions};
 use eyot_recipe::MATERIALS;
 use eyot_recipe::{Export, FirstRow, Preset};
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// Landscapes that Unreal makes of whole components: vertices along a side, quads of a section, sections and components
 /// along a side.
@@ -69,6 +68,7 @@ fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         write_layer(&world, "height", &path, format, &options)?;
     }
     let weights = write_materials(&mut job.of(&world), export, &names[2..])?;
+    let masks = write_masks(&mut job.of(&world), export)?;
     let (_, quads, sections, components) = UNREAL.into_iter().find(|u| u.0 == n).unwrap_or(UNREAL[0]);
     let about = json!({
         "preset": "unreal",
@@ -90,6 +90,7 @@ fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         "value_of_65535_m": high,
         "axes": "x east, y south, z up",
         "weightmaps": weights,
+        "masks": masks,
     });
     describe(job, &names, &about)
 }
@@ -112,6 +113,7 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let path = job.file(&names[1])?;
     let quads = fit(job.world, &materials::layers(job.world), [Samples::Quads(n - 1); 2], job.limits)?;
     write_splat(&job.of(&quads), &path, export)?;
+    let masks = write_masks(&mut job.of(&quads), export)?;
     let about = json!({
         "preset": "unity",
         "heightmap": {
@@ -129,6 +131,7 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         "value_of_65535_m": high,
         "axes": "x east, y up, z north",
         "splatmap": { "file": names[1], "resolution": n - 1, "row_order": "north to south", "layers": MATERIALS },
+        "masks": masks,
     });
     describe(job, &names, &about)
 }
@@ -151,6 +154,7 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     write_layer(&world, "height", &path, RasterFormat::Exr, &WriteOptions::default())?;
     let path = job.file(&names[1])?;
     write_splat(&job.of(&world), &path, export)?;
+    let masks = write_masks(&mut job.of(&world), export)?;
     let about = json!({
         "preset": "godot",
         "plugin": "Terrain3D",
@@ -163,6 +167,7 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         "sea_level_y_m": sea_level(&world)?,
         "axes": "x east, y up, z south",
         "splatmap": { "file": names[1], "row_order": "north to south", "layers": MATERIALS },
+        "masks": masks,
     });
     describe(job, &names, &about)
 }
@@ -170,10 +175,12 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
 fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let names = Preset::Blender.files(&export.prefix);
     let world = job.world;
-    write_mesh(job, Path::new(&names[0]), export)?;
+    terrain::write(job, &names[..1], export)?;
     let path = job.file(&names[1])?;
     write_layer(world, "height", &path, RasterFormat::Exr, &WriteOptions::default())?;
-    let masks = write_materials(job, export, &names[2..])?;
+    let materials = write_materials(job, export, &names[2..])?;
+    let masks = write_masks(job, export)?;
+    let all_masks: Vec<&Value> = [&materials, &masks].into_iter().filter_map(Value::as_array).flatten().collect();
     let g = &world.grid;
     let (low, high) = range(world)?;
     let about = json!({
@@ -185,7 +192,7 @@ fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         "lowest_m": low,
         "highest_m": high,
         "sea_level_z_m": sea_level(world)?,
-        "masks": masks,
+        "masks": all_masks,
         "mesh_attributes": MATERIALS.map(|m| format!("_{}", m.to_uppercase())),
     });
     describe(job, &names, &about)
@@ -214,6 +221,34 @@ fn write_materials(job: &mut Job<'_>, export: &Export, names: &[String]) -> Resu
         let path = job.file(name)?;
         io::write_mask(&path, &mut *rows).map_err(ExportError::file)?;
         list.push(json!({ "material": material, "file": name }));
+    }
+    Ok(json!(list))
+}
+
+/// Writes the masks that the world has the layers for, says how to get the others, and returns what they are.
+fn write_masks(job: &mut Job<'_>, export: &Export) -> Result<Value, ExportError> {
+    let ground = materials::Ground::of(job, export);
+    let mut list = Vec::new();
+    for mask in masks::all() {
+        let name = export.mask_file(mask);
+        let (unit, full, mut rows): (_, _, Box<dyn Rows + '_>) = match masks::of(job.world, mask, &ground) {
+            Ok(Some(found)) => {
+                let size = (job.world.grid.width, job.world.grid.height);
+                let (unit, full) = (found.unit, found.full());
+                (unit, full, Box::new(masks::Whole { size, values: found.shares().values }))
+            }
+            Ok(None) => match job.source.layer(mask).filter(|_| mask == "wetness") {
+                Some((_, rows)) => ("1", 1.0, rows),
+                None => continue,
+            },
+            Err(e) => return Err(ExportError::file(e)),
+        };
+        let path = job.file(&name)?;
+        io::write_mask(&path, &mut *rows).map_err(ExportError::file)?;
+        list.push(json!({ "mask": mask, "file": name, "unit": unit, "value_of_0": 0.0, "value_of_255": full }));
+    }
+    for note in masks::all_missing(job.world, export) {
+        job.tell(note);
     }
     Ok(json!(list))
 }

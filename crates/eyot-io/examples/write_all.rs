@@ -4,9 +4,9 @@
 
 use eyot_core::{Boundary, Field, Georeference, Grid, LayerSpec, Limits, World, layer::known};
 use eyot_io::{
-    About, RasterFormat, ReadOptions, Rows, Scene, SceneMaterial, SceneMesh, SceneNode, checkpoint, read_raster,
-    shares, write_exr, write_layer, write_mask, write_rgb_png, write_scene_glb, write_scene_obj, write_scene_ply,
-    write_splat, write_store, write_terrain_glb, write_terrain_obj,
+    About, RasterFormat, ReadOptions, Rows, Scene, SceneMaterial, SceneMesh, SceneNode, TerrainParts, checkpoint,
+    read_raster, shares, write_exr, write_layer, write_mask, write_rgb_png, write_scene_glb, write_scene_obj,
+    write_scene_ply, write_splat, write_store, write_terrain_glb, write_terrain_obj,
 };
 use eyot_mesh::{
     Blend, Blobs, Kernel, Lattice, MeshOptions, MeshingOptions, Primitive, levels_of_detail, mesh_field, terrain,
@@ -125,8 +125,9 @@ fn mesh(folder: &Path, name: &str, world: &World, limits: &Limits) -> Result<()>
             l.error_m
         );
     }
-    write_terrain_obj(&folder.join(format!("{name}.obj")), &levels[0].mesh, name)?;
-    write_terrain_glb(&folder.join(format!("{name}.glb")), &levels, name)?;
+    write_terrain_obj(&folder.join(format!("{name}.obj")), &levels[0].mesh, None, name)?;
+    let parts = TerrainParts { levels: &levels, name, ..TerrainParts::default() };
+    write_terrain_glb(&folder.join(format!("{name}.glb")), &parts)?;
     Ok(())
 }
 

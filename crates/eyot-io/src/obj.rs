@@ -11,29 +11,30 @@ use std::path::Path;
 
 /// Lines that are put together before they are written.
 const LINES: usize = 1 << 14;
+/// Linear colour of water.
+const WATER: [u8; 4] = [3, 19, 27, 255];
 
-/// Writes a mesh as OBJ, y up, in metres, with normals and, after each position, its linear colour, as most programs read
-/// it.
+/// Writes a mesh as OBJ, y up, in metres, with texture coordinates, normals and, after each position, its linear colour, as most
+/// programs read it. The surface of the water is an object of its own, `water`.
 ///
 /// # Errors
 /// If the mesh has no triangles or its arrays differ in length, or if the file cannot be written.
-pub fn write_terrain_obj(path: &Path, mesh: &TerrainMesh, name: &str) -> Result<()> {
+pub fn write_terrain_obj(path: &Path, mesh: &TerrainMesh, water: Option<&TerrainMesh>, name: &str) -> Result<()> {
     let n = mesh.positions.len();
-    if mesh.indices.is_empty() || mesh.normals.len() != n || mesh.colours.len() != n {
+    if mesh.indices.is_empty() || [mesh.normals.len(), mesh.colours.len(), mesh.texture.len()] != [n; 3] {
         return Err(Error::format(path, "the mesh has no triangles", "make it with eyot_mesh::terrain"));
     }
     write_atomically(path, |file| {
         put(file, path, b"# Eyot, metres, y up\n")?;
-        let object = Object {
-            name,
-            positions: &mesh.positions,
-            normals: &mesh.normals,
-            colours: &mesh.colours,
-            indices: &mesh.indices,
-            first: 1,
-            node: None,
+        let mut object = |name, m: &TerrainMesh, colours: &[[u8; 4]], first| {
+            let (positions, normals, texture, indices) = (&m.positions, &m.normals, &m.texture, &m.indices);
+            Object { name, positions, normals, colours, texture, indices, first, node: None }.write(path, file)
         };
-        object.write(path, file)
+        object(name, mesh, &mesh.colours, 1)?;
+        match water {
+            Some(w) => object("water", w, &vec![WATER; w.positions.len()], 1 + n as u64),
+            None => Ok(()),
+        }
     })
 }
 
@@ -53,6 +54,7 @@ pub fn write_scene_obj(path: &Path, scene: &Scene<'_>) -> Result<()> {
                 positions: m.positions,
                 normals: m.normals,
                 colours: m.colours,
+                texture: &[],
                 indices: m.indices,
                 first,
                 node: Some(node),
@@ -69,6 +71,8 @@ struct Object<'a> {
     positions: &'a [[f32; 3]],
     normals: &'a [[f32; 3]],
     colours: &'a [[u8; 4]],
+    /// As many or none.
+    texture: &'a [[u16; 2]],
     indices: &'a [u32],
     /// Number of its first vertex in the file, from 1.
     first: u64,
@@ -96,6 +100,14 @@ impl Object<'_> {
             }
             flush(&mut text)?;
         }
+        for texture in self.texture.chunks(LINES) {
+            for t in texture {
+                let [u, v] = t.map(|v| f32::from(v) / 65535.0);
+                // OBJ counts upward from the bottom of the picture.
+                let _ = writeln!(text, "vt {u:.6} {:.6}", 1.0 - v);
+            }
+            flush(&mut text)?;
+        }
         for normals in self.normals.chunks(LINES) {
             for &n in normals {
                 let [x, y, z] = self.node.map_or(n, |node| node.direction(n));
@@ -106,7 +118,11 @@ impl Object<'_> {
         for triangles in self.indices.chunks(3 * LINES) {
             for t in triangles.chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|i| u64::from(i) + self.first);
-                let _ = writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}");
+                let _ = if self.texture.is_empty() {
+                    writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}")
+                } else {
+                    writeln!(text, "f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}")
+                };
             }
             flush(&mut text)?;
         }

@@ -11,6 +11,25 @@ use std::fs::File;
 use std::io::{BufReader, Seek};
 use std::path::Path;
 
+/// Reads a colour picture of 8 bits, as [`crate::write_rgb_png`] writes them: columns, rows and pixels.
+///
+/// # Errors
+/// If it cannot be read, is another kind of picture, or exceeds the limits.
+pub fn read_rgb_png(path: &Path, limits: &Limits) -> Result<(usize, usize, Vec<[u8; 3]>)> {
+    let file = File::open(path).map_err(Error::io(path, "read"))?;
+    let failed = |e| as_error(path, e);
+    let decoder = Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: METADATA_BYTES });
+    let mut reader = decoder.read_info().map_err(failed)?;
+    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    if reader.output_color_type() != (ColorType::Rgb, BitDepth::Eight) || reader.info().interlaced {
+        return Err(Error::format(path, "this is no colour picture of 8 bits", "write it with write_rgb_png"));
+    }
+    limits.check_bytes("the picture", 3 * width as u128 * height as u128).map_err(Error::beyond(path))?;
+    let mut pixels = vec![[0; 3]; width * height];
+    reader.next_frame(pixels.as_flattened_mut()).map_err(failed)?;
+    Ok((width, height, pixels))
+}
+
 /// Text and colour profiles may use this much; images meet the limits of the caller.
 const METADATA_BYTES: usize = 16 << 20;
 

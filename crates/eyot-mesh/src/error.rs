@@ -24,6 +24,14 @@ pub enum Error {
         /// The option or limit that was given.
         max_vertices: u64,
     },
+    /// More tiles along a side than quads.
+    #[error("{tiles:?} tiles cannot be cut from {quads:?} quads; choose fewer")]
+    TooManyTiles {
+        /// Tiles from west to east and from north to south.
+        tiles: [usize; 2],
+        /// Quads between vertices along both sides.
+        quads: [usize; 2],
+    },
     /// A height that is not a finite number.
     #[error("the height is {value} at column {x}, row {y}; a mesh needs finite heights")]
     NotFinite {

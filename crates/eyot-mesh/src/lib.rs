@@ -22,6 +22,8 @@
 //! # }
 //! ```
 //!
+//! [`Tiling`] cuts a grid into tiles whose rims fit, and makes their skirts and the surface of their water.
+//!
 //! Coarser levels need the feature `simplify`, which is on by default. Without it [`levels_of_detail`] gives the full mesh
 //! alone and [`solid_levels`] nothing: [`SIMPLIFIES`] says which build this is.
 //!
@@ -33,9 +35,11 @@ mod primitive;
 mod simplifier;
 mod solid;
 mod terrain;
+mod tiles;
+mod water;
 
 pub use error::{Error, Result};
-pub use lod::{Lod, levels_of_detail, levels_of_detail_controlled};
+pub use lod::{Lod, Rim, levels_of_detail, levels_of_detail_controlled};
 /// True if this build can make coarser levels of detail (feature `simplify`).
 pub const SIMPLIFIES: bool = cfg!(feature = "simplify");
 
@@ -45,3 +49,5 @@ pub use solid::{
     Volume, Within, mesh_field, solid_levels,
 };
 pub use terrain::{Attribute, MeshOptions, Terrain, TerrainMesh, terrain, terrain_bytes};
+pub use tiles::{Tiling, rim_error};
+pub use water::OpenWater;

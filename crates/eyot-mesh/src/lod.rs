@@ -1,4 +1,4 @@
-//! Coarser levels of a terrain mesh, by edge collapses that leave the rim in place.
+//! Coarser levels of a terrain mesh, by edge collapses that leave the rim in place, or on its straight lines.
 //!
 //! The simplifier at hand (`meshopt`) works on solids: it refuses collapses that turn a triangle by more than 75 degrees,
 //! which on steep ground still lets triangles fold under each other in several collapses. So it is shown a flattened copy,
@@ -31,6 +31,17 @@ pub struct Lod {
     pub error_m: f32,
 }
 
+/// What coarser levels may do to the rim of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rim {
+    /// Nothing: all levels of neighbouring tiles fit together.
+    #[default]
+    Fixed,
+    /// Leave out vertices of its four straight sides, but not the corners. Tiles of different levels then need a skirt
+    /// ([`crate::Tiling::skirt`]), and small tiles get much coarser levels.
+    Straight,
+}
+
 /// The mesh itself and coarser levels of it, finest first.
 ///
 /// `ratios` are shares of the full mesh's triangles to aim at, in falling order, for example `[0.25, 0.0625]`. Level 0
@@ -40,14 +51,19 @@ pub struct Lod {
 /// values outside 0..1 are left out, too.
 pub fn levels_of_detail(terrain: &Terrain, ratios: &[f64]) -> Vec<Lod> {
     // Without anybody to stop it, it comes to its end.
-    levels_of_detail_controlled(terrain, ratios, &Control::none()).unwrap_or_default()
+    levels_of_detail_controlled(terrain, ratios, Rim::Fixed, &Control::none()).unwrap_or_default()
 }
 
-/// As [`levels_of_detail`]; can be stopped between two levels.
+/// As [`levels_of_detail`], with a choice about the rim; can be stopped between two levels.
 ///
 /// # Errors
 /// On a request to stop.
-pub fn levels_of_detail_controlled(terrain: &Terrain, ratios: &[f64], control: &Control<'_>) -> Result<Vec<Lod>> {
+pub fn levels_of_detail_controlled(
+    terrain: &Terrain,
+    ratios: &[f64],
+    rim: Rim,
+    control: &Control<'_>,
+) -> Result<Vec<Lod>> {
     let full = terrain.mesh.triangles();
     let mut levels = vec![Lod { mesh: compact(&terrain.mesh, &terrain.mesh.indices), ratio: 1.0, error_m: 0.0 }];
     if full == 0 {
@@ -57,7 +73,7 @@ pub fn levels_of_detail_controlled(terrain: &Terrain, ratios: &[f64], control: &
         control.check()?;
         let finer = &levels[levels.len() - 1].mesh;
         let target = 3 * ((full as f64 * ratio) as usize).max(1);
-        let Some(indices) = simplify(finer, target) else { continue };
+        let Some(indices) = simplify(finer, target, rim) else { continue };
         if indices.is_empty() || indices.len() as f64 >= WORTHWHILE * finer.indices.len() as f64 {
             continue;
         }
@@ -69,23 +85,42 @@ pub fn levels_of_detail_controlled(terrain: &Terrain, ratios: &[f64], control: &
 }
 
 /// Indices of about `target` length whose triangles all face up, or `None` if that failed.
-fn simplify(mesh: &TerrainMesh, target: usize) -> Option<Vec<u32>> {
+fn simplify(mesh: &TerrainMesh, target: usize, rim: Rim) -> Option<Vec<u32>> {
     let flat = flattened(mesh);
-    let mut locked = vec![false; flat.len()];
+    let how = |locked: &[bool]| simplifier::simplify_open(&mesh.indices, &flat, locked, target, rim == Rim::Fixed);
+    without_folds(mesh, corners(&flat), how)
+}
+
+/// What `how` makes of a mesh, some of whose vertices are locked, with more of them locked as long as triangles fold.
+pub(crate) fn without_folds(
+    mesh: &TerrainMesh,
+    mut locked: Vec<bool>,
+    how: impl Fn(&[bool]) -> Option<Vec<u32>>,
+) -> Option<Vec<u32>> {
     for _ in 0..ATTEMPTS {
-        let indices = simplifier::simplify_open(&mesh.indices, &flat, &locked, target)?;
+        let indices = how(&locked)?;
         let folded: Vec<&[u32]> = indices.chunks_exact(3).filter(|t| area_from_above(mesh, t) <= 0.0).collect();
         if folded.is_empty() {
             return Some(indices);
         }
         // The neighbours as well: a collapse beside the sliver made it.
-        let mut near = vec![false; flat.len()];
+        let mut near = vec![false; locked.len()];
         folded.into_iter().flatten().for_each(|&i| near[i as usize] = true);
         for t in mesh.indices.chunks_exact(3).filter(|t| t.iter().any(|&i| near[i as usize])) {
             t.iter().for_each(|&i| locked[i as usize] = true);
         }
     }
     None
+}
+
+/// Which vertices are the four corners of a rectangle.
+fn corners(positions: &[[f32; 3]]) -> Vec<bool> {
+    let range = |axis: usize| {
+        let along = positions.iter().map(move |p| p[axis]);
+        [along.clone().fold(f32::INFINITY, f32::min), along.fold(f32::NEG_INFINITY, f32::max)]
+    };
+    let (easts, souths) = (range(0), range(2));
+    positions.iter().map(|p| easts.contains(&p[0]) && souths.contains(&p[2])).collect()
 }
 
 /// The positions with heights in another unit, in which slopes are gentle.
@@ -148,7 +183,7 @@ fn vertical_error(full: &Terrain, level: &TerrainMesh) -> f32 {
 }
 
 /// The given triangles, ordered for the vertex cache, with the vertices that they use in order of first use.
-fn compact(mesh: &TerrainMesh, indices: &[u32]) -> TerrainMesh {
+pub(crate) fn compact(mesh: &TerrainMesh, indices: &[u32]) -> TerrainMesh {
     let ordered = simplifier::order_for_cache(indices, mesh.positions.len());
     let mut new_index = vec![u32::MAX; mesh.positions.len()];
     let mut used = Vec::with_capacity(mesh.positions.len().min(ordered.len()));
@@ -166,7 +201,9 @@ fn compact(mesh: &TerrainMesh, indices: &[u32]) -> TerrainMesh {
     TerrainMesh {
         positions: used.iter().map(|&i| mesh.positions[i]).collect(),
         normals: used.iter().map(|&i| mesh.normals[i]).collect(),
-        colours: used.iter().map(|&i| mesh.colours[i]).collect(),
+        // Water has one colour, that of its material.
+        colours: used.iter().filter_map(|&i| mesh.colours.get(i).copied()).collect(),
+        texture: used.iter().map(|&i| mesh.texture[i]).collect(),
         attributes: mesh
             .attributes
             .iter()

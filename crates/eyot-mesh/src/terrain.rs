@@ -1,11 +1,13 @@
 //! From a height field to one triangle mesh.
 
 use crate::error::{Error, Result};
+use crate::tiles::Tiling;
 use eyot_core::{Error as CoreError, Field, Grid, Limits};
 use rayon::prelude::*;
 
-/// Bytes that one vertex with its share of triangles takes: position, normal, colour, four attributes and two triangles.
-const BYTES_PER_VERTEX: u64 = 12 + 12 + 4 + 16 + 2 * 3 * 4;
+/// Bytes that one vertex with its share of triangles takes: position, normal, colour, texture coordinates, four attributes and two
+/// triangles.
+const BYTES_PER_VERTEX: u64 = 12 + 12 + 4 + 4 + 16 + 2 * 3 * 4;
 
 /// Triangles with one vertex per sampled cell.
 ///
@@ -18,6 +20,9 @@ pub struct TerrainMesh {
     pub normals: Vec<[f32; 3]>,
     /// Linear (not sRGB) red, green, blue and an alpha of 255.
     pub colours: Vec<[u8; 4]>,
+    /// Texture coordinates over the whole grid, whichever part of it the mesh shows: 0 at its western and northern border, 65535 at the
+    /// eastern and southern one. A picture of the grid with a pixel a cell, such as a mask, lies with the middles of its pixels on the vertices.
+    pub texture: Vec<[u16; 2]>,
     /// Numbers of each vertex beside these, such as shares of materials.
     pub attributes: Vec<Attribute>,
     /// Three per triangle, counter-clockwise seen from above.
@@ -43,14 +48,14 @@ impl TerrainMesh {
 /// How to make a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshOptions {
-    /// Most vertices that the mesh may have, at least 4. A grid with more cells is sampled with a stride. The default
-    /// of four million makes a file of about 200 MB that common viewers still open.
+    /// Most vertices that one mesh may have, at least 4. A grid with more cells is sampled with a stride; in tiles, the bound holds for each
+    /// of them. The default of 1025 x 1025 makes a file of 80 MB with four levels of detail.
     pub max_vertices: u64,
 }
 
 impl Default for MeshOptions {
     fn default() -> Self {
-        Self { max_vertices: 4 << 20 }
+        Self { max_vertices: 1025 * 1025 }
     }
 }
 
@@ -68,6 +73,8 @@ pub struct Terrain {
     pub stride: usize,
     /// Columns and rows of the grid.
     pub cells: (usize, usize),
+    /// Column and row of the first vertex among those of all tiles; (0, 0) of a mesh of the whole grid.
+    pub first: (usize, usize),
 }
 
 impl Terrain {
@@ -81,9 +88,10 @@ impl Terrain {
             let what = format!("the attribute `{name}` of a {w}x{h} mesh");
             return Err(CoreError::Shape { what, expected: w * h, found: values.len() }.into());
         }
-        let (columns, stride) = (self.columns, self.stride);
+        let (columns, stride, (east, south)) = (self.columns, self.stride, self.first);
         let cell = |i: usize, n: usize| (i * stride).min(n - 1);
-        let values = collect(self.rows, |row| (0..columns).map(|c| values[cell(row, h) * w + cell(c, w)]).collect());
+        let at = |c: usize, r: usize| values[cell(south + r, h) * w + cell(east + c, w)];
+        let values = collect(self.rows, |row| (0..columns).map(|c| at(c, row)).collect());
         self.mesh.attributes.push(Attribute { name: name.to_owned(), values });
         Ok(())
     }
@@ -106,40 +114,51 @@ pub fn terrain(
     options: &MeshOptions,
     limits: &Limits,
 ) -> Result<Terrain> {
-    let (w, h) = (grid.width, grid.height);
-    if w < 2 || h < 2 {
-        return Err(Error::NoTriangle { width: w, height: h });
-    }
-    for (what, found) in [("the height field", height.width() * height.height()), ("the colours", colours.len())] {
-        if found != w * h || height.width() != w {
-            return Err(CoreError::Shape { what: format!("{what} of a {w}x{h} mesh"), expected: w * h, found }.into());
-        }
-    }
-    if let Some((x, y, value)) = height.find_not_finite() {
-        return Err(Error::NotFinite { value, x, y });
-    }
-    // Indices are u32, whatever the limits allow.
-    let max_vertices = options.max_vertices.min(limits.max_vertices).min(u64::from(u32::MAX));
-    if max_vertices < 4 {
-        return Err(Error::TooFewVertices { max_vertices });
-    }
-    let stride = stride_for(w, h, max_vertices);
-    let (columns, rows) = (samples(w, stride), samples(h, stride));
-    let vertices = columns as u64 * rows as u64;
-    limits.check_bytes("a terrain mesh", u128::from(vertices) * u128::from(BYTES_PER_VERTEX))?;
+    Tiling::new(grid, [1, 1], options, limits)?.terrain([0, 0], height, colours, limits)
+}
 
-    let cells = Sampling { height, grid, columns, rows, stride };
-    let per_row = |row: usize| (0..columns).map(move |column| (column, row));
-    let positions: Vec<[f32; 3]> = collect(rows, |row| per_row(row).map(|(c, r)| cells.position(c, r)).collect());
-    let normals = collect(rows, |row| per_row(row).map(|(c, r)| cells.normal(c, r)).collect());
-    let colours = collect(rows, |row| {
-        per_row(row).map(|(c, r)| quantise(colours[cells.cell(r, h) * w + cells.cell(c, w)])).collect()
-    });
-    let indices = collect(rows - 1, |row| {
-        (0..columns - 1).flat_map(|column| split_quad(&positions, columns, column, row)).collect()
-    });
-    let mesh = TerrainMesh { positions, normals, colours, attributes: Vec::new(), indices };
-    Ok(Terrain { mesh, columns, rows, stride, cells: (w, h) })
+impl Tiling {
+    /// The terrain of a tile, counted from the north-west; see [`terrain`]. Vertices on a rim that two tiles share are the same bits in both,
+    /// normals included, for slopes are those of the whole grid.
+    ///
+    /// # Errors
+    /// As [`terrain`]; heights are looked at where the tile has them.
+    pub fn terrain(&self, tile: [usize; 2], height: &Field, colours: &[[f32; 3]], limits: &Limits) -> Result<Terrain> {
+        let (w, h) = (self.grid.width, self.grid.height);
+        for (what, found) in [("the height field", height.width() * height.height()), ("the colours", colours.len())] {
+            if found != w * h || height.width() != w {
+                return Err(
+                    CoreError::Shape { what: format!("{what} of a {w}x{h} mesh"), expected: w * h, found }.into()
+                );
+            }
+        }
+        let (first, [columns, rows]) = self.window(tile);
+        for y in self.cells_near(first[1], rows, h) {
+            for x in self.cells_near(first[0], columns, w) {
+                let value = height.get(x, y);
+                if !value.is_finite() {
+                    return Err(Error::NotFinite { value, x, y });
+                }
+            }
+        }
+        let vertices = columns as u64 * rows as u64;
+        limits.check_bytes("a terrain mesh", u128::from(vertices) * u128::from(BYTES_PER_VERTEX))?;
+
+        let s = Sampling { height, tiling: self };
+        let per_row = |row: usize| (0..columns).map(move |column| (first[0] + column, first[1] + row));
+        let positions: Vec<[f32; 3]> = collect(rows, |row| per_row(row).map(|(c, r)| s.position(c, r)).collect());
+        let normals = collect(rows, |row| per_row(row).map(|(c, r)| s.normal(c, r)).collect());
+        let colours = collect(rows, |row| {
+            per_row(row).map(|(c, r)| quantise(colours[self.cell(r, h) * w + self.cell(c, w)])).collect()
+        });
+        let texture = collect(rows, |row| per_row(row).map(|(c, r)| self.texture(c, r)).collect());
+        let indices = collect(rows - 1, |row| {
+            (0..columns - 1).flat_map(|column| split_quad(&positions, columns, column, row)).collect()
+        });
+        let mesh = TerrainMesh { positions, normals, colours, texture, attributes: Vec::new(), indices };
+        let (stride, first) = (self.stride, (first[0], first[1]));
+        Ok(Terrain { mesh, columns, rows, stride, cells: (w, h), first })
+    }
 }
 
 /// Bytes that a mesh of `width` x `height` cells and its levels of detail take at most while they are made, beside the
@@ -147,71 +166,44 @@ pub fn terrain(
 ///
 /// Measured with four levels at 2048 x 2048 cells: 291 bytes a vertex, most of them in the search for the first edges to
 /// collapse; attributes, their copies in the levels and the flattened positions come on top.
-pub fn terrain_bytes(width: usize, height: usize, options: &MeshOptions, limits: &Limits) -> u128 {
-    let (w, h) = (width.max(2), height.max(2));
-    let stride = stride_for(w, h, options.max_vertices.min(limits.max_vertices).clamp(4, u64::from(u32::MAX)));
-    380 * samples(w, stride) as u128 * samples(h, stride) as u128
+///
+/// Of tiles, of which few are made at a time, the levels of all are held until the last is made: 110 bytes a vertex.
+pub fn terrain_bytes(grid: &Grid, tiles: [usize; 2], options: &MeshOptions, limits: &Limits) -> u128 {
+    let all = Grid { width: grid.width.max(2), height: grid.height.max(2), ..*grid };
+    let Ok(tiling) = Tiling::new(&all, tiles, options, limits) else { return 0 };
+    let [columns, rows] = tiling.samples.map(|n| n as u128);
+    let one = columns.div_ceil(tiles[0] as u128) * rows.div_ceil(tiles[1] as u128);
+    let at_once = (rayon::current_num_threads() as u128).min(tiles[0] as u128 * tiles[1] as u128);
+    380 * one * at_once + if tiles == [1, 1] { 0 } else { 110 * columns * rows }
 }
 
 /// Runs `row` for all rows on all cores and joins the results in order.
-fn collect<T: Send>(rows: usize, row: impl Fn(usize) -> Vec<T> + Sync + Send) -> Vec<T> {
+pub(crate) fn collect<T: Send>(rows: usize, row: impl Fn(usize) -> Vec<T> + Sync + Send) -> Vec<T> {
     (0..rows).into_par_iter().flat_map_iter(row).collect()
 }
 
-/// Samples along an axis of `n` cells: every `stride`-th and the last.
-fn samples(n: usize, stride: usize) -> usize {
-    (n - 1).div_ceil(stride) + 1
-}
-
-/// The smallest stride with at most `max` samples; `max` is at least 4, so a stride of the longer side always fits.
-fn stride_for(w: usize, h: usize, max: u64) -> usize {
-    let fits = |s: usize| samples(w, s) as u128 * samples(h, s) as u128 <= u128::from(max);
-    // The count falls as the stride grows, so halving finds the first stride that fits.
-    let (mut low, mut high) = (1, w.max(h));
-    while low < high {
-        let middle = low + (high - low) / 2;
-        if fits(middle) {
-            high = middle;
-        } else {
-            low = middle + 1;
-        }
-    }
-    low
-}
-
-/// Which cells the vertices stand on.
-struct Sampling<'a> {
-    height: &'a Field,
-    grid: &'a Grid,
-    columns: usize,
-    rows: usize,
-    stride: usize,
+/// The samples that meshes take of a grid.
+pub(crate) struct Sampling<'a> {
+    pub(crate) height: &'a Field,
+    pub(crate) tiling: &'a Tiling,
 }
 
 impl Sampling<'_> {
-    /// Cell of sample `i` along an axis of `n` cells.
-    fn cell(&self, i: usize, n: usize) -> usize {
-        (i * self.stride).min(n - 1)
-    }
-
     fn position(&self, column: usize, row: usize) -> [f32; 3] {
-        let (w, h) = (self.grid.width, self.grid.height);
-        let (x, y) = (self.cell(column, w), self.cell(row, h));
-        // In f64: at 1e6 cells, f32 would lose the half cell.
-        let east = (x as f64 + 0.5 - w as f64 / 2.0) * self.grid.cell_x_m;
-        let south = (y as f64 + 0.5 - h as f64 / 2.0) * self.grid.cell_y_m;
-        [east as f32, self.height.get(x, y), south as f32]
+        let [x, y] = self.tiling.cell_of(column, row);
+        let [east, south] = self.tiling.place(column, row);
+        [east, self.height.get(x, y), south]
     }
 
     /// Upward normal from the slope between the neighbouring vertices; one-sided at the rim.
     fn normal(&self, column: usize, row: usize) -> [f32; 3] {
-        let (w, h) = (self.grid.width, self.grid.height);
-        let (x, y) = (self.cell(column, w), self.cell(row, h));
-        let (west, east) = (self.cell(column.saturating_sub(1), w), self.cell((column + 1).min(self.columns - 1), w));
-        let (north, south) = (self.cell(row.saturating_sub(1), h), self.cell((row + 1).min(self.rows - 1), h));
+        let t = self.tiling;
+        let [x, y] = t.cell_of(column, row);
+        let [west, north] = t.cell_of(column.saturating_sub(1), row.saturating_sub(1));
+        let [east, south] = t.cell_of((column + 1).min(t.samples[0] - 1), (row + 1).min(t.samples[1] - 1));
         let slope = |a: f32, b: f32, cells: usize, size: f64| (f64::from(b) - f64::from(a)) / (cells as f64 * size);
-        let dx = slope(self.height.get(west, y), self.height.get(east, y), east - west, self.grid.cell_x_m);
-        let dz = slope(self.height.get(x, north), self.height.get(x, south), south - north, self.grid.cell_y_m);
+        let dx = slope(self.height.get(west, y), self.height.get(east, y), east - west, t.grid.cell_x_m);
+        let dz = slope(self.height.get(x, north), self.height.get(x, south), south - north, t.grid.cell_y_m);
         let length = (dx * dx + dz * dz + 1.0).sqrt();
         [(-dx / length) as f32, (1.0 / length) as f32, (-dz / length) as f32]
     }
@@ -292,7 +284,7 @@ mod tests {
         let t = build(&Field::new(100, 40, 0.0), &g, 300).unwrap();
         assert!(t.columns * t.rows <= 300 && t.stride > 1);
         assert!(
-            samples(100, t.stride - 1) * samples(40, t.stride - 1) > 300,
+            (99usize.div_ceil(t.stride - 1) + 1) * (39usize.div_ceil(t.stride - 1) + 1) > 300,
             "stride {} is not the smallest",
             t.stride
         );

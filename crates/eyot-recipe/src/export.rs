@@ -27,6 +27,13 @@ pub const GROUND: [&str; 16] = [
     "snow_cover",
 ];
 
+/// The masks of presets that are no materials, in the order of their files. All but `wetness`, which is a layer of its own, are known to
+/// exports alone: `flow` and `shore` of any land, `river` where there is `water`, `wear` and `deposit` where there is [`GROUND_BEFORE`].
+pub const MASKS: [&str; 6] = ["flow", "wear", "deposit", "river", "wetness", "shore"];
+
+/// The layer that keeps the ground before it was eroded.
+pub const GROUND_BEFORE: &str = "ground_before";
+
 /// Vertices along a side of landscapes that Unreal Engine makes of whole components.
 const UNREAL: [usize; 5] = [505, 1009, 2017, 4033, 8129];
 /// Vertices along a side of Unity's terrains.
@@ -83,7 +90,8 @@ impl Export {
             Some(preset) => preset == Preset::Gis,
             None => matches!(self.shows(), What::Layers | What::Mask),
         };
-        takes && (MATERIALS.contains(&layer) || GROUND.contains(&layer))
+        let mask = MASKS.contains(&layer) && layer != "wetness";
+        takes && (MATERIALS.contains(&layer) || GROUND.contains(&layer) || mask)
     }
 
     /// True for exports that make triangles or vertices of cells.
@@ -96,6 +104,10 @@ impl Export {
 
     /// True if its files can be written while the world is made, one band of rows after the other.
     pub fn streams(&self) -> bool {
+        if self.uses_layers() && self.layers.iter().any(|l| self.knows(l) && MASKS.contains(&l.as_str())) {
+            // These follow from the whole of the land.
+            return false;
+        }
         match self.preset {
             Some(preset) => preset == Preset::Gis,
             None => matches!(self.shows(), What::Layers | What::Splat | What::Mask | What::Map),
@@ -122,6 +134,7 @@ impl Export {
             (What::Layers, format) => each(&format!(".{}", format.extension())),
             (What::Mask, _) => each("_mask.png"),
             (What::Map, _) => each("_map.png"),
+            (What::Terrain, _) if self.tiles != [1, 1] => self.tile_files("terrain"),
             (What::Terrain, _) => all(&["terrain"]),
             (What::Splat, _) => all(&["splat"]),
             (What::Census, _) => all(&["census"]),
@@ -130,6 +143,21 @@ impl Export {
             (What::Dive, _) => all(&["dive", "side", "above"]),
             (What::View(name), _) => all(&[&name]),
         }
+    }
+
+    /// The name of the file of one of the [`MASKS`] of a preset.
+    pub fn mask_file(&self, mask: &str) -> String {
+        format!("{}{}_{mask}.png", self.prefix, self.preset.map_or("", Preset::name))
+    }
+
+    /// The names of the tiles of a terrain, row by row from the north-west, and of the list of them.
+    ///
+    /// Numbers of columns and rows follow the name as Unreal Engine looks for them in the names of tiles that it imports: `_x0_y0`.
+    pub fn tile_files(&self, name: &str) -> Vec<String> {
+        let (p, [nx, ny]) = (&self.prefix, self.tiles);
+        let tile = |(x, y)| format!("{p}{name}_x{x}_y{y}.glb");
+        let all = (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y)));
+        all.map(tile).chain([format!("{p}{name}.json")]).collect()
     }
 
     /// What is wrong with `what` and `format` together, and what would be right.
@@ -305,6 +333,7 @@ impl Preset {
         if matches!(self, Self::Unreal | Self::Blender) {
             files.extend(MATERIALS.map(|m| format!("{p}{n}_{m}.png")));
         }
+        files.extend(MASKS.map(|m| format!("{p}{n}_{m}.png")));
         // What says how to use the others comes last.
         files.push(format!("{p}{n}.json"));
         files
@@ -367,6 +396,7 @@ mod tests {
             ("format = 'npy'\nlayers = ['a', 'b']", "a.npy b.npy"),
             ("format = 'glb'", "terrain.glb"),
             ("what = 'terrain'\nformat = 'obj'\nprefix = 'x_'", "x_terrain.obj"),
+            ("format = 'glb'\ntiles = [2, 1]", "terrain_x0_y0.glb terrain_x1_y0.glb terrain.json"),
             ("what = 'mask'\nlayers = ['rock']", "rock_mask.png"),
             ("what = 'map'", "height_map.png"),
             ("what = 'splat'", "splat.png"),

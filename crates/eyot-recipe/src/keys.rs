@@ -286,7 +286,7 @@ pub enum What {
     Terrain,
     /// Shares of grass, rock, sand and snow as red, green, blue and alpha, which sum to 255.
     Splat,
-    /// Grey pictures of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the shares of grass, rock, sand and snow, or of a class of the ground.
+    /// Grey pictures of 8 bits, 0 to 255 for 0 to 1: layers of that range, or the shares of grass, rock, sand and snow, or of a class of the ground, or what water did: flow, wear, deposit, river, shore.
     Mask,
     /// Layers in colours.
     Map,
@@ -342,7 +342,7 @@ pub enum ExportFormat {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// Unreal Engine landscape: 16-bit height of 505, 1009, 2017, 4033 or 8129 vertices, one weight map a material.
+    /// Unreal Engine landscape: 16-bit height of 505, 1009, 2017, 4033 or 8129 vertices, one weight map a material; as those below but the last, with masks of flow, wear, deposit, rivers, wetness and shore.
     Unreal,
     /// Unity terrain: 16-bit RAW of 33 to 4097 vertices (a power of two and one), one splat map.
     Unity,
@@ -387,7 +387,7 @@ pub struct Export {
     pub format: Option<ExportFormat>,
     /// All files for a program instead of one kind: sizes are resampled, scales and orders are the program's.
     pub preset: Option<Preset>,
-    /// The layers that `layers`, `mask` and `map` show, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make, and so are its classes `deep_sea`, `sea_floor`, `weed`, `reef`, `wet_sand`, `beach`, `mud`, `lush_grass`, `dry_grass`, `shrub`, `forest`, `gravel`, `scree`, `bare_rock`, `soil` and `snow_cover`. `terrain`, `splat` and presets other than `gis` always show the height and do not need it.
+    /// The layers that `layers`, `mask` and `map` show, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make, and so are its classes `deep_sea`, `sea_floor`, `weed`, `reef`, `wet_sand`, `beach`, `mud`, `lush_grass`, `dry_grass`, `shrub`, `forest`, `gravel`, `scree`, `bare_rock`, `soil` and `snow_cover`, and the masks `flow`, `wear`, `deposit`, `river` and `shore`, of which `wear` and `deposit` need a layer `ground_before` with the height before the erosion. `terrain`, `splat` and presets other than `gis` always show the height and do not need it.
     #[schemars(length(min = 1))]
     pub layers: Vec<String>,
     /// Start of the file name; the layer's name follows. The layer's name alone if empty.
@@ -395,6 +395,17 @@ pub struct Export {
     /// Levels of detail of a terrain as `glb`; each has a quarter of the triangles of the one before.
     #[schemars(range(min = 1, max = 12), extend("unit" = "1"))]
     pub levels: u32,
+    /// Tiles of a terrain as `glb`, from west to east and from north to south, each a file with levels of detail and skirts: `terrain_x0_y0.glb` in the north-west, and `terrain.json`, which lists them.
+    #[schemars(inner(range(min = 1, max = 64)), extend("unit" = "1"))]
+    pub tiles: [u32; 2],
+    /// How far the skirts of tiles hang down. If not given, as far as the largest gap between two levels of detail could be, and at least half the distance of two vertices; 0 for no skirts, with levels that all keep their rims.
+    #[schemars(range(min = 0.0, max = 10_000.0), extend("unit" = "m"))]
+    pub skirt: Option<f32>,
+    /// Whether a terrain has the surface of its water, too, as a mesh of its own: sea and lakes level, rivers as they run.
+    pub water: bool,
+    /// Most vertices of a terrain, or of each of its tiles. A grid with more cells is sampled at every second, third or further one. A million are about 80 MB as `glb`.
+    #[schemars(range(min = 4, max = 100_000_000), extend("unit" = "1"))]
+    pub vertices: u64,
     /// Heights that 0 and 65535 stand for in `png16` and `r16`; the lowest and the highest value if not given.
     #[schemars(inner(range(min = -1e6, max = 1e6)), extend("unit" = "m"))]
     pub range: Option<[f64; 2]>,
@@ -427,6 +438,10 @@ impl Default for Export {
             layers: vec!["height".to_owned()],
             prefix: String::new(),
             levels: 4,
+            tiles: [1, 1],
+            skirt: None,
+            water: true,
+            vertices: 1025 * 1025,
             range: None,
             bytes: Bytes::Little,
             first_row: None,

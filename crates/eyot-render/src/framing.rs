@@ -108,21 +108,22 @@ impl Stage {
         // No peak comes nearer than a third of the way to the middle.
         let back = back.min(1.5 * b.near).min(-1e-6 * self.extent);
         let mut r = 0.5 * (b.left + b.right);
-        let u = 0.5 * ((b.top + over * back) + (b.bottom - under * back));
-        // A picture that is wider than the land needs leaves a choice: what is seen left and right of its middle is as wide.
+        let mut u = 0.5 * ((b.top + over * back) + (b.bottom - under * back));
+        // A picture that is wider or higher than the land needs leaves a choice: what is seen on both sides of its middle is as long.
         for _ in 0..3 {
             let seen = |p: V3| {
                 let p = add(p, scale(middle, -1.0));
-                (dot(right, p) - r) / (dot(forward, p) - back).max(1e-6 * self.extent)
+                let deep = (dot(forward, p) - back).max(1e-6 * self.extent);
+                let [x, y] = [(dot(right, p) - r) / deep, (dot(up, p) - u) / deep];
+                [x, y, -x, -y]
             };
-            let (west, east) = places
-                .par_iter()
-                .map(|p| (seen(*p), seen(*p)))
-                .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-            if !(west + east).is_finite() {
+            let most = |a: [f32; 4], b: [f32; 4]| -> [f32; 4] { std::array::from_fn(|k| a[k].max(b[k])) };
+            let [east, top, west, bottom] = places.par_iter().map(|p| seen(*p)).reduce(|| [f32::NEG_INFINITY; 4], most);
+            if ![east, top, west, bottom].iter().all(|v| v.is_finite()) {
                 break;
             }
-            r -= 0.5 * (west + east) * back;
+            r -= 0.5 * (east - west) * back;
+            u -= (top * under - bottom * over) / (over + under) * back;
         }
         let target = add(middle, add(scale(right, r), scale(up, u)));
         let size = self.size_m();

@@ -87,6 +87,17 @@ impl Ground {
     }
 }
 
+/// How much of each cell pictures draw as water, 0..1, row by row from the north-west: 1 in the sea, and of fresh water what stands out from the
+/// film that rain leaves.
+///
+/// # Errors
+/// If the world has no layer `height`.
+pub fn water_cover(world: &World) -> Result<Vec<f32>> {
+    let g = Ground::new(world)?;
+    let fresh = |i: usize| g.water.as_ref().map_or(0.0, |w| g.river_cover(w[i]));
+    Ok(g.z.iter().enumerate().map(|(i, &z)| if g.sea && z < 0.0 { 1.0 } else { fresh(i) }).collect())
+}
+
 /// Depths of fresh water, m.
 fn depths(world: &World) -> Option<Vec<f32>> {
     let field = world.get(&known::WATER.name)?;

@@ -267,10 +267,12 @@ fn is_placed(o: &ViewOptions) -> bool {
     o.distance.is_some() || o.target.is_some() || o.target_height.is_some()
 }
 
-/// Clear tropical water shows its bottom to about 26 m; a small world gets a sea in its own measure.
+/// Clear tropical water shows its bottom to about 26 m; a small world gets a sea in its own measure, by its relief or by its extent: an atoll of
+/// some kilometres has little of the one, and still a lagoon that is paler than the ocean.
 pub(crate) fn clarity(given_m: Option<f32>, g: &Ground) -> f32 {
     let lowest = g.z.iter().copied().fold(0.0f32, f32::min);
-    let automatic = (0.03 * (g.land_high.max(0.0) - lowest)).clamp(0.05, 26.0);
+    let automatic =
+        (0.03 * (g.land_high.max(0.0) - lowest)).max(0.004 * g.extent().min(-30.0 * lowest)).clamp(0.05, 26.0);
     given_m.map_or(automatic, |c| finite(c, automatic).max(1e-3))
 }
 

@@ -12,6 +12,7 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
     let hydraulic = Hydraulic { time_step: 0.2, rain: 0.01, ..Default::default() };
     vec![
         ("hydraulic", vec![one(hydraulic.clone())]),
+        ("hydraulic signed", vec![one(Hydraulic { flux: FluxForm::Signed, ..hydraulic.clone() })]),
         ("hydraulic classic", vec![one(Hydraulic { flux: FluxForm::Classic, ..hydraulic.clone() })]),
         ("thermal", vec![one(Thermal::default())]),
         ("thermal inverted", vec![one(Thermal { inverted: true, ..Default::default() })]),

@@ -15,7 +15,9 @@ const LEAST: f32 = 1e-3;
 pub(crate) fn flow(world: &World) -> Option<Vec<[i8; 4]>> {
     let water = world.get("water")?;
     let velocity = match (world.get("flux_x"), world.get("flux_y")) {
-        (Some(flux_x), Some(flux_y)) => of_fluxes(flux_x, flux_y, water),
+        (Some(flux_x), Some(flux_y)) => {
+            of_fluxes(flux_x, flux_y, world.get("flux_se").zip(world.get("flux_sw")), water)
+        }
         _ => of_depths(world, world.get("height")?, water),
     };
     let mut speeds: Vec<f32> = velocity.iter().map(|v| v[0].hypot(v[1])).filter(|s| *s > 0.0).collect();
@@ -37,8 +39,8 @@ pub(crate) fn flow(world: &World) -> Option<Vec<[i8; 4]>> {
 }
 
 /// `flux_x` and `flux_y` live on the eastern and southern faces of cells; a cell's velocity is the mean of its two faces over its
-/// depth of water.
-fn of_fluxes(flux_x: &Field, flux_y: &Field, water: &Field) -> Vec<[f32; 2]> {
+/// depth of water. Fluxes to the south-eastern and the south-western neighbour are added where there are any.
+fn of_fluxes(flux_x: &Field, flux_y: &Field, diagonal: Option<(&Field, &Field)>, water: &Field) -> Vec<[f32; 2]> {
     let (w, h) = (water.width(), water.height());
     let mut out = Vec::with_capacity(w * h);
     for y in 0..h {
@@ -46,7 +48,12 @@ fn of_fluxes(flux_x: &Field, flux_y: &Field, water: &Field) -> Vec<[f32; 2]> {
             let depth = water.get(x, y);
             let east = flux_x.get(x, y) + if x > 0 { flux_x.get(x - 1, y) } else { 0.0 };
             let south = flux_y.get(x, y) + if y > 0 { flux_y.get(x, y - 1) } else { 0.0 };
-            let v = [0.5 * east / depth, 0.5 * south / depth];
+            let (falling, rising) = diagonal.map_or((0.0, 0.0), |(se, sw)| {
+                let from_nw = if x > 0 && y > 0 { se.get(x - 1, y - 1) } else { 0.0 };
+                let from_ne = if x + 1 < w && y > 0 { sw.get(x + 1, y - 1) } else { 0.0 };
+                (from_nw + se.get(x, y), from_ne + sw.get(x, y))
+            });
+            let v = [0.5 * (east + (falling - rising)) / depth, 0.5 * (south + (falling + rising)) / depth];
             let flows = depth > LEAST && v[0].is_finite() && v[1].is_finite();
             out.push(if flows { v } else { [0.0; 2] });
         }

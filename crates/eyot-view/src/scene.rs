@@ -135,7 +135,7 @@ impl Scene {
             Some(_) => false,
             None => heights || changed(&eyot_render::cover::LAYERS),
         };
-        let moves = changed(&["height", "water", "flux_x", "flux_y"]);
+        let moves = changed(&["height", "water", "flux_x", "flux_y", "flux_se", "flux_sw"]);
         let flow = if moves { self.stage.fresh().and_then(|_| flow(&world)) } else { None };
         let flows = if moves { flow.is_some() } else { self.flows };
         if !self.maps.hold(&self.stage, flows) {

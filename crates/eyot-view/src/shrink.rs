@@ -5,7 +5,8 @@ use eyot_gpu::Result;
 use std::borrow::Cow;
 
 /// Layers that a scene reads, beside the one that it may wear.
-const READ: [&str; 8] = ["height", "water", "wetness", "limestone", "growth", "aridity", "flux_x", "flux_y"];
+const READ: [&str; 10] =
+    ["height", "water", "wetness", "limestone", "growth", "aridity", "flux_x", "flux_y", "flux_se", "flux_sw"];
 
 /// `world`, or means over squares of `cells` of it.
 ///

@@ -56,9 +56,9 @@ pub use eyot_session::{Handle, Remote, RunOptions};
 pub mod analyse {
     pub use eyot_climate::stats::{Planet, Zonal, planet};
     pub use eyot_land::analyse::{
-        HortonRatios, Landform, LandformShares, Moments, PitCount, StreamOrder, TerrainOptions, TerrainStats,
-        concavity, count_pits, curvatures, geomorphons, hack_exponent, horton_ratios, hurst_exponent, moments,
-        quantile, slope_deg, spectral_beta, strahler_orders, streams_by_order, terrain_stats,
+        HortonRatios, Landform, LandformShares, Moments, PitCount, StreamOrder, TerrainCurves, TerrainOptions,
+        TerrainStats, concavity, count_pits, curvatures, geomorphons, hack_exponent, horton_ratios, hurst_exponent,
+        moments, quantile, slope_deg, spectral_beta, strahler_orders, streams_by_order, terrain_curves, terrain_stats,
     };
     pub use eyot_plates::report as plates;
 }
@@ -86,6 +86,7 @@ pub mod process {
     pub use eyot_plates::PROCESSES as PLATES;
     pub use eyot_reef::PROCESSES as REEFS;
     pub use eyot_reef::corals::POPULATION as COLONIES;
+    pub use eyot_strata::PROCESSES as STRATA;
 }
 
 /// What to do about errors, as values that front ends word.

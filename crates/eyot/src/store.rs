@@ -7,10 +7,12 @@ use eyot_land::analyse;
 use eyot_recipe::View;
 use eyot_session::RunError;
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-pub use eyot_export::open::Opened;
+pub use eyot_export::open::{Opened, of_run};
 pub use eyot_export::pictures::Subject;
+pub use eyot_export::sheets::{Picture, SheetCell, contact_sheet};
+pub use eyot_io::read_rgb_png;
 pub use eyot_io::run_folder::*;
 
 /// Opens the folder of a run, a saved world or any height map.
@@ -56,6 +58,25 @@ pub fn stats(opened: &Opened, options: &analyse::TerrainOptions, limits: &Limits
         all["plates"] = serde_json::to_value(plates).map_err(fault)?;
     }
     Ok(all)
+}
+
+/// Draws curves of a world's terrain into a folder that is there, as SVG and PNG: hypsometry, slope against drained area, and profiles of rivers.
+/// `name` stands in their titles.
+///
+/// # Errors
+/// As [`stats`], and if a file cannot be written.
+pub fn plots(
+    opened: &Opened,
+    options: &analyse::TerrainOptions,
+    name: &str,
+    folder: &Path,
+    limits: &Limits,
+) -> Result<Vec<PathBuf>, RunError> {
+    let world = &opened.world;
+    let height = &world.layer("height").map_err(RunError::input)?.field;
+    let sea = opened.has_sea.then_some(world.sea_level_m);
+    let curves = analyse::terrain_curves(height, &world.grid, sea, options, limits).map_err(RunError::file)?;
+    eyot_export::terrain_plots(&curves, name, folder).map_err(RunError::from)
 }
 
 /// Statistics as a table of two columns, `measure,value`: a row each, with the names of nested ones joined by dots and the places of

@@ -16,6 +16,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-climate", &["core", "noise"]),
     ("eyot-plates", &["core", "noise"]),
     ("eyot-reef", &["core", "mesh"]),
+    ("eyot-strata", &["core"]),
     // Layers and rules of a recipe's own.
     ("eyot-expr", &["core"]),
     // What a recipe says, and how it is carried out: no pictures, meshes, cards or network.
@@ -26,7 +27,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-io", &["core", "mesh"]),
     ("eyot-render", &["core", "noise"]),
     ("eyot-view", &["core", "gpu", "noise", "render"]),
-    ("eyot-export", &["climate", "core", "io", "mesh", "recipe", "reef", "render", "session"]),
+    ("eyot-export", &["climate", "core", "io", "mesh", "recipe", "reef", "render", "session", "strata"]),
     ("eyot-film", &["core", "export", "gpu", "io", "recipe", "render", "session", "view"]),
     ("eyot-live", &["core", "recipe", "reef", "session"]),
 ];
@@ -39,7 +40,7 @@ const ABOVE: &[(&str, &[&str])] = &[
         &["eyot", "eyot-climate", "eyot-core", "eyot-gpu", "eyot-land", "eyot-plates", "eyot-reef", "eyot-expr"],
     ),
     ("eyot-wasm", &["eyot"]),
-    ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land"]),
+    ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-strata"]),
 ];
 
 /// The crates of the workspace, with those of them that each needs.

@@ -7,4 +7,5 @@ mod kill;
 mod memory;
 mod recording;
 mod streaming;
+mod sweeps;
 mod unlucky;

@@ -94,3 +94,37 @@ fn ground_is_conserved_on_a_ring() {
     assert!((volume(&world, "height") - before).abs() < 1e-6 * before);
     assert_ne!(&start, world.get("height").unwrap());
 }
+
+/// S1, as far as there is such sand: no wind moves it here, so that there are neither dunes nor their shadows (S2). Without water a heap
+/// slumps and does nothing else: no sand is made or lost, the rock below stays, the heap gets lower and nothing rises above what was
+/// highest beside it.
+#[test]
+fn dry_sand_only_slumps() {
+    let processes = [one(Sand::default())];
+    let mut world = planet(64, Boundary::WRAP);
+    world.sea_level_m = -1e4;
+    let rock = |x: usize, y: usize| 50.0 * random(1, x / 4, y / 4);
+    let sand = |x: usize, y: usize| (40.0 - 3.0 * (x as f32 - 30.0).hypot(y as f32 - 17.0)).max(0.0);
+    fill(&mut world, &processes, "height", |x, y| rock(x, y) + sand(x, y));
+    fill(&mut world, &processes, "sand", sand);
+    let start = volume(&world, "sand");
+    let mut top = world.get("height").unwrap().min_max().1;
+    for _ in 0..20 {
+        run(&mut world, &processes, 50);
+        let now = world.get("height").unwrap().min_max().1;
+        assert!(now <= top, "{now} m after {top} m");
+        top = now;
+    }
+    let (height, sand) = (world.get("height").unwrap(), world.get("sand").unwrap());
+    for y in 0..32 {
+        for x in 0..64 {
+            let left = height.get(x, y) - sand.get(x, y);
+            assert!((left - rock(x, y)).abs() < 2e-3, "rock at ({x}, {y}): {left} of {}", rock(x, y));
+        }
+    }
+    let change = volume(&world, "sand") / start - 1.0;
+    println!("S1 sand {change:e}, highest {top} m");
+    assert!(change.abs() <= 1e-6);
+    assert_eq!(world.ledger.amount("sand.eroded"), 0.0);
+    assert!(sand.min_max().1 < 39.0, "it did slump");
+}

@@ -116,6 +116,37 @@ fn eddies_have_no_divergence() {
     }
 }
 
+/// V1: eddies that stay where they are part and gather no air (1e-4 of the wind over a cell), and wind over level ground of one warmth
+/// is the same along a whole row (1e-6 of it). There is no projection whose rest could be larger, and belts follow the latitude, so that no
+/// planet can be turned by a right angle; north and south are mirrors of each other (`worlds.rs`).
+#[test]
+fn wind_neither_gathers_nor_becomes_uneven() {
+    let calm = Wind { distortion: 0.0, local_pressure: 0.0, monsoon: 0.0, wind_speed: 0.0, ..Default::default() };
+    let eddies = [one(Wind { global_wind: 0.0, distortion: 0.3, ..calm.clone() })];
+    let mut world = planet(64, CYLINDER);
+    run(&mut world, &eddies, 60);
+    let [u, v] = ["wind_x", "wind_y"].map(|l| world.get(l).unwrap());
+    let strongest = u.iter().chain(v.iter()).fold(0.0f32, |m, w| m.max(w.abs()));
+    let mut most = 0.0f32;
+    for y in 8..24 {
+        for x in 0..64 {
+            most = most.max(((u.get((x + 63) % 64, y) - u.get(x, y)) + (v.get(x, y - 1) - v.get(x, y))).abs());
+        }
+    }
+    println!("V1 divergence {:e}", most / strongest);
+    assert!(strongest > 1.0 && most <= 1e-4 * strongest);
+
+    let even = [one(calm)];
+    let mut world = planet(64, CYLINDER);
+    fill(&mut world, &even, "height", |_, _| -100.0);
+    run(&mut world, &even, 60);
+    let [u, v] = ["wind_x", "wind_y"].map(|l| world.get(l).unwrap());
+    for row in u.rows().chain(v.rows()) {
+        assert!(row.iter().all(|w| (w - row[0]).abs() <= 1e-6 * row[0].abs()), "{row:?}");
+    }
+    assert!(u.iter().any(|w| w.abs() > 5.0));
+}
+
 /// At full drift, eddies of both hemispheres move a cell in five steps, in opposite directions.
 #[test]
 fn eddies_drift_apart() {

@@ -5,7 +5,7 @@ use crate::error::ExportError;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_io::{Numbers, Raster, RasterFormat};
-use eyot_recipe::Preset;
+use eyot_recipe::{ExportFormat, Preset};
 
 /// Extensions of files, which name no folder that somebody means.
 const FILES: [&str; 11] = ["tif", "tiff", "png", "r16", "raw", "r32", "exr", "npy", "zarr", "glb", "obj"];
@@ -51,6 +51,16 @@ impl Conversion<'_> {
                 (ranged || options.read.nodata.is_some()) && is_run,
                 format!("`{input}` holds a run, whose layers are numbers as they are"),
                 remedy![leave_out(Setting::InputRange), " and ", Setting::Nodata],
+            ),
+            (
+                options.tiles.is_some() && self.to != Output::Mesh(ExportFormat::Glb),
+                format!("`{output}` is no mesh as glTF, which can be cut into tiles"),
+                remedy![leave_out(Setting::Tiles), ", or write .glb"],
+            ),
+            (
+                options.vertices.is_some() && !matches!(self.to, Output::Mesh(_)),
+                format!("`{output}` is no mesh"),
+                leave_out(Setting::Vertices),
             ),
             (
                 options.range.is_some() && !quantised,

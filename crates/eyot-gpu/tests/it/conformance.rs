@@ -8,18 +8,23 @@ use eyot_core::reference::Reference;
 use eyot_core::{Boundary, World};
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_testing::climate::{climate_start, climate_variants};
-use eyot_testing::land;
+use eyot_testing::{land, strata};
 
 use crate::common;
 
 /// The processes of all crates.
 fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
-    land::variants().into_iter().chain(climate_variants()).collect()
+    land::variants().into_iter().chain(climate_variants()).chain(strata::variants()).collect()
 }
 
 /// A plausible value of a layer in the processes of that name.
 fn start_of(name: &str) -> fn(&str, f32) -> f32 {
-    if land::variants().iter().any(|(n, _)| *n == name) { land::start } else { climate_start }
+    let is_one = |of: Vec<(&str, Vec<Scheduled>)>| of.iter().any(|(n, _)| *n == name);
+    match name {
+        _ if is_one(land::variants()) => land::start,
+        _ if is_one(strata::variants()) => strata::start,
+        _ => climate_start,
+    }
 }
 
 /// A shape for each thing that can go wrong: no neighbours, one row, one column, less than a tile, one more than a tile, not a

@@ -18,6 +18,8 @@
 //! ```
 
 mod curvature;
+mod curves;
+mod diagonals;
 mod geomorphons;
 mod hack;
 mod horton;
@@ -31,6 +33,8 @@ mod terrain_stats;
 mod variogram;
 
 pub use curvature::curvatures;
+pub use curves::{TerrainCurves, terrain_curves};
+pub use diagonals::diagonal_share;
 pub use geomorphons::{Landform, geomorphons};
 pub use hack::hack_exponent;
 pub use horton::{HortonRatios, StreamOrder, horton_ratios, streams_by_order};

@@ -29,6 +29,24 @@ const BIN_DECADES: f64 = 0.2;
 /// Cells that make a bin count.
 const MIN_CELLS: usize = 20;
 
+/// A line through the logarithms of slope and area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fit {
+    /// Minus its slope.
+    pub theta: f64,
+    /// Logarithm of the slope where one cell drains.
+    pub intercept: f64,
+}
+
+/// The medians of the bins, and the line through them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SlopeArea {
+    /// Logarithms of the drained cells and of the median slope.
+    pub points: Vec<[f64; 2]>,
+    /// With fewer than four points there is no line.
+    pub fit: Option<Fit>,
+}
+
 /// Concavity theta over cells of `keep` through which at least `min_cells` cells drain; `None` with fewer than four points.
 ///
 /// # Errors
@@ -40,6 +58,20 @@ pub fn concavity(
     accumulation: &[u32],
     min_cells: f64,
 ) -> Result<Option<f64>> {
+    Ok(slope_area(surface, flow, keep, accumulation, min_cells)?.fit.map(|f| f.theta))
+}
+
+/// What [`concavity`] is the fit of.
+///
+/// # Errors
+/// As [`concavity`].
+pub(crate) fn slope_area(
+    surface: &[f32],
+    flow: &Routing,
+    keep: &[bool],
+    accumulation: &[u32],
+    min_cells: f64,
+) -> Result<SlopeArea> {
     check_length("surface", flow.cells(), surface.len())?;
     check_length("cells to keep", flow.cells(), keep.len())?;
     check_length("accumulation", flow.cells(), accumulation.len())?;
@@ -68,7 +100,13 @@ pub fn concavity(
             Some(((b as f64 + 0.5) * BIN_DECADES, quantile(slopes, 0.5).filter(|&s| s > 0.0)?.log10()))
         })
         .collect();
-    Ok(if points.len() < 4 { None } else { line_slope(&points).map(|s| -s) })
+    let first = min_cells.log10();
+    let fit = if points.len() < 4 { None } else { line_slope(&points) };
+    let fit = fit.map(|slope| {
+        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+        Fit { theta: -slope, intercept: mean(|p| p.1) - slope * (mean(|p| p.0) + first) }
+    });
+    Ok(SlopeArea { points: points.iter().map(|p| [p.0 + first, p.1]).collect(), fit })
 }
 
 #[cfg(test)]

@@ -199,44 +199,10 @@ pub fn terrain_stats(
     options: &TerrainOptions,
     limits: &Limits,
 ) -> Result<TerrainStats> {
-    options.check()?;
-    if (height.width(), height.height()) != (grid.width, grid.height) {
-        return Err(Error::Shape {
-            what: format!("height of a grid of {}x{}", grid.width, grid.height),
-            expected: grid.cells(),
-            found: height.width() * height.height(),
-        });
-    }
-    if let Some((x, y, value)) = height.find_not_finite() {
-        return Err(Error::NotFinite {
-            layer: "height".into(),
-            value,
-            x,
-            y,
-            after: "reading the terrain to measure".into(),
-        });
-    }
-    if let Some(sea) = sea_level_m.filter(|s| !s.is_finite()) {
-        return Err(Error::BadParameter {
-            owner: "terrain_stats".into(),
-            field: "sea_level_m".into(),
-            reason: format!("is {sea}"),
-        });
-    }
-    // The spectrum, and beside it the network: heights, receivers, distances, order, areas, lengths and flags.
-    limits.check_bytes("measuring the terrain", spectrum_bytes(grid.cells()) + 64 * grid.cells() as u128)?;
-
-    let land: Vec<bool> = height.iter().map(|z| sea_level_m.is_none_or(|sea| f64::from(z) > sea)).collect();
-    let land_cells = land.iter().filter(|&&l| l).count();
-    let mut surface = height.clone();
-    if let Some(sea) = sea_level_m {
-        surface.map_in_place(|z| if f64::from(z) > sea { z } else { sea as f32 });
-    }
-    // A map was cut out of a larger one, so water leaves over its borders whatever the rim.
-    let base = Base { closed_rims: true, sea_level_m, mask: None };
-    let outlets = outlets(&height.to_vec(), grid, &base)?;
+    let ready = Ready::new(height, grid, sea_level_m, options, limits)?;
+    let Ready { land, surface, outlets, channel_area_m2 } = &ready;
+    let (land_cells, channel_area_m2) = (land.iter().filter(|&&l| l).count(), *channel_area_m2);
     let cell_area_m2 = grid.cell_area_m2();
-    let channel_area_m2 = options.channel_area_m2.unwrap_or_else(|| TerrainOptions::default_channel_area_m2(grid));
     let mut stats = TerrainStats {
         cells: grid.cells() as u64,
         land_share: land_cells as f64 / grid.cells() as f64,
@@ -269,8 +235,8 @@ pub fn terrain_stats(
         return Ok(stats);
     }
     let (water, shape) = rayon::join(
-        || Water::new(&surface, grid, &land, &outlets, channel_area_m2, options),
-        || shape(&mut stats, height, &surface, grid, &land, options),
+        || Water::new(surface, grid, land, outlets, channel_area_m2, options),
+        || shape(&mut stats, height, surface, grid, land, options),
     );
     shape?;
     let water = water?;
@@ -288,6 +254,109 @@ pub fn terrain_stats(
     let channels_m = water.streams.iter().fold(0.0, |sum, s| sum + s.length_m);
     stats.drainage_density_per_km = finite(1000.0 * channels_m / (land_cells as f64 * cell_area_m2));
     Ok(stats)
+}
+
+/// What measures of rivers and slopes begin with.
+struct Ready {
+    /// Cells above the sea.
+    land: Vec<bool>,
+    /// The ground, and the sea's surface.
+    surface: Field,
+    outlets: Vec<bool>,
+    channel_area_m2: f64,
+}
+
+impl Ready {
+    fn new(
+        height: &Field,
+        grid: &Grid,
+        sea_level_m: Option<f64>,
+        options: &TerrainOptions,
+        limits: &Limits,
+    ) -> Result<Self> {
+        options.check()?;
+        if (height.width(), height.height()) != (grid.width, grid.height) {
+            return Err(Error::Shape {
+                what: format!("height of a grid of {}x{}", grid.width, grid.height),
+                expected: grid.cells(),
+                found: height.width() * height.height(),
+            });
+        }
+        if let Some((x, y, value)) = height.find_not_finite() {
+            return Err(Error::NotFinite {
+                layer: "height".into(),
+                value,
+                x,
+                y,
+                after: "reading the terrain to measure".into(),
+            });
+        }
+        if let Some(sea) = sea_level_m.filter(|s| !s.is_finite()) {
+            return Err(Error::BadParameter {
+                owner: "terrain_stats".into(),
+                field: "sea_level_m".into(),
+                reason: format!("is {sea}"),
+            });
+        }
+        // The spectrum, and beside it the network: heights, receivers, distances, order, areas, lengths and flags.
+        limits.check_bytes("measuring the terrain", spectrum_bytes(grid.cells()) + 64 * grid.cells() as u128)?;
+
+        let land: Vec<bool> = height.iter().map(|z| sea_level_m.is_none_or(|sea| f64::from(z) > sea)).collect();
+        let mut surface = height.clone();
+        if let Some(sea) = sea_level_m {
+            surface.map_in_place(|z| if f64::from(z) > sea { z } else { sea as f32 });
+        }
+        // A map was cut out of a larger one, so water leaves over its borders whatever the rim.
+        let base = Base { closed_rims: true, sea_level_m, mask: None };
+        let outlets = outlets(&height.to_vec(), grid, &base)?;
+        let channel_area_m2 = options.channel_area_m2.unwrap_or_else(|| TerrainOptions::default_channel_area_m2(grid));
+        Ok(Self { land, surface, outlets, channel_area_m2 })
+    }
+}
+
+/// The rivers of a landscape.
+pub(super) struct Network {
+    pub(super) land: Vec<bool>,
+    /// The surface without depressions.
+    pub(super) filled: Vec<f32>,
+    pub(super) flow: Routing,
+    /// Cells that drain through each.
+    pub(super) cells: Vec<u32>,
+    pub(super) channel_area_m2: f64,
+    pub(super) channel_cells: f64,
+    /// Fewest cells of the slope-area fit.
+    pub(super) concavity_cells: f64,
+}
+
+impl Network {
+    pub(super) fn new(
+        height: &Field,
+        grid: &Grid,
+        sea_level_m: Option<f64>,
+        options: &TerrainOptions,
+        limits: &Limits,
+    ) -> Result<Self> {
+        let Ready { land, surface, outlets, channel_area_m2 } = Ready::new(height, grid, sea_level_m, options, limits)?;
+        Self::of(&surface, grid, land, &outlets, channel_area_m2, options)
+    }
+
+    fn of(
+        surface: &Field,
+        grid: &Grid,
+        land: Vec<bool>,
+        outlets: &[bool],
+        channel_area_m2: f64,
+        options: &TerrainOptions,
+    ) -> Result<Self> {
+        let mut filled = surface.to_vec();
+        fill(&mut filled, grid, outlets, &Control::none())?;
+        let flow = Routing::with_flats(&filled, grid, outlets, FlatRule::Shortest, &Control::none())?;
+        let cells = flow.upstream_cells();
+        let channel_cells = channel_area_m2 / grid.cell_area_m2();
+        let concavity_cells = options.concavity_area_m2.map_or(channel_cells / 5.0, |a| a / grid.cell_area_m2());
+        let concavity_cells = concavity_cells.max(1.0);
+        Ok(Self { land, filled, flow, cells, channel_area_m2, channel_cells, concavity_cells })
+    }
 }
 
 /// Everything that needs no water: heights, slopes, curvature, spectrum, variogram, pits and landforms.
@@ -369,26 +438,22 @@ impl Water {
         channel_area_m2: f64,
         options: &TerrainOptions,
     ) -> Result<Self> {
-        let mut filled = surface.to_vec();
-        fill(&mut filled, grid, outlets, &Control::none())?;
+        let n = Network::of(surface, grid, land.to_vec(), outlets, channel_area_m2, options)?;
         let (mut raised, mut fill_sum_m) = (0, 0.0);
         // The sea is never raised: it consists of outlets.
-        for (before, after) in surface.iter().zip(&filled) {
+        for (before, after) in surface.iter().zip(&n.filled) {
             let depth_m = f64::from(*after) - f64::from(before);
             raised += u64::from(depth_m > options.depression_depth_m);
             fill_sum_m += depth_m;
         }
-        let flow = Routing::with_flats(&filled, grid, outlets, FlatRule::Shortest, &Control::none())?;
-        let cells = flow.upstream_cells();
-        let channel_cells = channel_area_m2 / grid.cell_area_m2();
-        let concavity_cells = options.concavity_area_m2.map_or(channel_cells / 5.0, |a| a / grid.cell_area_m2());
-        let channel: Vec<bool> = cells.iter().zip(land).map(|(&c, &l)| l && f64::from(c) >= channel_cells).collect();
-        let streams = streams_by_order(&flow, &strahler_orders(&flow, &channel)?, &cells)?;
+        let (flow, cells) = (&n.flow, &n.cells);
+        let channel: Vec<bool> = cells.iter().zip(land).map(|(&c, &l)| l && f64::from(c) >= n.channel_cells).collect();
+        let streams = streams_by_order(flow, &strahler_orders(flow, &channel)?, cells)?;
         Ok(Self {
             raised,
             fill_sum_m,
-            concavity: concavity(&filled, &flow, land, &cells, concavity_cells.max(1.0))?,
-            hack: hack_exponent(&flow, &channel, &cells)?,
+            concavity: concavity(&n.filled, flow, land, cells, n.concavity_cells)?,
+            hack: hack_exponent(flow, &channel, cells)?,
             streams,
         })
     }

@@ -7,6 +7,7 @@
 //!    what must be dug for a metre of width, and of equally cheap ways the shortest. Cells with `d > max_depth` and ways
 //!    longer than `max_length` are not taken.
 //! 3. Along the way the ground is lowered to `l_i = max(z_pit + (z_end - z_pit) x_i / x_end, z_i - max_depth, l_next)`.
+//!    Of equally cheap ways, and of the cells of a pit to begin at, one is drawn (`place.rs`), as on the turned land.
 //! 4. Where trenches cross, the deeper one counts. From every cell of a trench the one that dug it goes on downwards, so no
 //!    new pit can form: pits remain only where no way was within the bounds.
 //!
@@ -24,8 +25,9 @@
 use super::bands::band_cells;
 use super::flats::resolve_flats;
 use super::neighbours::Neighbours;
-use super::routing::FlatRule;
-use super::steepest::{NOWHERE, steepest};
+use super::place::{Place, Places};
+use super::routing::{Descent, FlatRule};
+use super::steepest::{NOWHERE, descent};
 use super::{Height, check_sizes};
 use eyot_core::{Control, Error, Grid, Result};
 use rayon::prelude::*;
@@ -67,8 +69,8 @@ pub fn breach<T: Height>(
             return Err(Error::BadParameter { owner: "breach".into(), field: field.into(), reason });
         }
     }
-    let near = Neighbours::new(grid);
-    let pits = pits(height, grid, &near, outlets, control)?;
+    let (near, places) = (Neighbours::new(grid), Places::new(grid));
+    let pits = pits(height, grid, &near, outlets, &places, control)?;
     let mut trenches: Vec<Vec<(u32, T)>> = Vec::with_capacity(pits.len());
     for batch in pits.chunks(BATCH) {
         control.tick(trenches.len() as u64, pits.len() as u64)?;
@@ -76,7 +78,7 @@ pub fn breach<T: Height>(
         trenches.par_extend(
             batch
                 .par_iter()
-                .map_init(Search::default, |search, &pit| search.trench(surface, &near, outlets, limits, pit)),
+                .map_init(Search::default, |search, &pit| search.trench(surface, &near, outlets, &places, limits, pit)),
         );
     }
     for (i, level) in trenches.into_iter().flatten() {
@@ -92,9 +94,10 @@ fn pits<T: Height>(
     grid: &Grid,
     near: &Neighbours,
     outlets: &[bool],
+    places: &Places,
     control: &Control<'_>,
 ) -> Result<Vec<u32>> {
-    let mut direction = steepest(z, grid, outlets, control)?;
+    let mut direction = descent(z, grid, outlets, Descent::D8, control)?;
     resolve_flats(z, grid, FlatRule::Shortest, &mut direction, control)?;
     let cells = band_cells(grid);
     let ends: Vec<Vec<u32>> = direction
@@ -106,15 +109,16 @@ fn pits<T: Height>(
             ends.map(|i| i as u32).collect()
         })
         .collect();
-    // One cell stands for all that are level with it.
+    // One cell stands for all that are level with it, by lot.
     let (mut pits, mut group) = (Vec::new(), Vec::new());
     for i in ends.into_iter().flatten() {
         if std::mem::replace(&mut direction[i as usize], 0) != NOWHERE {
             continue;
         }
-        pits.push(i);
+        let mut chosen = (places.of(i as usize).lot(), i);
         group.push(i as usize);
         while let Some(i) = group.pop() {
+            chosen = chosen.min((places.of(i).lot(), i as u32));
             near.each(i, |_, j| {
                 if direction[j] == NOWHERE && z[j] == z[i] && !outlets[j] {
                     direction[j] = 0;
@@ -122,6 +126,7 @@ fn pits<T: Height>(
                 }
             });
         }
+        pits.push(chosen.1);
     }
     Ok(pits)
 }
@@ -138,7 +143,8 @@ struct Reached {
 #[derive(Default)]
 struct Search {
     reached: HashMap<u32, Reached, BuildHasherDefault<Mix>>,
-    open: BinaryHeap<Reverse<(u64, u32)>>,
+    /// Cost, number by lot, cell.
+    open: BinaryHeap<Reverse<(u64, u64, u32)>>,
 }
 
 impl Search {
@@ -148,6 +154,7 @@ impl Search {
         z: &[T],
         near: &Neighbours,
         outlets: &[bool],
+        places: &Places,
         limits: &BreachLimits,
         pit: u32,
     ) -> Vec<(u32, T)> {
@@ -156,8 +163,9 @@ impl Search {
         let bottom = z[pit as usize];
         let depth = |i: usize| (z[i].to_f64() - bottom.to_f64()).max(0.0);
         self.reached.insert(pit, Reached { cost: 0.0, length_m: 0.0, from: pit, done: false });
-        self.open.push(Reverse((0, pit)));
-        while let Some(Reverse((_, cell))) = self.open.pop() {
+        self.open.push(Reverse((0, 0, pit)));
+        let start: Place = places.of(pit as usize);
+        while let Some(Reverse((_, _, cell))) = self.open.pop() {
             let Some(here) = self.reached.get_mut(&cell).filter(|r| !r.done) else { continue };
             here.done = true;
             let (cost, length_m, i) = (here.cost, here.length_m, cell as usize);
@@ -190,7 +198,7 @@ impl Search {
                 };
                 if better {
                     // The bits of positive numbers sort as they do.
-                    self.open.push(Reverse((cost.to_bits(), j as u32)));
+                    self.open.push(Reverse((cost.to_bits(), places.number(&start, j), j as u32)));
                 }
             });
         }

@@ -3,8 +3,7 @@
 //! # Equations
 //! `m = 2 t - a`, with `t` the fewest steps over the flat to one of its cells that has a lower neighbour, and `a` the fewest
 //! steps from its cells beside higher ground (1 there, 0 everywhere on a flat without such cells). Water goes to the
-//! neighbour on the flat with the lowest `m`, of equal ones the first clockwise from north. One of the neighbours has `t`
-//! less by one and `a` more or less by at most one, so `m` falls on every step and no cell is left over.
+//! neighbour on the flat with the lowest `m`, of equal ones `place.rs` chooses one. One of the neighbours has `t` less by one and `a` more or less by at most one, so `m` falls on every step and no cell is left over.
 //!
 //! # Source
 //! Barnes, Lehman & Mulla (2014), An efficient assignment of drainage direction over flat surfaces in raster digital
@@ -16,6 +15,7 @@
 use super::Height;
 use super::bands::{around, band_cells, three_rows};
 use super::neighbours::{Neighbours, STEPS};
+use super::place::Places;
 use super::routing::FlatRule;
 use super::steepest::{FLAT, NOWHERE};
 use eyot_core::isa::{Isa, LaneTask, run_lanes};
@@ -43,20 +43,20 @@ pub(super) fn resolve_flats<T: Height>(
     }
     let (towards, away) = rayon::join(|| flats.steps_from(&flats.edges), || flats.steps_from(&flats.feet));
     control.check()?;
-    let cells = band_cells(grid);
+    let (cells, places) = (band_cells(grid), Places::new(grid));
     direction.par_chunks_mut(cells).enumerate().for_each(|(band, direction)| {
         for (k, direction) in direction.iter_mut().enumerate().filter(|(_, d)| **d == FLAT) {
             let i = band * cells + k;
             let m = |i: usize| 2 * i64::from(towards[i]) - i64::from(away[i]);
-            let mut best = m(i);
-            *direction = NOWHERE;
+            let (mut best, mut ways) = (m(i), 0_u8);
             if towards[i] > 0 {
                 flats.each(i, |d, j| {
-                    if m(j) < best {
-                        (best, *direction) = (m(j), d as u8);
-                    }
+                    let (lower, level) = (m(j) < best, m(j) == best && ways != 0);
+                    ways = if lower { 1 << d } else { ways | u8::from(level) << d };
+                    best = best.min(m(j));
                 });
             }
+            *direction = if ways == 0 { NOWHERE } else { places.choose(i, ways, &flats.near) as u8 };
         }
     });
     Ok(())

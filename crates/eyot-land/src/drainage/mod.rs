@@ -32,6 +32,7 @@ mod land;
 mod multiple;
 mod neighbours;
 mod outlets;
+mod place;
 mod routing;
 mod spill;
 mod spread;
@@ -44,7 +45,7 @@ pub use height::Height;
 pub use land::{Drained, Land, RoutingRule};
 pub use neighbours::{Neighbours, STEPS};
 pub use outlets::{Base, outlets};
-pub use routing::{FlatRule, Routing};
+pub use routing::{Descent, FlatRule, Routing};
 pub use spread::Spread;
 
 use eyot_core::{Error, Grid, Result};

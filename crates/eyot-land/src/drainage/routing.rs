@@ -2,19 +2,27 @@
 //!
 //! # Rule
 //! On a surface without depressions, water takes the steepest way down: the neighbour with the largest
-//! `(z - z_n) / distance`; of several equally steep ones the first clockwise from north. Flats are crossed towards their
-//! lower edge and away from higher ground (`flats.rs`).
+//! `(z - z_n) / distance`; of several equally steep ones `place.rs` chooses one, so that the drainage of a turned land is the turned
+//! drainage. Flats are crossed towards their lower edge and away from higher ground (`flats.rs`).
+//!
+//! Single steps follow the nearest of eight directions, so that on a slope between two of them all water runs in one, and land that is
+//! cut along those ways learns the grid's directions. [`Descent::Rho8`] counts a diagonal way as one whose length lies between one and
+//! two steps, by lot: on a plane the share of diagonal steps is then that of a straight line.
 //!
 //! # Source
-//! O'Callaghan & Mark (1984), The extraction of drainage networks from digital elevation data, CVGIP 28, 323-344.
+//! O'Callaghan & Mark (1984), The extraction of drainage networks from digital elevation data, CVGIP 28, 323-344. Fairfield & Leymarie
+//! (1991), Drainage networks from grid digital elevation models, Water Resources Research 27, 709-717: rho8. Ours: cells that are not
+//! square, and the same lot for a cell in every step, so that channels stay where they are.
 
 use super::bands::{band_cells, broad_band_cells};
 use super::flats::resolve_flats;
 use super::neighbours::{Neighbours, STEPS};
-use super::steepest::{NOWHERE, steepest};
+use super::steepest::{NOWHERE, descent};
 use super::{Height, check_sizes};
 use eyot_core::{Control, Grid, Result};
 use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// A drainage network: one receiver a cell, no loops.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +32,18 @@ pub struct Routing {
     step_m: [f64; 9],
     /// Cells of the bands that accumulation works on.
     band: usize,
+}
+
+/// Which way water takes on a slope.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Descent {
+    /// The steepest of eight.
+    #[default]
+    D8,
+    /// The steepest of eight with lots for diagonal ways, so that on the whole water runs as the land falls.
+    Rho8,
 }
 
 /// How water crosses flats.
@@ -45,7 +65,21 @@ impl Routing {
     /// # Errors
     /// If `surface` or `outlets` has another size than `grid`, the grid has 2^32 cells or more, or on a request to stop.
     pub fn new<T: Height>(surface: &[T], grid: &Grid, outlets: &[bool], control: &Control<'_>) -> Result<Self> {
-        Self::with_flats(surface, grid, outlets, FlatRule::default(), control)
+        Self::with(surface, grid, outlets, Descent::D8, FlatRule::default(), control)
+    }
+
+    /// As [`Routing::new`], with another rule for slopes.
+    ///
+    /// # Errors
+    /// As [`Routing::new`].
+    pub fn with_descent<T: Height>(
+        surface: &[T],
+        grid: &Grid,
+        outlets: &[bool],
+        rule: Descent,
+        control: &Control<'_>,
+    ) -> Result<Self> {
+        Self::with(surface, grid, outlets, rule, FlatRule::default(), control)
     }
 
     /// As [`Routing::new`], with another rule for flats.
@@ -59,9 +93,20 @@ impl Routing {
         rule: FlatRule,
         control: &Control<'_>,
     ) -> Result<Self> {
+        Self::with(surface, grid, outlets, Descent::D8, rule, control)
+    }
+
+    fn with<T: Height>(
+        surface: &[T],
+        grid: &Grid,
+        outlets: &[bool],
+        slopes: Descent,
+        flats: FlatRule,
+        control: &Control<'_>,
+    ) -> Result<Self> {
         check_sizes(grid, &[("surface", surface.len()), ("outlets", outlets.len())])?;
-        let mut direction = steepest(surface, grid, outlets, control)?;
-        resolve_flats(surface, grid, rule, &mut direction, control)?;
+        let mut direction = descent(surface, grid, outlets, slopes, control)?;
+        resolve_flats(surface, grid, flats, &mut direction, control)?;
 
         let near = Neighbours::new(grid);
         let (w, cells) = (grid.width, band_cells(grid));

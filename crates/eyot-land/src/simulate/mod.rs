@@ -46,7 +46,7 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Streampower>(
         "streampower",
         about!("streampower/mod.rs"),
-        &["howard1994", "braun2013", "roering1999", "yuan2019"],
+        &["howard1994", "braun2013", "roering1999", "yuan2019", "fairfield1991"],
     ),
     Entry::<dyn Process>::process::<Wetness>("wetness", about!("wetness.rs"), &[]),
 ];

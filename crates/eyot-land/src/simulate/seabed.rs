@@ -19,14 +19,15 @@
 //! Stable for every rate in the range.
 //!
 //! # Conserves
-//! Ground, to rounding (`tests/it/reef.rs`).
+//! Ground with what rounding of heights makes or loses, which is in the ledger (`ground.rounded`; `tests/it/reef.rs`).
 
 use super::ends;
 use eyot_core::layer::known::{HEIGHT, LIMESTONE};
+use eyot_core::ledger::known::GROUND_ROUNDED;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
-use eyot_core::rule::{Cell, Read, Rule, read};
+use eyot_core::rule::{Cell, Read, Rule, Tally, read};
 use eyot_core::rule_params;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -84,15 +85,18 @@ impl Rule for Level {
     const NAME: &'static str = "seabed_level";
     const READS: &'static [Read] = &[read("height", 1), read("limestone", 1)];
     const WRITES: &'static [&'static str] = &["height"];
+    const TALLIES: &'static [Tally] = &[GROUND_ROUNDED];
     type Params = LevelParams<()>;
     type Out<R: Real> = [R; 1];
-    type Sums<R: Real> = [R; 0];
+    type Sums<R: Real> = [R; 1];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+    fn cell<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
         let x = pull(p, c, 1, 0) + pull(p, c, -1, 0);
         let y = pull(p, c, 0, 1) + pull(p, c, 0, -1);
-        ([c.here(0) + p.share * loose(p, c, 0, 0) * (x + y)], [])
+        let gain = (p.share * loose(p, c, 0, 0) * (x + y)).no_contract();
+        let levelled = (c.here(0) + gain).no_contract();
+        ([levelled], [(levelled - c.here(0)) - gain])
     }
 }
 

@@ -22,13 +22,16 @@
 //! Stable for every rate within 0..=1: the shares of the 8 neighbours sum to `rate / 2`.
 //!
 //! # Conserves
-//! Ground, to rounding (`tests/it/thermal.rs`).
+//! Ground with what rounding of heights makes or loses, which is in the ledger (`ground.rounded`; `tests/it/thermal.rs`). Both
+//! cells of a pair compute the same amount, but each adds it to another height, whose last place is lost: 7.6e-5 of the
+//! volume in 20,000 steps.
 
 use eyot_core::layer::known::HEIGHT;
+use eyot_core::ledger::known::GROUND_ROUNDED;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process};
 use eyot_core::real::Real;
-use eyot_core::rule::{Cell, Read, Rule, read};
+use eyot_core::rule::{Cell, Read, Rule, Tally, read};
 use eyot_core::rule_params;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -101,18 +104,22 @@ impl Rule for Slump {
     const NAME: &'static str = "thermal_slump";
     const READS: &'static [Read] = &[read("height", 1)];
     const WRITES: &'static [&'static str] = &["height"];
+    const TALLIES: &'static [Tally] = &[GROUND_ROUNDED];
     type Params = SlumpParams<()>;
     type Out<R: Real> = [R; 1];
-    type Sums<R: Real> = [R; 0];
+    type Sums<R: Real> = [R; 1];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &SlumpParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+    fn cell<R: Real>(p: &SlumpParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
         // Opposite neighbours are added first, so that mirrored worlds stay mirrored to the bit.
         let x = excess(c, 1, 0, p.stay_x) + excess(c, -1, 0, p.stay_x);
         let y = excess(c, 0, 1, p.stay_y) + excess(c, 0, -1, p.stay_y);
         let d = (excess(c, 1, 1, p.stay_d) + excess(c, -1, -1, p.stay_d))
             + (excess(c, -1, 1, p.stay_d) + excess(c, 1, -1, p.stay_d));
-        ([(c.here(0) + (p.rate * (x + y) + p.rate_d * d)).named("(1) slumped")], [])
+        // Rounded in turn, so that no shader compiler makes nothing of the account below.
+        let gain = ((p.rate * (x + y)).no_contract() + (p.rate_d * d).no_contract()).named("(1) gain");
+        let slumped = (c.here(0) + gain).no_contract().named("(1) slumped");
+        ([slumped], [(slumped - c.here(0)) - gain])
     }
 }
 
@@ -142,17 +149,20 @@ impl Rule for Flatten {
     const NAME: &'static str = "thermal_flatten";
     const READS: &'static [Read] = &[read("height", 2)];
     const WRITES: &'static [&'static str] = &["height"];
+    const TALLIES: &'static [Tally] = &[GROUND_ROUNDED];
     type Params = FlattenParams<()>;
     type Out<R: Real> = [R; 1];
-    type Sums<R: Real> = [R; 0];
+    type Sums<R: Real> = [R; 1];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &FlattenParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+    fn cell<R: Real>(p: &FlattenParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
         let gains = (given(p, c, -1, 0, 1, 0) + given(p, c, 1, 0, -1, 0))
             + (given(p, c, 0, -1, 0, 1) + given(p, c, 0, 1, 0, -1));
         let losses =
             (given(p, c, 0, 0, 1, 0) + given(p, c, 0, 0, -1, 0)) + (given(p, c, 0, 0, 0, 1) + given(p, c, 0, 0, 0, -1));
-        ([c.here(0) + (gains - losses)], [])
+        let gain = (gains - losses).no_contract();
+        let flattened = (c.here(0) + gain).no_contract();
+        ([flattened], [(flattened - c.here(0)) - gain])
     }
 }
 

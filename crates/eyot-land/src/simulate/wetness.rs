@@ -7,16 +7,16 @@
 //! Ours: an exponential memory, so that rock shows where rivers recently ran.
 //!
 //! # Layers
-//! Reads `flux_x`, `flux_y` (m/s); reads and writes `wetness` (1).
+//! Reads `flux_x`, `flux_y`, `flux_se`, `flux_sw` (m/s); reads and writes `wetness` (1).
 //!
 //! # Differences
-//! It reads the fluxes of the signed form; where hydraulic erosion runs in the classic form there are none, and nothing
+//! It reads the fluxes of the signed forms; where hydraulic erosion runs in the classic form there are none, and nothing
 //! gets wet.
 //!
 //! # Limits
 //! Always within 0..=1.
 
-use super::hydraulic::{FLUX_X, FLUX_Y};
+use super::hydraulic::{FLUX_SE, FLUX_SW, FLUX_X, FLUX_Y};
 use eyot_core::given::Given;
 use eyot_core::layer::known::WETNESS;
 use eyot_core::plan::Plan;
@@ -47,7 +47,9 @@ impl Default for Wetness {
 
 impl Process for Wetness {
     fn layers(&self) -> Vec<LayerUse> {
-        vec![FLUX_X.read(0.0), FLUX_Y.read(0.0), WETNESS.changed(0.0)]
+        let mut layers: Vec<LayerUse> = [FLUX_X, FLUX_Y, FLUX_SE, FLUX_SW].map(|f| f.read(0.0)).into();
+        layers.push(WETNESS.changed(0.0));
+        layers
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
@@ -79,7 +81,8 @@ pub struct Remember;
 
 impl Rule for Remember {
     const NAME: &'static str = "wetness_remember";
-    const READS: &'static [Read] = &[read("flux_x", 1), read("flux_y", 1), read("wetness", 0)];
+    const READS: &'static [Read] =
+        &[read("flux_x", 1), read("flux_y", 1), read("flux_se", 1), read("flux_sw", 1), read("wetness", 0)];
     const WRITES: &'static [&'static str] = &["wetness"];
     type Params = RememberParams<()>;
     type Out<R: Real> = [R; 1];
@@ -87,10 +90,11 @@ impl Rule for Remember {
 
     #[inline(always)]
     fn cell<R: Real>(p: &RememberParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
-        let qx = p.half_dx * (c.at(0, -1, 0) + c.here(0));
-        let qy = p.half_dy * (c.at(1, 0, -1) + c.here(1));
+        let (falling, rising) = (c.at(2, -1, -1) + c.here(2), c.at(3, 1, -1) + c.here(3));
+        let qx = p.half_dx * ((c.at(0, -1, 0) + c.here(0)) + (falling - rising));
+        let qy = p.half_dy * ((c.at(1, 0, -1) + c.here(1)) + (falling + rising));
         let now = ((qx * qx + qy * qy).sqrt() * p.per_river).min(R::of(1.0));
-        let w = c.here(2);
+        let w = c.here(4);
         ([(w + p.share * (now - w)).flushed()], [])
     }
 }

@@ -298,3 +298,24 @@ fn coarse_and_fine_maps_of_a_land_have_channels_from_one_area_on() {
     let none = of(64, &TerrainOptions { channel_area_m2: Some(1e9), ..plain });
     assert!(none.drainage_density_per_km.is_some_and(|d| d == 0.0 && d.is_sign_positive()), "no channel is 0, not -0");
 }
+
+/// A valley that falls evenly to the west, with its sides: a river as long as the map, and a hypsometric curve from the highest to the lowest cell.
+#[test]
+fn curves_of_a_valley() {
+    use eyot_core::{Boundary, Field, Grid, Limits};
+    use eyot_land::analyse::{TerrainOptions, terrain_curves};
+    let grid = Grid::new(200, 61, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
+    let height = Field::from_fn(200, 61, |x, y| 2.0 * x as f32 + 5.0 * (y as f32 - 30.0).abs());
+    let options = TerrainOptions { channel_area_m2: Some(2e4), ..TerrainOptions::default() };
+    let c = terrain_curves(&height, &grid, None, &options, &Limits::default()).unwrap();
+    assert_eq!((c.hypsometry[0], c.hypsometry[100]), ([0.0, 548.0], [1.0, 0.0]));
+    assert!(c.hypsometry.windows(2).all(|p| p[0][0] < p[1][0] && p[0][1] >= p[1][1]));
+    let trunk = &c.rivers[0];
+    let (mouth, source) = (trunk[0], trunk[trunk.len() - 1]);
+    assert_eq!(mouth, [0.0, 0.0]);
+    assert!(source[0] > 1800.0 && (source[1] / source[0] - 0.2).abs() < 0.01, "{source:?}");
+    assert!(trunk.windows(2).all(|p| p[0][0] < p[1][0] && p[0][1] <= p[1][1]));
+    // All rivers are channels of a size, and there is none under the sea.
+    let sea = terrain_curves(&height, &grid, Some(1e4), &options, &Limits::default()).unwrap();
+    assert!(sea.rivers.is_empty() && sea.hypsometry.is_empty() && sea.fit.is_none());
+}

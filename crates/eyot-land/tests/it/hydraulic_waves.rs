@@ -157,7 +157,8 @@ fn sloshing_keeps_its_mass_and_never_goes_below_zero() {
     assert!(after.get("water").unwrap().min_max().0 >= 0.0);
     // What rounding would have made negative was made zero, and said so.
     assert!(clamped > 0.0 && clamped <= 1e-6 * m0 * area);
-    assert_eq!(after.ledger.amount("water.rain"), 0.0);
+    // Films too thin to be kept (below 1e-30 m) are taken off what rained.
+    assert!(after.ledger.amount("water.rain").abs() <= 1e-20);
     assert_eq!(after.ledger.amount("water.drained"), 0.0);
 }
 
@@ -169,7 +170,7 @@ fn standing_wave(n: usize, form: FluxForm) -> (Vec<f64>, f64, f64) {
     let cell = 10.0;
     let mut p = Hydraulic { flux: form, ..still() };
     let c = wave_speed(&p);
-    let share = if form == FluxForm::Signed { 0.9 } else { 0.45 };
+    let share = if form == FluxForm::Classic { 0.45 } else { 0.9 };
     p.time_step = (share * cell / (std::f64::consts::SQRT_2 * c)) as f32;
     assert_eq!(p.substeps(cell, cell).0, 1);
     let period = 2.0 * n as f64 * cell / c;
@@ -208,11 +209,17 @@ fn standing_wave(n: usize, form: FluxForm) -> (Vec<f64>, f64, f64) {
 
 #[test]
 fn standing_waves_have_the_analytic_period() {
-    for n in [32, 64, 128] {
-        let (crossings, first, last) = standing_wave(n, FluxForm::Signed);
+    for (n, form) in [
+        (32, FluxForm::Eight),
+        (128, FluxForm::Eight),
+        (32, FluxForm::Signed),
+        (64, FluxForm::Signed),
+        (128, FluxForm::Signed),
+    ] {
+        let (crossings, first, last) = standing_wave(n, form);
         let period = (crossings[12] - crossings[0]) / 6.0;
         println!(
-            "W3 N={n}: period {period:.5} of 2L/c, first zero at {:.5}, amplitude {first:.5} {last:.5}",
+            "W3 {form:?} N={n}: period {period:.5} of 2L/c, first zero at {:.5}, amplitude {first:.5} {last:.5}",
             crossings[0]
         );
         // Criterion 0.5 %; measured 0.024, 0.006 and 0.001 %.
@@ -308,12 +315,18 @@ fn noise_does_not_grow_below_the_bound_and_does_above() {
     let push = |dt: f32| dt * (p.gravity * p.wave_depth) / (10.0 * 10.0);
 
     let dt = (0.8999 * bound) as f32;
-    let signed = Hydraulic { time_step: dt, ..still() };
+    let signed = Hydraulic { flux: FluxForm::Signed, time_step: dt, ..still() };
     assert_eq!(signed.substeps(10.0, 10.0).0, 1);
     let (energy, surface) = noise_gain(Box::new(signed), push(dt), dt);
     println!("W4 signed: energy gain 1 {:+e}, surface {surface:.4}", energy - 1.0);
     // Criterion: gain at most 1. Measured 1 + 1e-10 for the energy, 0.992 for the surface.
     assert!(energy <= 1.0 + 1e-9 && surface <= 1.0);
+
+    // Of the eight pipes only the surface is looked at: their energy is not that of four.
+    let eight = Hydraulic { time_step: dt, ..still() };
+    let (_, surface) = noise_gain(Box::new(eight), push(dt), dt);
+    println!("W4 eight: surface {surface:.4}");
+    assert!(surface <= 1.0);
 
     // The classic form's bound is l / (2 c).
     let dt = (0.8999 * bound / std::f64::consts::SQRT_2) as f32;
@@ -380,7 +393,7 @@ proptest! {
 
 #[test]
 fn a_step_fifty_times_beyond_the_bound_stays_smooth() {
-    for flux in [FluxForm::Signed, FluxForm::Classic] {
+    for flux in [FluxForm::Eight, FluxForm::Signed, FluxForm::Classic] {
         let mut p = Hydraulic { flux, friction: 0.1, ..still() };
         p.time_step = (50.0 * 10.0 / (std::f64::consts::SQRT_2 * wave_speed(&p))) as f32;
         let mut w = world(40, 30, 10.0, Boundary::CLOSED);

@@ -5,6 +5,7 @@ mod analyse_synthetic;
 mod common;
 mod conformance;
 mod determinism;
+mod directions;
 mod drainage;
 mod drainage_jacksboro;
 mod drainage_process;
@@ -17,6 +18,7 @@ mod generate_shapes;
 mod generate_sources;
 mod generate_windows;
 mod hydraulic_conservation;
+
 mod hydraulic_waves;
 mod islands;
 mod motu;

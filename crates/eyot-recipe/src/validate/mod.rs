@@ -3,7 +3,7 @@
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, Problems, Source, alternatives, nearest};
 use crate::host::{RasterInfo, Refusal};
-use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View, What};
+use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, Preset, View, What};
 use crate::memory::{self, Obstacle, Place};
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
@@ -375,6 +375,26 @@ impl Validator<'_> {
                     self.out.push(Diagnostic::at(at, message, "this key").help(help));
                 }
             }
+        }
+        let glb = export.formats().first() == Some(&ExportFormat::Glb) && export.shows() == What::Terrain;
+        let mesh =
+            (export.shows() == What::Terrain && export.preset.is_none()) || export.preset == Some(Preset::Blender);
+        for (key, fits, needs) in [
+            ("tiles", glb && export.preset.is_none(), "a terrain as `glb`"),
+            ("skirt", glb && export.preset.is_none() && export.tiles != [1, 1], "a terrain in `tiles`"),
+            ("water", mesh, "a terrain"),
+            ("vertices", mesh, "a terrain"),
+        ] {
+            if let Some(at) = span(key).filter(|_| !fits) {
+                let message = format!("`{key}` has no effect here: it belongs to {needs}");
+                self.out.push(Diagnostic::at(at, message, "this key").help("leave it out"));
+            }
+        }
+        if let (Some(at), Some(grid)) = (span("tiles"), self.grid)
+            && (export.tiles[0] as usize >= grid.width || export.tiles[1] as usize >= grid.height)
+        {
+            let message = format!("{:?} tiles cannot be cut from {} x {} cells", export.tiles, grid.width, grid.height);
+            self.out.push(Diagnostic::at(at, message, "this many").help("choose fewer tiles, or a larger [grid]"));
         }
         if let (Some(at), Some(size)) = (span("size"), export.size) {
             let problem = match export.preset {

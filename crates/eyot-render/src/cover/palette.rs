@@ -226,6 +226,14 @@ const VOLCANIC: Kind = Kind {
     cliffs: 0.85,
 };
 
+impl super::Palette {
+    /// Heights over the sea at which trees end and at which snow begins to lie, m, where no climate says otherwise.
+    pub fn lines_m(self) -> [f32; 2] {
+        let Tints { trees, snow, .. } = Tints::of(&Looks { palette: self, ..Looks::default() });
+        [trees, snow]
+    }
+}
+
 impl Tints {
     pub(super) fn of(looks: &Looks) -> Self {
         let kind = match looks.palette {

@@ -166,7 +166,7 @@ fn other_presets_write_their_files() {
     let glb = std::fs::read(folder.path().join("blender_terrain.glb")).unwrap();
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let document: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
-    for mesh in document["meshes"].as_array().unwrap() {
+    for mesh in document["meshes"].as_array().unwrap().iter().filter(|m| m["name"] != "water") {
         for name in ["_GRASS", "_ROCK", "_SAND", "_SNOW"] {
             assert!(mesh["primitives"][0]["attributes"][name].is_u64(), "{name}");
         }

@@ -12,6 +12,7 @@ mod film;
 mod fingerprints;
 mod former;
 mod holes;
+mod meshes;
 mod mountains;
 mod own_rules;
 mod partial;

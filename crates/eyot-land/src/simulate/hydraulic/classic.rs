@@ -30,11 +30,11 @@ impl Rule for ClassicFlux {
 
     #[inline(always)]
     fn cell<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>) -> ([R; 4], [R; 0]) {
-        let here = head(p, c, 0, 0);
-        let west = (p.keep * c.here(2) + p.push_x * (here - head(p, c, -1, 0))).positive();
-        let east = (p.keep * c.here(3) + p.push_x * (here - head(p, c, 1, 0))).positive();
-        let north = (p.keep * c.here(4) + p.push_y * (here - head(p, c, 0, -1))).positive();
-        let south = (p.keep * c.here(5) + p.push_y * (here - head(p, c, 0, 1))).positive();
+        let here = head(p.sea, c, 0, 0);
+        let west = (p.keep * c.here(2) + p.push_x * (here - head(p.sea, c, -1, 0))).positive();
+        let east = (p.keep * c.here(3) + p.push_x * (here - head(p.sea, c, 1, 0))).positive();
+        let north = (p.keep * c.here(4) + p.push_y * (here - head(p.sea, c, 0, -1))).positive();
+        let south = (p.keep * c.here(5) + p.push_y * (here - head(p.sea, c, 0, 1))).positive();
         let wanted = p.dt * ((west + east) + (north + south));
         let depth = c.here(1);
         let k = depth.lt(wanted).pick(depth / wanted, R::of(1.0));
@@ -65,10 +65,10 @@ impl Rule for ClassicErode {
     const TALLIES: &'static [Tally] = &SHARED;
     type Params = ErodeParams<()>;
     type Out<R: Real> = [R; 5];
-    type Sums<R: Real> = [R; 6];
+    type Sums<R: Real> = [R; 7];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 6]) {
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 7]) {
         let (zero, one) = (R::of(0.0), R::of(1.0));
         let (out_west, out_east) = (c.here(WEST), c.here(EAST));
         let (out_north, out_south) = (c.here(NORTH), c.here(SOUTH));
@@ -104,7 +104,7 @@ impl Rule for ClassicErode {
         let settled = at_sea.pick(load, settled);
 
         // As in the signed form: the load takes what the ground really gave.
-        let new_height = (h - dug) + settled.min(spare(h, load));
+        let new_height = ((h - dug) + settled.min(spare(h, load))).no_contract();
         let new_load = (load + (h - new_height)).flushed();
 
         let kept = wet * at_sea.pick(zero, p.keep);
@@ -118,12 +118,13 @@ impl Rule for ClassicErode {
             wet - moved,
             refused,
             p.speed2_max.lt(speed2).one(),
+            (h - new_height).positive(),
         ];
         ([new_height, new_water, new_load, vx, vy], sums)
     }
 
     #[inline(always)]
-    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 6]> {
+    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 7]> {
         let flow = match side {
             Side::West => c.here(WEST),
             Side::East => c.here(EAST),
@@ -131,7 +132,7 @@ impl Rule for ClassicErode {
             Side::South => c.here(SOUTH),
         };
         let zero = R::of(0.0);
-        Some([zero, zero, p.dt * flow, zero, zero, zero])
+        Some([zero, zero, p.dt * flow, zero, zero, zero, zero])
     }
 }
 

@@ -36,12 +36,12 @@ impl Rule for Flux {
     #[inline(always)]
     fn cell<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>) -> ([R; 4], [R; 0]) {
         let [water, sediment, flux_x, flux_y] = [1, 2, 3, 4];
-        let here = head(p, c, 0, 0).named("head");
+        let here = head(p.sea, c, 0, 0).named("head");
         // (1) An edge's flux is pushed by the difference of the heads on its two sides.
-        let east = (p.keep * c.here(flux_x) + p.push_x * (here - head(p, c, 1, 0))).named("(1) east");
-        let west = (p.keep * c.at(flux_x, -1, 0) + p.push_x * (head(p, c, -1, 0) - here)).named("(1) west");
-        let south = (p.keep * c.here(flux_y) + p.push_y * (here - head(p, c, 0, 1))).named("(1) south");
-        let north = (p.keep * c.at(flux_y, 0, -1) + p.push_y * (head(p, c, 0, -1) - here)).named("(1) north");
+        let east = (p.keep * c.here(flux_x) + p.push_x * (here - head(p.sea, c, 1, 0))).named("(1) east");
+        let west = (p.keep * c.at(flux_x, -1, 0) + p.push_x * (head(p.sea, c, -1, 0) - here)).named("(1) west");
+        let south = (p.keep * c.here(flux_y) + p.push_y * (here - head(p.sea, c, 0, 1))).named("(1) south");
+        let north = (p.keep * c.at(flux_y, 0, -1) + p.push_y * (head(p.sea, c, 0, -1) - here)).named("(1) north");
         // (2) What flows out during dt must be there.
         let zero = R::of(0.0);
         let out = (east.positive() - west.min(zero)) + (south.positive() - north.min(zero));
@@ -56,9 +56,9 @@ impl Rule for Flux {
 
 /// Level of the surface, fresh or salt, m.
 #[inline(always)]
-pub(super) fn head<R: Real>(p: &FluxParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+pub(super) fn head<R: Real>(sea: R, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
     let [height, water] = [0, 1];
-    c.at(height, dx, dy).max(p.sea) + c.at(water, dx, dy)
+    c.at(height, dx, dy).max(sea) + c.at(water, dx, dy)
 }
 
 rule_params! {
@@ -116,93 +116,132 @@ impl Rule for Erode {
         read("afford_sediment", 1),
     ];
     const WRITES: &'static [&'static str] = &["height", "water", "sediment", "flux_x", "flux_y"];
-    const TALLIES: &'static [Tally] = &TALLIES;
+    const TALLIES: &'static [Tally] = &SHARED_BY_SIGNED;
     type Params = ErodeParams<()>;
     type Out<R: Real> = [R; 5];
-    type Sums<R: Real> = [R; 8];
+    type Sums<R: Real> = [R; 9];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 8]) {
+    fn cell<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>) -> ([R; 5], [R; 9]) {
         let [height, water, sediment] = [0, 1, 2];
-        let (zero, one) = (R::of(0.0), R::of(1.0));
         let (east, east_load) = edge_x(c, 0);
         let (west, west_load) = edge_x(c, -1);
         let (south, south_load) = edge_y(c, 0);
         let (north, north_load) = edge_y(c, -1);
 
-        // (3) Water moves.
-        let depth = c.here(water);
-        let moved = (depth + p.dt * ((west - east) + (north - south))).named("(3) moved");
-        let wet = moved.positive().named("(3) wet");
-
-        // (4) Velocity from the mean flux through the cell and the mean depth; (5) slope. Speed and sine are only
-        // needed as the root of the product of their squares, which costs one division and one root.
-        let mean = (R::of(0.5) * (depth + wet)).named("(4) mean_depth");
-        let (qx, qy) = (R::of(0.5) * p.dx * (west + east), R::of(0.5) * p.dy * (north + south));
-        let q2 = (qx.named("(4) flow_x") * qx + qy.named("(4) flow_y") * qy).named("(4) flow_squared");
-        let gx = p.slope_x * (c.at(height, 1, 0) - c.at(height, -1, 0));
-        let gy = p.slope_y * (c.at(height, 0, 1) - c.at(height, 0, -1));
-        let g2 = (gx.named("(5) slope_x") * gx + gy.named("(5) slope_y") * gy).named("(5) slope_squared");
-        let mean2 = (mean.max(p.dry) * mean.max(p.dry)).named("(4) depth_squared");
-        let inverse = one / (mean2 * (one + g2));
-        let speed2 = (q2 * (one + g2) * inverse).named("(4) speed_squared");
-        let sine2 = (g2 * mean2 * inverse).clamp(p.sine2_min, p.sine2_max).named("(5) sine_squared");
-        let flowing = p.dry.lt(mean);
-        let capped2 = flowing.pick(speed2.min(p.speed2_max), zero).named("(4) capped_squared");
-
-        // (6) Capacity grows with depth, so that channels win over films.
-        let capacity = p.capacity * (capped2 * sine2).sqrt() * (mean * p.ramp).min(one);
-        let capacity = capacity.named("(6) capacity");
-
-        // (7) Sediment moves with the water, then ground and water exchange it.
-        let carried = c.here(sediment) + p.dt * ((west_load - east_load) + (north_load - south_load));
-        let carried = carried.named("(7) carried");
-        let load = carried.positive().named("(7) load");
-        let h = c.here(height);
-        let lowest = c.at(height, 1, 0).min(c.at(height, -1, 0)).min(c.at(height, 0, 1).min(c.at(height, 0, -1)));
-        let missing = (capacity - load).named("(7) missing");
-        let wish = (p.dig * missing.positive()).named("(7) wish");
-        let dug = wish.min(p.dig_limit * (h - lowest.named("lowest")).positive()).named("(7) may_dig");
-        let settled = p.settle * (-missing).positive();
-        let at_sea = h.lt(p.sea);
-        let refused = at_sea.pick(zero, wish - dug);
-        // In the sea the river ends: its water joins the sea and all its load settles.
-        let dug = at_sea.pick(zero, dug).named("(7) dug");
-        let settled = at_sea.pick(load, settled).named("(7) settled");
-        let new_height = ((h - dug) + settled.min(spare(h, load))).named("(7) new_height");
-        // The load takes what the ground really gave after rounding, so that nothing is made of it.
-        let new_load = (load + (h - new_height)).flushed().named("(7) new_load");
-
-        // (8) Evaporation and rain.
-        let kept = (wet * at_sea.pick(zero, p.keep)).named("(8) kept");
-        let fallen = at_sea.pick(zero, p.rain * p.dt);
-        let new_water = (kept + fallen).flushed().named("(8) new_water");
-
-        let lost = (wet - kept).named("(8) lost");
-        let sums = [
-            new_water - kept,
-            at_sea.pick(zero, lost),
-            at_sea.pick(lost, zero),
-            wet - moved,
-            refused,
-            flowing.pick(p.speed2_max.lt(speed2).one(), zero),
-            zero,
-            load - carried,
-        ];
+        let (h_east, h_west) = (c.at(height, 1, 0), c.at(height, -1, 0));
+        let (h_south, h_north) = (c.at(height, 0, 1), c.at(height, 0, -1));
+        let half = R::of(0.5);
+        let flows = Flows {
+            gain: (west - east) + (north - south),
+            load_gain: (west_load - east_load) + (north_load - south_load),
+            qx: half * p.dx * (west + east),
+            qy: half * p.dy * (north + south),
+            gx: p.slope_x * (h_east - h_west),
+            gy: p.slope_y * (h_south - h_north),
+            lowest: h_east.min(h_west).min(h_south.min(h_north)),
+        };
+        let ([new_height, new_water, new_load], sums) =
+            exchange(p, c.here(height), c.here(water), c.here(sediment), &flows);
         ([new_height, new_water, new_load, east, south], sums)
     }
 
     #[inline(always)]
-    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 8]> {
+    fn boundary_outflow<R: Real>(p: &ErodeParams<R>, c: &impl Cell<R>, side: Side) -> Option<[R; 9]> {
         let (flow, load) = match side {
             Side::West => negated(edge_x(c, -1)),
             Side::East => edge_x(c, 0),
             Side::North => negated(edge_y(c, -1)),
             Side::South => edge_y(c, 0),
         };
-        let zero = R::of(0.0);
-        Some([zero, zero, p.dt * flow, zero, zero, zero, p.dt * load, zero])
+        Some(boundary_sums(p, flow, load))
     }
+}
+
+/// What the edges of a cell bring, and the ground around it.
+pub(super) struct Flows<R> {
+    /// Inflows minus outflows of water, m/s.
+    pub(super) gain: R,
+    /// The same of sediment, m/s.
+    pub(super) load_gain: R,
+    /// Mean discharge through the cell over its width, eastward and southward, m2/s.
+    pub(super) qx: R,
+    pub(super) qy: R,
+    /// Slope, 1.
+    pub(super) gx: R,
+    pub(super) gy: R,
+    /// Lowest neighbour, m.
+    pub(super) lowest: R,
+}
+
+/// Equations (3) to (8) of a cell of ground `h`, water `depth` and load `sediment`: its new values of them, and the sums of
+/// [`SHARED_BY_SIGNED`].
+#[inline(always)]
+pub(super) fn exchange<R: Real>(p: &ErodeParams<R>, h: R, depth: R, sediment: R, flows: &Flows<R>) -> ([R; 3], [R; 9]) {
+    let (zero, one) = (R::of(0.0), R::of(1.0));
+    // (3) Water moves.
+    let moved = (depth + p.dt * flows.gain).named("(3) moved");
+    let wet = moved.positive().named("(3) wet");
+
+    // (4) Velocity from the mean flux through the cell and the mean depth; (5) slope. Speed and sine are only
+    // needed as the root of the product of their squares, which costs one division and one root.
+    let mean = (R::of(0.5) * (depth + wet)).named("(4) mean_depth");
+    let (qx, qy, gx, gy) = (flows.qx, flows.qy, flows.gx, flows.gy);
+    let q2 = (qx.named("(4) flow_x") * qx + qy.named("(4) flow_y") * qy).named("(4) flow_squared");
+    let g2 = (gx.named("(5) slope_x") * gx + gy.named("(5) slope_y") * gy).named("(5) slope_squared");
+    let mean2 = (mean.max(p.dry) * mean.max(p.dry)).named("(4) depth_squared");
+    let inverse = one / (mean2 * (one + g2));
+    let speed2 = (q2 * (one + g2) * inverse).named("(4) speed_squared");
+    let sine2 = (g2 * mean2 * inverse).clamp(p.sine2_min, p.sine2_max).named("(5) sine_squared");
+    let flowing = p.dry.lt(mean);
+    let capped2 = flowing.pick(speed2.min(p.speed2_max), zero).named("(4) capped_squared");
+
+    // (6) Capacity grows with depth, so that channels win over films.
+    let capacity = p.capacity * (capped2 * sine2).sqrt() * (mean * p.ramp).min(one);
+    let capacity = capacity.named("(6) capacity");
+
+    // (7) Sediment moves with the water, then ground and water exchange it.
+    let carried = sediment + p.dt * flows.load_gain;
+    let carried = carried.named("(7) carried");
+    let load = carried.positive().named("(7) load");
+    let missing = (capacity - load).named("(7) missing");
+    let wish = (p.dig * missing.positive()).named("(7) wish");
+    let dug = wish.min(p.dig_limit * (h - flows.lowest.named("lowest")).positive()).named("(7) may_dig");
+    let settled = p.settle * (-missing).positive();
+    let at_sea = h.lt(p.sea);
+    let refused = at_sea.pick(zero, wish - dug);
+    // In the sea the river ends: its water joins the sea and all its load settles.
+    let dug = at_sea.pick(zero, dug).named("(7) dug");
+    let settled = at_sea.pick(load, settled).named("(7) settled");
+    let new_height = ((h - dug) + settled.min(spare(h, load))).no_contract().named("(7) new_height");
+    // The load takes what the ground really gave after rounding, so that nothing is made of it.
+    let new_load = (load + (h - new_height)).flushed().named("(7) new_load");
+
+    // (8) Evaporation and rain.
+    let kept = (wet * at_sea.pick(zero, p.keep)).named("(8) kept");
+    let fallen = at_sea.pick(zero, p.rain * p.dt);
+    let new_water = (kept + fallen).flushed().named("(8) new_water");
+
+    let lost = (wet - kept).named("(8) lost");
+    let sums = [
+        new_water - kept,
+        at_sea.pick(zero, lost),
+        at_sea.pick(lost, zero),
+        wet - moved,
+        refused,
+        flowing.pick(p.speed2_max.lt(speed2).one(), zero),
+        (h - new_height).positive(),
+        zero,
+        load - carried,
+    ];
+    ([new_height, new_water, new_load], sums)
+}
+
+/// The sums of what leaves over an open rim.
+#[inline(always)]
+pub(super) fn boundary_sums<R: Real>(p: &ErodeParams<R>, flow: R, load: R) -> [R; 9] {
+    let zero = R::of(0.0);
+    [zero, zero, p.dt * flow, zero, zero, zero, zero, p.dt * load, zero]
 }
 
 /// The part of a load that may settle on ground of height `h`: all but what rounding may add to the height, so that the
@@ -212,8 +251,8 @@ pub(super) fn spare<R: Real>(h: R, load: R) -> R {
     (load - R::of(f32::EPSILON) * (h.abs() + load)).positive()
 }
 
-/// The accounts of both forms.
-pub(super) const SHARED: [Tally; 6] = [
+/// The accounts of all forms.
+pub(super) const SHARED: [Tally; 7] = [
     RAIN,
     EVAPORATED,
     DRAINED,
@@ -228,17 +267,26 @@ pub(super) const SHARED: [Tally; 6] = [
         account: "hydraulic.speed_capped",
         unit: TallyUnit::Count,
         sign: 0,
-        meaning: "Cell-steps in which the speed limit was in force",
+        meaning: "Cell-steps in which water ran faster than max_speed, the speed that sediment feels at most: usual on slopes where \
+                  steps are shorter than cell size over max_speed",
+    },
+    Tally {
+        account: "hydraulic.dug",
+        unit: TallyUnit::Thickness,
+        sign: 0,
+        meaning: "Ground that water dug up, each time that it did",
     },
 ];
 
-const TALLIES: [Tally; 8] = [
+/// The accounts of the forms whose sediment moves with the flux.
+pub(super) const SHARED_BY_SIGNED: [Tally; 9] = [
     SHARED[0],
     SHARED[1],
     SHARED[2],
     SHARED[3],
     SHARED[4],
     SHARED[5],
+    SHARED[6],
     Tally {
         account: "ground.left",
         unit: TallyUnit::Thickness,

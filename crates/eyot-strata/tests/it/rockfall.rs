@@ -1,0 +1,87 @@
+//! T2: talus in layers. Every material stops at its own angle, and nothing is lost.
+
+use crate::{go, scheduled, value, world};
+use eyot_core::{Field, World};
+use eyot_strata::{Beds, Rockfall};
+
+/// A pile of loose ground, or of rock, on a plain.
+fn pile(loose: bool) -> World {
+    let n = 65;
+    let mut w = world([n, n], 10.0, |x, y| {
+        let r = ((x as f32 - 32.0).powi(2) + (y as f32 - 32.0).powi(2)).sqrt();
+        (300.0 - 60.0 * r).max(0.0)
+    });
+    let rock = Field::from_fn(n, n, |x, y| if loose { -10.0 } else { value(&w, "height", x, y) });
+    w.put(&eyot_strata::BEDROCK, rock).unwrap();
+    w
+}
+
+fn steepest(w: &World) -> f32 {
+    let h = |x: usize, y: usize| value(w, "height", x, y);
+    let mut most = 0.0f32;
+    for y in 1..64 {
+        for x in 1..64 {
+            for (dx, dy) in [(1usize, 0usize), (0, 1)] {
+                most = most.max((h(x, y) - h(x - dx, y - dy)).abs() / 10.0);
+            }
+        }
+    }
+    most.atan().to_degrees()
+}
+
+fn volume(w: &World) -> f64 {
+    w.get("height").unwrap().iter().map(|h| f64::from(h)).sum()
+}
+
+#[test]
+fn t2_loose_ground_slides_to_its_angle_and_rock_to_that_of_its_bed() {
+    for (loose, talus, want) in [(true, 35.0, 35.0f32), (true, 25.0, 25.0), (false, 35.0, 35.0)] {
+        let mut w = pile(loose);
+        let before = volume(&w);
+        // Granite stands at 70 degrees; what fell from it lies at the angle of loose ground.
+        let beds = Beds { top: 1000.0, ..Beds::default() };
+        let all = [scheduled(beds), scheduled(Rockfall { talus, rate: 1.0 })];
+        go(&mut w, &all, 3000);
+        assert!((volume(&w) / before - 1.0).abs() < 1e-4, "{} of {before}", volume(&w));
+        let got = steepest(&w);
+        if loose {
+            assert!((got - want).abs() < 0.3, "{got} degrees");
+        } else {
+            // The rock's core is steeper than scree and flatter than its own angle.
+            assert!(got > want + 5.0 && got < 70.3, "{got} degrees");
+        }
+    }
+}
+
+#[test]
+fn t2_what_its_material_carries_stays_to_the_bit() {
+    // A wall of 55 degrees in rock that stands at 60, without loose ground.
+    let mut w = world([40, 20], 10.0, |x, _| 14.28 * x as f32);
+    let beds = Beds {
+        top: 900.0,
+        beds: vec![eyot_strata::Bed { material: "limestone".into(), thickness: 2000.0 }],
+        ..Beds::default()
+    };
+    let before = w.get("height").unwrap().clone();
+    go(&mut w, &[scheduled(beds.clone()), scheduled(Rockfall::default())], 50);
+    assert!(w.get("height").unwrap() == &before);
+    // In sandstone, which stands at 50, it comes down.
+    let soft = Beds { beds: vec![eyot_strata::Bed { material: "sandstone".into(), thickness: 2000.0 }], ..beds };
+    go(&mut w, &[scheduled(soft), scheduled(Rockfall::default())], 50);
+    assert!(w.get("height").unwrap() != &before);
+}
+
+#[test]
+fn little_loose_ground_does_not_take_rock_along() {
+    // 40 degrees of rock under half a metre of scree that would lie at 35.
+    let mut w = world([60, 20], 10.0, |x, _| 8.391 * x as f32);
+    let beds = Beds { top: 2000.0, regolith: 0.5, ..Beds::default() };
+    let all = [scheduled(beds), scheduled(Rockfall { talus: 35.0, rate: 1.0 })];
+    go(&mut w, &all, 500);
+    let rock = w.get("bedrock").unwrap();
+    for x in 2..58 {
+        assert!((rock.get(x, 10) - (8.391 * x as f32 - 0.5)).abs() < 1e-3, "rock at {x}: {}", rock.get(x, 10));
+    }
+    assert!(value(&w, "height", 50, 10) - rock.get(50, 10) < 0.05, "the slope is swept");
+    assert!(value(&w, "height", 0, 10) - rock.get(0, 10) > 1.0, "scree at its foot");
+}
