@@ -1,6 +1,7 @@
 //! Components of worlds, as checkpoints hold them behind their checksums.
 
 use crate::limits;
+use crate::states::NASTY;
 use eyot::{Boundary, Grid, Limits, component_kinds};
 use eyot_core::component::{Columns, Decoder, Encoder, Graph, Numbers, Points, Run, Table, Type};
 use eyot_core::{Component, ComponentKind};
@@ -63,4 +64,17 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
         seeds.extend([of(kind, 1, former), of(kind, 2, now)]);
     }
     seeds
+}
+
+/// Puts each of some bad numbers into each field of one component of each kind, one at a time, and hands over the input that does so.
+pub fn component_by_component(mut each: impl FnMut(&[u8])) {
+    for seed in seeds() {
+        for at in 2..seed.len() {
+            for nasty in NASTY.iter().filter(|n| at + n.len() <= seed.len()) {
+                let mut input = seed.clone();
+                input[at..at + nasty.len()].copy_from_slice(nasty);
+                each(&input);
+            }
+        }
+    }
 }

@@ -57,7 +57,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "expression", run: expressions::read, seeds: expressions::seeds, words: expressions::WORDS },
 ];
 
-pub use states::{field_by_field, loaded};
+pub use components::component_by_component;
+pub use states::{field_by_field, finished, loaded};
 
 /// The target of a name.
 pub fn target(name: &str) -> Option<&'static Target> {

@@ -2,7 +2,7 @@
 
 use crate::{limits, worlds};
 use eyot::session::{Budget, Clock, Host, Memory, Session, SessionOptions, Status};
-use eyot::{Command, Limits, Overrides, Recipe, RecipeSource, Registry};
+use eyot::{Command, Handle, Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions};
 use eyot_io::checkpoint;
 use eyot_io::storage::{Keep, read_bytes, write_bytes};
 use std::io::Cursor;
@@ -11,7 +11,8 @@ use std::sync::OnceLock;
 /// Runs whose components are those of all processes that keep any.
 const RUNS: [&str; 2] = [
     "seed = 5\n[grid]\nsize = 8\ncell = 0.25\n[[step]]\ngenerate = \"constant\"\nvalue = -5.0\n\
-     [[step]]\nsimulate = [\"corals\"]\nsteps = 12\n",
+     [[step]]\nsimulate = [\"corals\"]\nsteps = 12\n[view]\nenabled = false\n\
+     [[export]]\nwhat = \"census\"\n[[export]]\nwhat = \"plots\"\n[[export]]\nwhat = \"map\"\nlayers = [\"coral_cover\"]\n",
     "seed = 5\n[grid]\nsize = 24\ncell = 50000.0\n[[step]]\nsimulate = [\"plates\"]\nsteps = 12\n",
 ];
 /// Steps before the checkpoint, and those that are done from a changed one.
@@ -56,6 +57,15 @@ fn go_on(checkpoint: &[u8]) -> bool {
     true
 }
 
+/// Goes on from a changed checkpoint to the end of its run, with all files that are made of it. False if that was refused.
+pub fn finished(bytes: &[u8]) -> bool {
+    let Some(checkpoint) = loaded(bytes) else { return false };
+    let folder = tempfile::tempdir().expect("a folder for a run");
+    std::fs::write(folder.path().join(CHECKPOINT), checkpoint).expect("room for a checkpoint");
+    let options = RunOptions { limits: limits(), threads: Some(1), ..RunOptions::default() };
+    Run::resume(folder.path(), &Registry::standard(), options).and_then(Handle::join).is_ok()
+}
+
 fn host(memory: &Memory) -> Host {
     Host::new(&Registry::standard(), Clock::system()).with_storage(memory.clone())
 }
@@ -86,16 +96,21 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
 }
 
 /// Numbers that no field should have, in the widths of fields.
-const NASTY: [&[u8]; 9] = [
+pub(crate) const NASTY: [&[u8]; 14] = [
     &[0xff],
     &[0; 4],
     &[0xff; 4],
+    &(1_u32 << 28).to_le_bytes(),
     &1e9f32.to_le_bytes(),
     &(-1e30f32).to_le_bytes(),
+    &f32::NAN.to_le_bytes(),
     &[0; 8],
     &[0xff; 8],
+    &(1_u64 << 33).to_le_bytes(),
     &1e9f64.to_le_bytes(),
+    &(-1.0f64).to_le_bytes(),
     &(-1e300f64).to_le_bytes(),
+    &f64::NAN.to_le_bytes(),
 ];
 
 /// Puts each of some bad numbers into each field of each component, one at a time, and hands over the input that does so. Of what

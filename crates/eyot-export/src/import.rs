@@ -10,8 +10,8 @@
 //! Linear interpolation.
 //!
 //! # Layers
-//! Cells without a value (the number that marks them, or the mask inside a GeoTIFF) are filled from their neighbours. Where a height
-//! map is imported, the layer `missing` keeps them, and exports leave them empty. A grid that is taken `from` a file keeps its place on Earth.
+//! Cells without a value (the number that marks them, the mask inside a GeoTIFF or beside it as `.msk`) are filled from their neighbours. Where a height
+//! map is imported, the layer `missing` keeps them, and exports leave them empty; the process `holes` makes them an open rim, without it they are land. A grid that is taken `from` a file keeps its place on Earth.
 //! Heights that the file says are feet become metres; other units stay as they are.
 
 use eyot_core::process::{Entry, Generator, Site};
@@ -22,6 +22,7 @@ use eyot_recipe::{DATA, FirstRow, RasterInfo, Refusal, Resolver, alternatives, d
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A height map from a file: GeoTIFF, TIFF, PNG, EXR, NPY, Zarr, or raw numbers (R16, R32).
 ///
@@ -63,6 +64,36 @@ pub struct Import {
     /// Memory that the file may take; the run's limit, no key of a recipe.
     #[schemars(skip)]
     pub(crate) max_bytes: Option<u64>,
+    /// What the last reading found, so that it need not be read again for each question.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub(crate) found: Seen,
+}
+
+/// What a file held beside its values when it was last read. A copy of an import has not read anything yet.
+#[derive(Debug, Default)]
+pub(crate) struct Seen(Mutex<Option<Arc<Found>>>);
+
+impl Clone for Seen {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+#[derive(Debug)]
+struct Found {
+    /// What was asked for.
+    file: String,
+    options: ReadOptions,
+    /// Columns and rows.
+    size: (usize, usize),
+    cell_m: Option<(f64, f64)>,
+    /// Cells without a value.
+    missing: Option<Vec<bool>>,
+    /// How many these are.
+    filled: usize,
+    /// A number that usually marks such cells, and how many hold it.
+    suspect: Option<(f32, usize)>,
 }
 
 /// The registry line of [`Import`]; it is here because the land crate touches no files.
@@ -71,36 +102,30 @@ pub static IMPORT: Entry<dyn Generator> =
 
 impl Generator for Import {
     fn generate(&self, site: &Site<'_>, _base: &Field) -> Result<Field> {
-        let mut raster = self.read(&site.grid)?;
+        let (found, mut raster) = self.read(&site.grid)?;
         raster.to_metres();
         site.control.check()?;
-        Ok(match self.window {
-            Some(_) => resample_window(&raster.field, self.cells(&raster)?, &site.grid),
-            None => resample(&raster.field, &site.grid),
-        })
+        self.fit(&found, raster.field, &site.grid)
     }
 
     /// Reads the file: nothing less tells whether a run could, and a run may come to it after hours.
     fn check(&self, grid: &Grid) -> Result<()> {
-        let raster = self.read(grid)?;
-        if let Some((mark, cells)) = raster.suspect().filter(|(mark, _)| mark.abs() >= io::BEYOND_ALL) {
+        let found = self.found(grid)?;
+        if let Some((mark, cells)) = found.suspect.filter(|(mark, _)| mark.abs() >= io::BEYOND_ALL) {
             let reason = format!(
                 "{cells} cells hold {mark:e}, which is no height; if it marks missing cells, add nodata = {mark:e}"
             );
             return Err(Error::BadParameter { owner: "import".into(), field: "nodata".into(), reason });
         }
-        self.cells(&raster).map(drop)
+        self.cells(&found).map(drop)
     }
 
     fn missing(&self, grid: &Grid) -> Result<Option<Field>> {
-        let raster = self.read(grid)?;
-        let Some(missing) = &raster.missing else { return Ok(None) };
-        let (width, height) = (raster.field.width(), raster.field.height());
+        let found = self.found(grid)?;
+        let Some(missing) = &found.missing else { return Ok(None) };
+        let (width, height) = found.size;
         let marks = Field::from_fn(width, height, |x, y| f32::from(u8::from(missing[y * width + x])));
-        let mut marks = match self.window {
-            Some(_) => resample_window(&marks, self.cells(&raster)?, grid),
-            None => resample(&marks, grid),
-        };
+        let mut marks = self.fit(&found, marks, grid)?;
         // A cell that is mostly made up is missing.
         marks.map_in_place(|share| if share >= 0.5 { 1.0 } else { 0.0 });
         let any = marks.iter().any(|m| m > 0.0);
@@ -108,10 +133,10 @@ impl Generator for Import {
     }
 
     fn doubts(&self, grid: &Grid) -> Vec<Remedy> {
-        let Ok(raster) = self.read(grid) else { return Vec::new() };
+        let Ok(found) = self.found(grid) else { return Vec::new() };
         let mut all = Vec::new();
-        if raster.missing.is_some() {
-            let cells = raster.filled();
+        if found.missing.is_some() {
+            let cells = found.filled;
             all.push(
                 format!(
                     "{cells} cells of `{}` have no value: they are filled in, and exports leave them empty",
@@ -120,7 +145,7 @@ impl Generator for Import {
                 .into(),
             );
         }
-        if let Some((mark, cells)) = raster.suspect() {
+        if let Some((mark, cells)) = found.suspect {
             all.push(
                 format!(
                     "{cells} cells of `{}` hold {mark}, which usually marks missing cells and is taken for a height here; if it does, \
@@ -144,11 +169,11 @@ type Window = [f64; 4];
 
 impl Import {
     /// The window in the file's cells; all of them without one.
-    fn cells(&self, raster: &io::Raster) -> Result<Window> {
-        let (w, h) = (raster.field.width() as f64, raster.field.height() as f64);
+    fn cells(&self, found: &Found) -> Result<Window> {
+        let (w, h) = (found.size.0 as f64, found.size.1 as f64);
         let Some(window) = self.window else { return Ok([0.0, 0.0, w, h]) };
         let fault = |reason: String| Error::BadParameter { owner: "import".into(), field: "window".into(), reason };
-        let Some((x, y)) = raster.cell_m else {
+        let Some((x, y)) = found.cell_m else {
             return Err(fault(format!("`{}` does not say how large its cells are", self.file)));
         };
         let [west, north, width, height] = window;
@@ -167,7 +192,25 @@ impl Import {
         Ok([west / x, north / y, width / x, height / y])
     }
 
-    fn read(&self, grid: &Grid) -> Result<io::Raster> {
+    /// Values of the file, or of its window, on the grid.
+    fn fit(&self, found: &Found, field: Field, grid: &Grid) -> Result<Field> {
+        Ok(match self.window {
+            Some(_) => resample_window(&field, self.cells(found)?, grid),
+            None if found.size == (grid.width, grid.height) => field,
+            None => resample(&field, grid),
+        })
+    }
+
+    /// What the file holds beside its values: as it was read last, or else it is read for that.
+    fn found(&self, grid: &Grid) -> Result<Arc<Found>> {
+        let last = self.found.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        match last {
+            Some(found) if found.file == self.file && found.options == self.options()? => Ok(found),
+            _ => self.read(grid).map(|(found, _)| found),
+        }
+    }
+
+    fn options(&self) -> Result<ReadOptions> {
         let numbers = match self.numbers.as_deref() {
             None => None,
             Some(text) => Some(Sample::parse(text).ok_or_else(|| Error::BadParameter {
@@ -176,7 +219,7 @@ impl Import {
                 reason: format!("`{text}` is no kind of numbers; write u16le, u16be, i16le, u8, f32le or f64be"),
             })?),
         };
-        let options = ReadOptions {
+        Ok(ReadOptions {
             low_m: self.low_m,
             high_m: self.high_m,
             nodata: self.nodata,
@@ -187,10 +230,14 @@ impl Import {
             byte_order: numbers.map(|n| n.1),
             row_order: self.first_row.map(row_order),
             ..ReadOptions::default()
-        };
+        })
+    }
+
+    fn read(&self, grid: &Grid) -> Result<(Arc<Found>, io::Raster)> {
+        let options = self.options()?;
         let mut limits = Limits::default();
         limits.max_bytes = self.max_bytes.unwrap_or(limits.max_bytes);
-        let raster = read_raster(&self.file, &options, &limits).map_err(|reason| Error::BadFile {
+        let mut raster = read_raster(&self.file, &options, &limits).map_err(|reason| Error::BadFile {
             owner: "import".into(),
             field: "file".into(),
             reason,
@@ -203,7 +250,17 @@ impl Import {
         ]
         .map(|(w, h)| Field::bytes_of(w, h));
         limits.check_bytes(&format!("fitting `{}` to the grid", self.file), file + narrow + result)?;
-        Ok(raster)
+        let found = Arc::new(Found {
+            file: self.file.clone(),
+            options,
+            size: (raster.field.width(), raster.field.height()),
+            cell_m: raster.cell_m,
+            filled: raster.filled(),
+            suspect: raster.suspect(),
+            missing: raster.missing.take(),
+        });
+        *self.found.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(found.clone());
+        Ok((found, raster))
     }
 }
 

@@ -4,6 +4,7 @@ use crate::builtin;
 use crate::keys::{Export, Preset, View};
 use crate::merge::Merge;
 use eyot_core::process::{Entry, Generator, Process, Scheduled, over};
+use eyot_core::remedy::Remedy;
 use eyot_core::{Georeference, Grid};
 use eyot_expr::{ExprProcess, ParameterizedProcess, Scope, Terms, TextRule};
 use serde::{Deserialize, Serialize};
@@ -132,6 +133,8 @@ pub struct GenerateStep {
     pub amount: f32,
     /// Seed of the step.
     pub seed: u64,
+    /// What it can do and most likely was not meant to, as its check found; see [`Generator::doubts`].
+    pub doubts: Vec<Remedy>,
 }
 
 /// A step that lets processes act.

@@ -49,8 +49,14 @@ unsafe impl GlobalAlloc for Counting {
 
 /// Bytes that `work` held at its peak beyond what was held before, per cell.
 pub fn peak<T>(grid: &Grid, work: impl FnOnce() -> T) -> (f64, T) {
+    let (bytes, result) = held(work);
+    (bytes as f64 / grid.cells() as f64, result)
+}
+
+/// Bytes that `work` held at its peak beyond what was held before.
+pub fn held<T>(work: impl FnOnce() -> T) -> (usize, T) {
     let before = HELD.load(Ordering::Relaxed);
     MOST.store(before, Ordering::Relaxed);
     let result = work();
-    ((MOST.load(Ordering::Relaxed) - before) as f64 / grid.cells() as f64, result)
+    (MOST.load(Ordering::Relaxed) - before, result)
 }

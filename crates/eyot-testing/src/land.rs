@@ -4,7 +4,7 @@ use crate::one;
 use eyot_core::process::Scheduled;
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic};
 use eyot_land::simulate::reef::{Light, Limit, Reef};
-use eyot_land::simulate::{Motu, Seabed, Thermal, Wetness};
+use eyot_land::simulate::{Holes, Motu, Seabed, Thermal, Wetness};
 
 /// Name and processes of each.
 pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
@@ -24,6 +24,7 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         ("reef in light", vec![one(Reef { limit: Limit::Light, light: Light::Saturating, ..Default::default() })]),
         ("motu", vec![one(Motu { wind: 140.0, open_sea: 3.0, ..Default::default() })]),
         ("wetness", vec![one(Wetness::default())]),
+        ("holes", vec![one(hydraulic.clone()), one(Holes::default())]),
         (
             "all",
             vec![

@@ -3,6 +3,7 @@
 //! A process never calls another one; recipes put them together.
 
 pub mod drainage;
+pub mod holes;
 pub mod hydraulic;
 pub mod motu;
 pub mod reef;
@@ -15,6 +16,7 @@ use eyot_core::process::{Entry, Process};
 use eyot_core::{BoundaryCondition, Centering, LayerSpec, about};
 
 pub use drainage::Drainage;
+pub use holes::Holes;
 pub use hydraulic::Hydraulic;
 pub use motu::Motu;
 pub use reef::Reef;
@@ -49,6 +51,7 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
         &["howard1994", "braun2013", "roering1999", "yuan2019", "fairfield1991"],
     ),
     Entry::<dyn Process>::process::<Wetness>("wetness", about!("wetness.rs"), &[]),
+    Entry::<dyn Process>::process::<Holes>("holes", about!("holes.rs"), &[]),
 ];
 
 /// A layer of fluxes through faces, m/s.

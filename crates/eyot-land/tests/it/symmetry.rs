@@ -13,7 +13,7 @@ use eyot_land::drainage::{Descent, Routing, RoutingRule};
 use eyot_land::simulate::drainage::Depressions;
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic, SPRINGS};
 use eyot_land::simulate::reef::{Light, Limit, Reef};
-use eyot_land::simulate::{Drainage, Seabed, Streampower, Thermal, Wetness};
+use eyot_land::simulate::{Drainage, Holes, Seabed, Streampower, Thermal, Wetness};
 
 fn one(process: impl Process + 'static) -> Scheduled {
     Scheduled { name: "test", process: Box::new(process), every: 1 }
@@ -39,6 +39,7 @@ fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         ("thermal", vec![one(Thermal::default())]),
         ("thermal inverted", vec![one(Thermal { inverted: true, ..Default::default() })]),
         ("seabed", vec![one(Seabed::default())]),
+        ("holes", vec![one(Springs), one(hydraulic.clone()), one(Holes::default())]),
         ("reef", vec![one(reef.clone())]),
         ("reef in light", vec![one(Reef { limit: Limit::Light, light: Light::Saturating, ..Default::default() })]),
         ("wetness", vec![one(Springs), one(hydraulic.clone()), one(Wetness::default())]),

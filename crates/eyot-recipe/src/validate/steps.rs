@@ -189,6 +189,7 @@ impl Validator<'_> {
             merge,
             mask: keys.mask,
             amount: keys.amount,
+            doubts: self.grid.filter(|_| keys.enabled).map(|g| generator.doubts(&g)).unwrap_or_default(),
             seed: step_seed(keys.seed.unwrap_or(seed), if keys.seed.is_some() { 0 } else { number as u64 }),
         };
         let name = keys.name.unwrap_or_else(|| entry.name.to_owned());

@@ -80,3 +80,45 @@ fn files_without_holes_leave_no_layer() {
     assert_eq!(doubts(&recipe), "");
     assert!(common::run(recipe, out.path()).get("missing").is_none());
 }
+
+/// Rain over land with a hole: what reaches it leaves, and the hole stays as it was; without `holes` it is land like other land.
+#[test]
+fn holes_are_an_open_rim() {
+    let text = |processes: &str| {
+        text("masked.tif", "").replace(
+            "simulate = [\"thermal\"]\nsteps = 5",
+            &format!("simulate = [{processes}]\nsteps = 60\nhydraulic.rain = 0.01\nthermal.talus = 5.0"),
+        )
+    };
+    let run = |processes: &str, out: &Path| common::run(common::recipe(&text(processes), &[]), out);
+    let out = tempfile::tempdir().unwrap();
+    let start = run("\"thermal\", \"holes\", \"hydraulic\"", out.path()).layer("hole_floor").unwrap().field.clone();
+    let world = run("\"hydraulic\", \"thermal\", \"holes\"", out.path());
+    let field = |name: &str| world.layer(name).unwrap().field.to_vec();
+    let [height, water, sediment, floor] = ["height", "water", "sediment", "hole_floor"].map(field);
+    for i in (0..120).filter(|i| corner()[*i]) {
+        assert_eq!((height[i], water[i], sediment[i]), (floor[i], 0.0, 0.0), "cell {i}");
+    }
+    // Ground and water are all accounted for.
+    let area = world.grid.cell_area_m2();
+    let sum = |v: &[f32]| v.iter().map(|v| f64::from(*v)).sum::<f64>() * area;
+    let gained = sum(&height) + sum(&sediment) - sum(&start.to_vec());
+    assert!(world.ledger.amount("ground.holes").abs() > 1e-3 * area, "{}", world.ledger.amount("ground.holes"));
+    assert!((gained - world.ledger.net("ground")).abs() < 1e-3 * area, "{gained} {}", world.ledger.net("ground"));
+    assert!((sum(&water) - world.ledger.net("water")).abs() < 1e-3 * sum(&water), "{}", world.ledger.net("water"));
+    assert_eq!(common::raster(&out.path().join("height.tif")).missing, Some(corner()));
+    // By choice they are land.
+    let filled = run("\"hydraulic\", \"thermal\"", out.path());
+    let wet = filled.layer("water").unwrap().field.to_vec();
+    assert!((0..120).filter(|i| corner()[*i]).all(|i| wet[i] > 0.0));
+    assert_eq!(common::raster(&out.path().join("height.tif")).missing, Some(corner()));
+    let refused = common::parse(
+        &text("\"holes\"")
+            .replace("masked.tif", "bands.tif")
+            .replace("[[step]]\nsimulate", "band = 2\n[[step]]\nsimulate"),
+        &[],
+        Overrides::default(),
+        &Limits::default(),
+    );
+    assert!(refused.err().unwrap().contains("missing"));
+}
