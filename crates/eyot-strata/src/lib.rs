@@ -1,24 +1,28 @@
 //! Rock in beds: what comes to light where the land is worn, how steep it stands, and how fast it wears.
 //!
-//! [`Beds`] keeps, for every cell, where the bedrock's surface lies and how its beds are displaced; what lies on the bedrock is
+//! [`Strata`] keeps, for every cell, where the bedrock's surface lies and how its beds are displaced; what lies on the bedrock is
 //! loose. Other processes change the height, as ever: what they take is taken from the loose ground first, what they lay down is
 //! loose. [`Rockfall`] lets every material slide at its own angle.
 //!
 //! Both are rules of single cells and their neighbours, and run on every engine.
 
-pub mod beds;
 pub mod materials;
 pub mod rockfall;
+pub mod strata;
 
-pub use beds::{BED_DATUM, BED_SHIFT, BEDROCK, Bed, Beds, ERODIBILITY, Fault, Fold, MATERIAL, ROCK_SLOPE};
 pub use materials::{Material, classes, standard};
 pub use rockfall::Rockfall;
+pub use strata::{BED_DATUM, BED_SHIFT, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, ROCK_SLOPE, Strata};
 
 use eyot_core::about;
 use eyot_core::process::{Entry, Process};
 
 /// All processes that recipes can name.
 pub const PROCESSES: &[Entry<dyn Process>] = &[
-    Entry::<dyn Process>::process::<Beds>("beds", about!("beds.rs"), &["telford1990", "heimsath1997", "shobe2017"]),
+    Entry::<dyn Process>::process::<Strata>(
+        "strata",
+        about!("strata.rs"),
+        &["telford1990", "heimsath1997", "shobe2017"],
+    ),
     Entry::<dyn Process>::process::<Rockfall>("rockfall", about!("rockfall.rs"), &["musgrave1989", "benes2001"]),
 ];

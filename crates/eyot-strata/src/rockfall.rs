@@ -16,7 +16,7 @@
 //! - The angle of a pair is that of the higher cell's material.
 //!
 //! # Layers
-//! Reads `bedrock` (m) and `rock_slope` (1), which the process `beds` makes; reads and writes `height` (m).
+//! Reads `bedrock` (m) and `rock_slope` (1), which the process `strata` makes; reads and writes `height` (m).
 //!
 //! # Limits
 //! Stable for every rate within 0..=1: the shares of the 8 neighbours sum to `rate / 2`.
@@ -34,7 +34,7 @@ use eyot_core::rule_params;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::beds::{BEDROCK, ROCK_SLOPE};
+use crate::strata::{BEDROCK, ROCK_SLOPE};
 
 /// Walls come down at the angle of their rock, scree lies at its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,12 +1,12 @@
-//! Beds and what comes down from them, in every variant that has rules of its own; shared by the tests of all engines.
+//! Strata and what comes down from them, in every variant that has rules of its own; shared by the tests of all engines.
 
 use crate::one;
 use eyot_core::process::Scheduled;
-use eyot_strata::{Beds, Fault, Fold, Rockfall};
+use eyot_strata::{Fault, Fold, Rockfall, Strata};
 
 /// Name and processes of each.
 pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
-    let bent = Beds {
+    let bent = Strata {
         top: 20.0,
         repeat: true,
         dip: 7.0,
@@ -15,10 +15,10 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         soil: 0.001,
         uplift: 0.002,
         years_per_step: 10.0,
-        ..Beds::default()
+        ..Strata::default()
     };
     vec![
-        ("beds", vec![one(Beds { top: 10.0, regolith: 0.5, ..Beds::default() })]),
+        ("beds", vec![one(Strata { top: 10.0, regolith: 0.5, ..Strata::default() })]),
         ("bent beds", vec![one(bent.clone())]),
         ("rockfall", vec![one(Rockfall::default())]),
         ("beds and rockfall", vec![one(bent), one(Rockfall { talus: 20.0, rate: 1.0 })]),

@@ -18,6 +18,7 @@ struct Job {
     stay_d_0: f32,
     rate_0: f32,
     rate_d_0: f32,
+    account_0_0: i32,
 }
 @group(0) @binding(0) var<uniform> job: Job;
 @group(0) @binding(1) var<storage, read_write> state: array<f32>;
@@ -29,6 +30,19 @@ fn address(slot: i32, x: i32, y: i32) -> i32 {
 fn wrapped(i: i32, n: i32) -> i32 {
     return (i % n + n) % n;
 }
+// No compiler knows that no bit changes here, so that none fuses a product with a sum.
+fn rounded(v: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(v) ^ (u32(job.slots) >> 31u));
+}
+var<workgroup> parts: array<vec4<f32>, 256>;
+// A sum and what rounding took from it (Knuth's two-sum), so that thousands of steps lose nothing.
+fn post(account: i32, value: f32, group: i32) {
+    let place = account * job.groups + group;
+    let old = sums[place];
+    let total = old.x + value;
+    let part = total - old.x;
+    sums[place] = vec2<f32>(total, old.y + ((old.x - (total - part)) + (value - part)));
+}
 
 @compute @workgroup_size(256)
 fn main(
@@ -38,6 +52,7 @@ fn main(
 ) {
     let left = i32(group.x) * 32 + job.left;
     let top = i32(group.y) * 16 + job.top;
+    var sum_0_0 = 0.0;
 
     // Rule `thermal_slump`.
     for (var c = thread; c < 512u; c += 256u) {
@@ -86,8 +101,32 @@ fn main(
         let n48 = height_ne - height;
         let n49 = select(n32, n48, n32 < n48);
         let n52 = (n43 - select(job.stay_d_0, n44, n44 < job.stay_d_0)) + (n48 - select(job.stay_d_0, n49, n49 < job.stay_d_0));
-        let n57 = (job.rate_0 * (n17 + n29)) + (job.rate_d_0 * (n41 + n52));
-        let slumped = height + n57; // (1)
+        let gain = rounded((job.rate_0 * (n17 + n29))) + rounded((job.rate_d_0 * (n41 + n52))); // (1)
+        let slumped = rounded((height + gain)); // (1)
         state[address(job.to_height, cx, cy)] = slumped;
+        {
+            sum_0_0 += ((slumped - height) - gain);
+        }
+    }
+
+    // Sums of the tile.
+    let number = job.first_group + i32(group.y * groups.x + group.x);
+    workgroupBarrier();
+    parts[thread] = vec4<f32>(sum_0_0, 0.0, 0.0, 0.0);
+    workgroupBarrier();
+    if thread % 16u == 0u {
+        var part = parts[thread];
+        for (var i = 1u; i < 16u; i++) {
+            part += parts[thread + i];
+        }
+        parts[thread] = part;
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        var total = parts[0];
+        for (var i = 16u; i < 256u; i += 16u) {
+            total += parts[i];
+        }
+        post(job.account_0_0, total.x, number);
     }
 }

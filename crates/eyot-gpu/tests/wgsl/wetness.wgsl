@@ -13,6 +13,8 @@ struct Job {
     groups: i32,
     from_flux_x: i32,
     from_flux_y: i32,
+    from_flux_se: i32,
+    from_flux_sw: i32,
     from_wetness: i32,
     to_wetness: i32,
     half_dx_0: f32,
@@ -51,18 +53,25 @@ fn main(
         let y = wrapped(cy, job.height);
         let x_0 = wrapped(cx, job.width);
         let x_m1 = wrapped(cx - 1, job.width);
+        let x_p1 = wrapped(cx + 1, job.width);
         let y_0 = wrapped(cy, job.height);
         let y_m1 = wrapped(cy - 1, job.height);
+        let flux_se_nw = state[address(job.from_flux_se, x_m1, y_m1)];
+        let flux_se = state[address(job.from_flux_se, x_0, y_0)];
+        let n6 = flux_se_nw + flux_se;
+        let flux_sw_ne = state[address(job.from_flux_sw, x_p1, y_m1)];
+        let flux_sw = state[address(job.from_flux_sw, x_0, y_0)];
+        let n9 = flux_sw_ne + flux_sw;
         let flux_x_w = state[address(job.from_flux_x, x_m1, y_0)];
         let flux_x = state[address(job.from_flux_x, x_0, y_0)];
-        let n7 = job.half_dx_0 * (flux_x_w + flux_x);
+        let n15 = job.half_dx_0 * ((flux_x_w + flux_x) + (n6 - n9));
         let flux_y_n = state[address(job.from_flux_y, x_0, y_m1)];
         let flux_y = state[address(job.from_flux_y, x_0, y_0)];
-        let n11 = job.half_dy_0 * (flux_y_n + flux_y);
-        let n16 = sqrt(((n7 * n7) + (n11 * n11))) * job.per_river_0;
+        let n21 = job.half_dy_0 * ((flux_y_n + flux_y) + (n6 + n9));
+        let n26 = sqrt(((n15 * n15) + (n21 * n21))) * job.per_river_0;
         let wetness = state[address(job.from_wetness, x_0, y_0)];
-        let n22 = wetness + (job.share_0 * (select(1.0f, n16, n16 < 1.0f) - wetness));
-        let n26 = select(n22, 0.0f, abs(n22) < 1e-30f);
-        state[address(job.to_wetness, cx, cy)] = n26;
+        let n32 = wetness + (job.share_0 * (select(1.0f, n26, n26 < 1.0f) - wetness));
+        let n36 = select(n32, 0.0f, abs(n32) < 1e-30f);
+        state[address(job.to_wetness, cx, cy)] = n36;
     }
 }

@@ -1,8 +1,8 @@
-//! Beds and what comes down from them.
+//! Strata and what comes down from them.
 
-mod beds;
 mod conformance;
 mod rockfall;
+mod strata;
 
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;

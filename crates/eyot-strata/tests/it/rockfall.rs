@@ -2,7 +2,7 @@
 
 use crate::{go, scheduled, value, world};
 use eyot_core::{Field, World};
-use eyot_strata::{Beds, Rockfall};
+use eyot_strata::{Rockfall, Strata};
 
 /// A pile of loose ground, or of rock, on a plain.
 fn pile(loose: bool) -> World {
@@ -39,7 +39,7 @@ fn t2_loose_ground_slides_to_its_angle_and_rock_to_that_of_its_bed() {
         let mut w = pile(loose);
         let before = volume(&w);
         // Granite stands at 70 degrees; what fell from it lies at the angle of loose ground.
-        let beds = Beds { top: 1000.0, ..Beds::default() };
+        let beds = Strata { top: 1000.0, ..Strata::default() };
         let all = [scheduled(beds), scheduled(Rockfall { talus, rate: 1.0 })];
         go(&mut w, &all, 3000);
         assert!((volume(&w) / before - 1.0).abs() < 1e-4, "{} of {before}", volume(&w));
@@ -57,16 +57,16 @@ fn t2_loose_ground_slides_to_its_angle_and_rock_to_that_of_its_bed() {
 fn t2_what_its_material_carries_stays_to_the_bit() {
     // A wall of 55 degrees in rock that stands at 60, without loose ground.
     let mut w = world([40, 20], 10.0, |x, _| 14.28 * x as f32);
-    let beds = Beds {
+    let beds = Strata {
         top: 900.0,
         beds: vec![eyot_strata::Bed { material: "limestone".into(), thickness: 2000.0 }],
-        ..Beds::default()
+        ..Strata::default()
     };
     let before = w.get("height").unwrap().clone();
     go(&mut w, &[scheduled(beds.clone()), scheduled(Rockfall::default())], 50);
     assert!(w.get("height").unwrap() == &before);
     // In sandstone, which stands at 50, it comes down.
-    let soft = Beds { beds: vec![eyot_strata::Bed { material: "sandstone".into(), thickness: 2000.0 }], ..beds };
+    let soft = Strata { beds: vec![eyot_strata::Bed { material: "sandstone".into(), thickness: 2000.0 }], ..beds };
     go(&mut w, &[scheduled(soft), scheduled(Rockfall::default())], 50);
     assert!(w.get("height").unwrap() != &before);
 }
@@ -75,7 +75,7 @@ fn t2_what_its_material_carries_stays_to_the_bit() {
 fn little_loose_ground_does_not_take_rock_along() {
     // 40 degrees of rock under half a metre of scree that would lie at 35.
     let mut w = world([60, 20], 10.0, |x, _| 8.391 * x as f32);
-    let beds = Beds { top: 2000.0, regolith: 0.5, ..Beds::default() };
+    let beds = Strata { top: 2000.0, regolith: 0.5, ..Strata::default() };
     let all = [scheduled(beds), scheduled(Rockfall { talus: 35.0, rate: 1.0 })];
     go(&mut w, &all, 500);
     let rock = w.get("bedrock").unwrap();

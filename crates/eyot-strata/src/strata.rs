@@ -18,7 +18,7 @@
 //!
 //! # Differences
 //! - SPACE wears rock and sediment at two rates at once; here one factor is shared by all processes that wear the land.
-//! - Beds are shifted, tilted, folded and broken as a whole: they keep their thickness measured along the vertical.
+//! - Strata are shifted, tilted, folded and broken as a whole: they keep their thickness measured along the vertical.
 //! - A step that cuts through a whole bed wears all of it as fast as what lay on top: steps should cut less than half the thinnest
 //!   bed.
 //!
@@ -31,7 +31,7 @@
 //!
 //! # Conserves
 //! Height is bedrock and loose ground, to the bit. What rises is in the ledger, what comes to light of the bedrock is reported
-//! (`tests/it/beds.rs`).
+//! (`tests/it/strata.rs`).
 
 use crate::materials::{Material, standard};
 use eyot_core::given::Given;
@@ -45,7 +45,7 @@ use eyot_core::{Error, Grid, LayerSpec, Result, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Beds above the one without a bottom.
+/// Strata above the one without a bottom.
 pub const MOST_BEDS: usize = 12;
 /// Folds and faults, of each.
 pub const MOST_BENDS: usize = 4;
@@ -138,7 +138,7 @@ impl Default for Fault {
 /// Bedrock in beds: hard ones stand as cliffs and ledges, soft ones as slopes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Beds {
+pub struct Strata {
     /// The beds from the top down, at most 13. The last one goes on for ever.
     pub beds: Vec<Bed>,
     /// Materials by name. One of a new name says which it is like, or gives all.
@@ -180,7 +180,7 @@ pub struct Beds {
     pub years_per_step: f32,
 }
 
-impl Default for Beds {
+impl Default for Strata {
     fn default() -> Self {
         let bed = |material: &str, thickness: f32| Bed { material: material.into(), thickness };
         Self {
@@ -211,14 +211,14 @@ impl Default for Beds {
 }
 
 fn bad(field: &str, reason: String) -> Error {
-    Error::BadParameter { owner: "beds".into(), field: field.into(), reason }
+    Error::BadParameter { owner: "strata".into(), field: field.into(), reason }
 }
 
 fn tangent(degrees: f32) -> f64 {
     sin_degrees(f64::from(degrees)) / cos_degrees(f64::from(degrees))
 }
 
-impl Beds {
+impl Strata {
     fn number(&self, field: &str, name: &str) -> Result<usize> {
         self.materials.iter().position(|m| m.name == name).ok_or_else(|| {
             let names: Vec<&str> = self.materials.iter().map(|m| m.name.as_str()).collect();
@@ -297,7 +297,7 @@ struct Profile<T> {
     loose: [T; 4],
 }
 
-impl Process for Beds {
+impl Process for Strata {
     fn layers(&self) -> Vec<LayerUse> {
         vec![
             HEIGHT.changed(0.0),
@@ -347,7 +347,7 @@ impl Process for Beds {
     }
 }
 
-impl Beds {
+impl Strata {
     fn lie(&self, grid: &Grid) -> LieParams<f32> {
         let cell = [grid.cell_x_m, grid.cell_y_m];
         // Columns to the east and rows to the south, in metres.
@@ -506,7 +506,7 @@ impl ParamSet for ExposeParams<()> {
 pub struct Expose;
 
 impl Rule for Expose {
-    const NAME: &'static str = "beds_expose";
+    const NAME: &'static str = "strata_expose";
     const READS: &'static [Read] = &[read("height", 0), read("bedrock", 0), read("bed_datum", 0)];
     const WRITES: &'static [&'static str] = &["bedrock", "material", "erodibility", "rock_slope"];
     const TALLIES: &'static [Tally] = &[
@@ -565,7 +565,7 @@ rule_params! {
 pub struct Lift;
 
 impl Rule for Lift {
-    const NAME: &'static str = "beds_lift";
+    const NAME: &'static str = "strata_lift";
     const READS: &'static [Read] = &[read("height", 0), read("bedrock", 0), read("bed_datum", 0)];
     const WRITES: &'static [&'static str] = &["height", "bedrock", "bed_datum"];
     const TALLIES: &'static [Tally] =
@@ -595,7 +595,7 @@ rule_params! {
 pub struct Bury;
 
 impl Rule for Bury {
-    const NAME: &'static str = "beds_bury";
+    const NAME: &'static str = "strata_bury";
     const READS: &'static [Read] = &[read("height", 0)];
     const WRITES: &'static [&'static str] = &["bedrock"];
     type Params = BuryParams<()>;
@@ -700,7 +700,7 @@ impl ParamSet for LieParams<()> {
 pub struct Lie;
 
 impl Rule for Lie {
-    const NAME: &'static str = "beds_lie";
+    const NAME: &'static str = "strata_lie";
     const READS: &'static [Read] = &[read("bed_shift", 0)];
     const WRITES: &'static [&'static str] = &["bed_datum"];
     type Params = LieParams<()>;

@@ -3,18 +3,18 @@
 use crate::{go, scheduled, value, world};
 use eyot_core::process::Process;
 use eyot_core::{Boundary, Grid, Limits};
-use eyot_strata::{BED_SHIFT, Bed, Beds, Fault, Fold};
+use eyot_strata::{BED_SHIFT, Bed, Fault, Fold, Strata};
 
 fn bed(material: &str, thickness: f32) -> Bed {
     Bed { material: material.into(), thickness }
 }
 
 /// Limestone (3) for 20 m, schist (4) for 30 m, granite (6) below; top at 100 m.
-fn three() -> Beds {
-    Beds {
+fn three() -> Strata {
+    Strata {
         beds: vec![bed("limestone", 20.0), bed("schist", 30.0), bed("granite", 50.0)],
         top: 100.0,
-        ..Beds::default()
+        ..Strata::default()
     }
 }
 
@@ -36,7 +36,7 @@ fn each_height_shows_its_bed() {
     }
     // The same beds again and again.
     let mut w = world([220, 1], 10.0, |x, _| 210.0 - x as f32);
-    go(&mut w, &[scheduled(Beds { repeat: true, ..three() })], 1);
+    go(&mut w, &[scheduled(Strata { repeat: true, ..three() })], 1);
     for x in 0..220 {
         let depth = (x as f32 - 110.0).rem_euclid(100.0);
         let material = if depth < 20.0 {
@@ -53,7 +53,7 @@ fn each_height_shows_its_bed() {
 #[test]
 fn what_others_take_is_loose_ground_first_and_what_they_lay_down_is_loose() {
     let mut w = world([4, 1], 10.0, |_, _| 90.0);
-    let beds = [scheduled(Beds { regolith: 2.0, cover: 0.1, ..three() })];
+    let beds = [scheduled(Strata { regolith: 2.0, cover: 0.1, ..three() })];
     go(&mut w, &beds, 1);
     assert_eq!(value(&w, "material", 0, 0), 0.0, "regolith covers it");
     let ground = w.layer_mut("height").unwrap();
@@ -73,7 +73,7 @@ fn what_others_take_is_loose_ground_first_and_what_they_lay_down_is_loose() {
 #[test]
 fn soil_forms_as_its_law_says() {
     let mut w = world([2, 2], 10.0, |_, _| 60.0);
-    let beds = Beds { soil: 0.0005, soil_depth: 0.4, years_per_step: 5.0, ..three() };
+    let beds = Strata { soil: 0.0005, soil_depth: 0.4, years_per_step: 5.0, ..three() };
     let processes = [scheduled(beds)];
     for n in 1..=20u32 {
         go(&mut w, &processes, 100);
@@ -88,26 +88,26 @@ fn soil_forms_as_its_law_says() {
 }
 
 #[test]
-fn beds_lie_as_they_are_tilted_folded_and_broken() {
-    let datum = |beds: Beds, x: usize, y: usize| {
+fn strata_lie_as_they_are_tilted_folded_and_broken() {
+    let datum = |beds: Strata, x: usize, y: usize| {
         let mut w = world([41, 41], 10.0, |_, _| 0.0);
         go(&mut w, &[scheduled(beds)], 1);
         value(&w, "bed_datum", x, y)
     };
     // The middle is column and row 20. Ten degrees down to the east.
-    let tilted = Beds { dip: 10.0, dip_direction: 90.0, ..three() };
+    let tilted = Strata { dip: 10.0, dip_direction: 90.0, ..three() };
     assert!((datum(tilted.clone(), 20, 20) - 100.0).abs() < 1e-3);
     assert!((datum(tilted.clone(), 40, 7) - (100.0 - 200.0 * 10f32.to_radians().tan())).abs() < 1e-2);
     // Down to the south: rows grow to the south.
-    let south = Beds { dip_direction: 180.0, ..tilted };
+    let south = Strata { dip_direction: 180.0, ..tilted };
     assert!(datum(south.clone(), 20, 30) < 90.0 && datum(south, 20, 10) > 110.0);
     let folded =
-        Beds { folds: vec![Fold { wavelength: 200.0, amplitude: 15.0, direction: 0.0, crest: 50.0 }], ..three() };
+        Strata { folds: vec![Fold { wavelength: 200.0, amplitude: 15.0, direction: 0.0, crest: 50.0 }], ..three() };
     // The crest lies 50 m to the north of the middle, the trough 100 m further.
     assert!((datum(folded.clone(), 3, 15) - 115.0).abs() < 0.01);
     assert!((datum(folded, 33, 5) - 85.0).abs() < 0.01);
     // A fault that runs north through the middle lifts what is to the right of it: the east.
-    let broken = Beds { faults: vec![Fault { strike: 0.0, distance: 0.0, throw: 40.0 }], ..three() };
+    let broken = Strata { faults: vec![Fault { strike: 0.0, distance: 0.0, throw: 40.0 }], ..three() };
     assert_eq!((datum(broken.clone(), 19, 5), datum(broken.clone(), 21, 5)), (100.0, 140.0));
     // What a generator made is added.
     let mut w = world([41, 41], 10.0, |_, _| 0.0);
@@ -119,7 +119,7 @@ fn beds_lie_as_they_are_tilted_folded_and_broken() {
 #[test]
 fn uplift_lifts_land_and_beds_and_is_in_the_ledger() {
     let mut w = world([3, 3], 10.0, |x, _| 70.0 + x as f32);
-    let beds = Beds { uplift: 0.001, years_per_step: 100.0, regolith: 1.0, ..three() };
+    let beds = Strata { uplift: 0.001, years_per_step: 100.0, regolith: 1.0, ..three() };
     go(&mut w, &[scheduled(beds)], 50);
     for x in 0..3 {
         assert!((value(&w, "height", x, 1) - 75.0 - x as f32).abs() < 1e-3);
@@ -132,13 +132,13 @@ fn uplift_lifts_land_and_beds_and_is_in_the_ledger() {
 #[test]
 fn beds_that_cannot_be_are_refused_by_name() {
     let grid = Grid::new(8, 8, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
-    let refused = |change: &dyn Fn(&mut Beds)| {
+    let refused = |change: &dyn Fn(&mut Strata)| {
         let mut beds = three();
         change(&mut beds);
         beds.check(&grid).unwrap_err().to_string()
     };
     for (change, words) in [
-        (&(|b: &mut Beds| b.beds[1].thickness = 0.0) as &dyn Fn(&mut Beds), "beds.thickness"),
+        (&(|b: &mut Strata| b.beds[1].thickness = 0.0) as &dyn Fn(&mut Strata), "beds.thickness"),
         (&|b| b.beds[1].thickness = -3.0, "beds.thickness"),
         (&|b| b.beds[1].thickness = f32::NAN, "beds.thickness"),
         (&|b| b.beds[0].material = "cheese".into(), "there is no material `cheese`; there are regolith, sand"),
