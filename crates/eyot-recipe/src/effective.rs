@@ -3,6 +3,7 @@
 use crate::describe::tidy;
 use crate::doc::written;
 use crate::keys;
+use crate::keys::Export;
 use crate::recipe::{Recipe, Work};
 use crate::toml_text;
 use serde_json::{Map, Value, json};
@@ -52,7 +53,13 @@ impl Recipe {
             all.insert("enabled".to_owned(), json!(step.enabled));
             *table = Value::Object(all);
         }
-        doc["export"] = self.exports.iter().map(|e| Value::Object(written(e))).collect();
+        let export = |e: &Export| {
+            let mut keys = written(e);
+            // What has no effect is refused when it is read again.
+            e.mesh_keys().into_iter().filter(|(_, fits, _)| !fits).for_each(|(key, ..)| drop(keys.remove(key)));
+            Value::Object(keys)
+        };
+        doc["export"] = self.exports.iter().map(export).collect();
         doc["view"] = Value::Object(written(&self.view));
         doc
     }

@@ -58,6 +58,19 @@ pub(crate) fn former_formats() -> BTreeMap<&'static str, &'static str> {
 }
 
 impl Export {
+    /// Keys that belong to meshes of the terrain alone: whether this export is one, and if not, to what the key belongs.
+    pub(crate) fn mesh_keys(&self) -> [(&'static str, bool, &'static str); 4] {
+        let terrain = self.shows() == What::Terrain;
+        let glb = self.preset.is_none() && terrain && self.formats().first() == Some(&ExportFormat::Glb);
+        let mesh = (terrain && self.preset.is_none()) || self.preset == Some(Preset::Blender);
+        [
+            ("tiles", glb, "a terrain as `glb`"),
+            ("skirt", glb && self.tiles != [1, 1], "a terrain in `tiles`"),
+            ("water", mesh, "a terrain"),
+            ("vertices", mesh, "a terrain"),
+        ]
+    }
+
     /// What it shows: as the key says, or what its format is for.
     pub fn shows(&self) -> What {
         match (&self.what, self.format) {

@@ -576,8 +576,9 @@ impl Rule for Lift {
 
     #[inline(always)]
     fn cell<R: Real>(p: &LiftParams<R>, c: &impl Cell<R>) -> ([R; 3], [R; 1]) {
-        let height = c.here(0) + p.risen;
-        // All by what the height really rose by, so that nothing loose comes or goes by rounding.
+        // All by what the height really rose by, so that nothing loose comes or goes by rounding; no compiler may see that it is
+        // `p.risen` but for that.
+        let height = (c.here(0) + p.risen).no_contract();
         let risen = height - c.here(0);
         ([height, c.here(1) + risen, c.here(2) + risen], [risen])
     }

@@ -27,7 +27,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-io", &["core", "mesh"]),
     ("eyot-render", &["core", "noise"]),
     ("eyot-view", &["core", "gpu", "noise", "render"]),
-    ("eyot-export", &["climate", "core", "io", "mesh", "recipe", "reef", "render", "session", "strata"]),
+    ("eyot-export", &["climate", "core", "io", "land", "mesh", "recipe", "reef", "render", "session", "strata"]),
     ("eyot-film", &["core", "export", "gpu", "io", "recipe", "render", "session", "view"]),
     ("eyot-live", &["core", "recipe", "reef", "session"]),
 ];

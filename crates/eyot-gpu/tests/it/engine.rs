@@ -8,7 +8,7 @@ use eyot_core::process::{Action, ActionInstance, Locality, Moment, Process, Sche
 use eyot_core::{Boundary, Error, Field, Grid, Limits, World};
 use eyot_gpu::{Choice, GpuEngine, GpuError, Options, blocking};
 use eyot_land::generate::GENERATORS;
-use eyot_land::simulate::hydraulic::Hydraulic;
+use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic};
 use eyot_land::simulate::{PROCESSES, Thermal, Wetness};
 use eyot_testing::one;
 use std::time::Duration;
@@ -104,9 +104,12 @@ fn long_runs_agree_with_the_processor() {
     println!("after 10000 steps: mass {mass:e}, hypsometric integral {integral:e}, slopes {slopes:e}");
     println!("ledger: {:?} {:?}", a.ledger.amount("water.rain"), b.ledger.amount("water.rain"));
     assert!(mass <= 1e-6 && integral <= 0.01 && slopes <= 0.02);
-    for (name, account) in a.ledger.iter() {
+    // What rounding leaves is another number wherever another order of operations rounds.
+    for (name, account) in a.ledger.iter().filter(|(name, _)| !name.ends_with(".rounded")) {
         let (want, got) = (account.amount, b.ledger.amount(name));
-        assert!((want - got).abs() <= 1e-3 * want.abs().max(1.0), "{name}: {got}, on the processor {want}");
+        // How often a limit acts differs more than what moves.
+        let share = if name.starts_with("hydraulic.") { 1e-2 } else { 1e-3 };
+        assert!((want - got).abs() <= share * want.abs().max(1.0), "{name}: {got}, on the processor {want}");
     }
 }
 
@@ -326,7 +329,7 @@ fn a_card_without_memory_left_says_so_and_the_world_stays_sound() {
     let e = engine.simulate(&mut world, &processes, span(0, 5), &Control::none()).unwrap_err();
     assert!(matches!(e, GpuError::OutOfMemory { .. }), "{e}");
     let says = e.to_string();
-    assert!(says.contains("the layers (1 MiB)") && says.contains(engine.gpu().name()), "{says}");
+    assert!(says.contains("the layers (2 MiB)") && says.contains(engine.gpu().name()), "{says}");
     assert!(says.contains("the engine `cpu`"), "{says}");
     assert_eq!((world.step, &height(&world)), (0, &height(&start)), "nothing has begun");
 
@@ -405,7 +408,8 @@ fn layers_come_back_while_the_simulation_goes_on() {
 /// What goes to the card is what the plan says: fused passes, one dispatch each, nothing compiled twice.
 #[test]
 fn work_is_what_the_plan_says() {
-    let hydraulic = || vec![one(Hydraulic::default())];
+    let four = || Hydraulic { flux: FluxForm::Signed, ..Default::default() };
+    let hydraulic = || vec![one(four())];
     let mut moved = Vec::new();
     for (most_passes, dispatches) in [(1, 200), (2, 100)] {
         let Some(mut engine) = engine(Options::default().most_passes(most_passes)) else { return };
@@ -416,7 +420,7 @@ fn work_is_what_the_plan_says() {
         assert!(work.submissions < 100);
         // Heavier rain is another number in the job and not another shader.
         let compiled = work.pipelines;
-        let more = vec![one(Hydraulic { rain: 0.02, ..Default::default() })];
+        let more = vec![one(Hydraulic { rain: 0.02, ..four() })];
         engine.simulate(&mut world, &more, Span { from: 100, steps: 10 }, &Control::none()).unwrap();
         assert_eq!(engine.work().pipelines, compiled);
         moved.push(work.bytes / (100 * 40 * 40));

@@ -136,7 +136,7 @@ fn draw(name: &str, mut unit: impl FnMut() -> f64) -> Value {
     let entry = PROCESSES.iter().find(|e| e.name == name).unwrap();
     let schema = (entry.schema)();
     let mut out = Map::new();
-    for (field, p) in schema.as_value()["properties"].as_object().unwrap() {
+    for (field, p) in schema.as_value()["properties"].as_object().into_iter().flatten() {
         let u = unit();
         let choices: Vec<Value> = match (p.get("enum"), p.get("oneOf")) {
             (Some(e), _) => e.as_array().unwrap().clone(),

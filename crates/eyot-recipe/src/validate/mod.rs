@@ -3,7 +3,7 @@
 use crate::check;
 use crate::diagnostic::{Diagnostic, ENOUGH, Problems, Source, alternatives, nearest};
 use crate::host::{RasterInfo, Refusal};
-use crate::keys::{self, Cells, Edges, Export, ExportFormat, Lengths, Preset, View, What};
+use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View, What};
 use crate::memory::{self, Obstacle, Place};
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
@@ -376,15 +376,7 @@ impl Validator<'_> {
                 }
             }
         }
-        let glb = export.formats().first() == Some(&ExportFormat::Glb) && export.shows() == What::Terrain;
-        let mesh =
-            (export.shows() == What::Terrain && export.preset.is_none()) || export.preset == Some(Preset::Blender);
-        for (key, fits, needs) in [
-            ("tiles", glb && export.preset.is_none(), "a terrain as `glb`"),
-            ("skirt", glb && export.preset.is_none() && export.tiles != [1, 1], "a terrain in `tiles`"),
-            ("water", mesh, "a terrain"),
-            ("vertices", mesh, "a terrain"),
-        ] {
+        for (key, fits, needs) in export.mesh_keys() {
             if let Some(at) = span(key).filter(|_| !fits) {
                 let message = format!("`{key}` has no effect here: it belongs to {needs}");
                 self.out.push(Diagnostic::at(at, message, "this key").help("leave it out"));

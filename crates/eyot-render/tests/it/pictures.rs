@@ -111,7 +111,7 @@ fn an_island_fills_the_picture() {
                 // It reaches across the picture one way or the other, and stands in its middle.
                 assert!(left.min(right) > 0.8 || top.min(bottom) > 0.65, "{width}x{height}: {all:?}");
                 assert!((left - right).abs() < 0.15, "{width}x{height} from {azimuth_deg}: {all:?}");
-                assert!((top - bottom).abs() < 0.2, "{width}x{height} from {azimuth_deg}: {all:?}");
+                assert!((top - bottom).abs() < 0.25, "{width}x{height} from {azimuth_deg}: {all:?}");
             }
         }
     }

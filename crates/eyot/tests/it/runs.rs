@@ -218,8 +218,13 @@ fn every_process_resumes_exactly() {
     for name in registry.process_names() {
         // Plates need cells that they cannot skip in a step, m.
         let cell = if name == "plates" { 50_000.0 } else { 10.0 };
+        // What a process cannot make itself.
+        let needs =
+            registry.process(name).map(|e| (e.make)(serde_json::json!({})).unwrap().needs()).unwrap_or_default();
+        let needs = needs.iter().map(|l| format!("[[step]]\ngenerate = \"constant\"\nlayer = \"{l}\"\nvalue = 0.0\n"));
+        let needs: String = needs.collect();
         let text = format!(
-            "[grid]\nsize = 32\ncell = {cell:.1}\n[[step]]\ngenerate = \"cone\"\nheight = 200.0\n[[step]]\nsimulate = [\"{name}\"]\nsteps = 23\n"
+            "[grid]\nsize = 32\ncell = {cell:.1}\n[[step]]\ngenerate = \"cone\"\nheight = 200.0\n{needs}[[step]]\nsimulate = [\"{name}\"]\nsteps = 23\n"
         );
         let read =
             || Recipe::parse(stubs::source(&text), eyot::Overrides::default(), &registry, &Limits::default()).unwrap();
