@@ -36,7 +36,7 @@ impl Places {
     /// How cell `i` lies.
     #[inline]
     pub(super) fn of(&self, i: usize) -> Place {
-        let [x, y] = self.from_middle(i);
+        let [x, y] = self.off_middle(i);
         let mut at = [x.abs(), y.abs()];
         let swapped = self.columns_first.map_or(at[1] > at[0], |first| !first);
         if swapped {
@@ -47,14 +47,14 @@ impl Places {
 
     /// Twice the steps from the middle of the grid to cell `i`.
     #[inline]
-    fn from_middle(&self, i: usize) -> [i64; 2] {
+    fn off_middle(&self, i: usize) -> [i64; 2] {
         [2 * (i % self.width) as i64 - self.middle[0], 2 * (i / self.width) as i64 - self.middle[1]]
     }
 
     /// Number of cell `i` for searches that begin at `start`.
     #[inline]
     pub(super) fn number(&self, start: &Place, i: usize) -> u64 {
-        start.number(self.from_middle(i))
+        start.number(self.off_middle(i))
     }
 
     /// One of the `ways` (one bit a direction of [`STEPS`], at least one) of cell `i`.

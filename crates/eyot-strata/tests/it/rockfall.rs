@@ -30,7 +30,7 @@ fn steepest(w: &World) -> f32 {
 }
 
 fn volume(w: &World) -> f64 {
-    w.get("height").unwrap().iter().map(|h| f64::from(h)).sum()
+    w.get("height").unwrap().iter().map(f64::from).sum()
 }
 
 #[test]
