@@ -120,11 +120,14 @@ def godot(run):
 def blender(run):
     about, n = run.about("blender"), run.n
     check("blender", "displacement to the bit", np.array_equal(exr(run.folder / about["displacement"]["file"]), run.heights))
-    masks = [np.asarray(Image.open(run.folder / m["file"])) for m in about["masks"]]
+    files = [f"blender_{material}.png" for material in MATERIALS]
+    check("blender", "a mask for each material", set(files) <= {m["file"] for m in about["masks"]}, about["masks"])
+    masks = [np.asarray(Image.open(run.folder / file)) for file in files]
     weights(run, "blender", np.stack(masks, axis=2), run.shares())
     scene = trimesh.load(run.folder / about["mesh"], process=False, maintain_order=True)
-    node = next(iter(scene.graph.nodes_geometry))
-    mesh = scene.geometry[scene.graph[node][1]]
+    # Beside the ground there may be the surface of its water.
+    drawn = [scene.geometry[scene.graph[node][1]] for node in scene.graph.nodes_geometry]
+    mesh = max(drawn, key=lambda m: len(m.vertices))
     check("blender", "a vertex for every cell", len(mesh.vertices) == n * n, len(mesh.vertices))
     extent = mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)
     check("blender", "extent", np.allclose(extent[[0, 2]], about["size_m"], rtol=1e-5), extent)
