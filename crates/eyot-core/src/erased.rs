@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 pub enum RuleKind {
     /// A rule that is a type.
     Type(TypeId),
-    /// A [`Program`], by its number.
+    /// A [`Program`](crate::program::Program), by its number.
     Program(u64),
 }
 
