@@ -121,13 +121,13 @@ fn comes<R: Real>(p: &FallParams<R>, c: &impl Cell<R>, dx: isize, dy: isize, dis
     let zero = R::of(0.0);
     let (here, there) = (c.here(0), c.at(0, dx, dy));
     let drop = (there - here).abs();
-    let from_there = here.lt(there);
-    let rock = from_there.pick(c.at(1, dx, dy), c.here(1));
-    let slope = here.lt(there).pick(c.at(2, dx, dy), c.here(2));
+    let falls_here = here.lt(there);
+    let rock = falls_here.pick(c.at(1, dx, dy), c.here(1));
+    let slope = falls_here.pick(c.at(2, dx, dy), c.here(2));
     let high = there.max(here);
     let loose = (high - rock).positive();
     let slid = (p.rate * part * (drop - p.loose * distance).positive()).min(p.share * part * loose);
     let fell = p.rate * part * (drop - slope * distance).positive();
     let moved = slid.max(fell);
-    here.lt(there).pick(moved, zero - moved)
+    falls_here.pick(moved, zero - moved)
 }

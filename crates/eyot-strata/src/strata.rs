@@ -231,18 +231,12 @@ impl Strata {
         self.beds.iter().map(|b| b.thickness).sum()
     }
 
-    /// Bottoms of the beds below the datum, m, with their materials.
-    ///
-    /// # Errors
-    /// As [`Process::check`].
-    fn profile(&self) -> Result<Profile<f32>> {
+    /// Finds numbers and counts that cannot be; names are looked up by [`Strata::profile`].
+    fn fits(&self) -> Result<()> {
         let fit = |what: &str, value: f32, low: f32, high: f32| {
             let fits = (low..=high).contains(&value);
             if fits { Ok(()) } else { Err(bad(what, format!("{value} is outside {low}..={high}"))) }
         };
-        if self.beds.is_empty() || self.beds.len() > MOST_BEDS + 1 {
-            return Err(bad("beds", format!("{} beds; there can be 1 to {}", self.beds.len(), MOST_BEDS + 1)));
-        }
         if self.materials.len() > 255 {
             return Err(bad("materials", format!("{} materials; there can be 255", self.materials.len())));
         }
@@ -270,6 +264,17 @@ impl Strata {
             fit("faults.distance", f.distance, -1e6, 1e6)?;
             fit("faults.throw", f.throw, -1e4, 1e4)?;
         }
+        self.beds.iter().try_for_each(|bed| fit("beds.thickness", bed.thickness, 0.01, 20000.0))
+    }
+
+    /// Bottoms of the beds below the datum, m, with their materials: of a sequence that has been checked, since every step asks for it.
+    ///
+    /// # Errors
+    /// If there are too few or too many beds, or no material of a name.
+    fn profile(&self) -> Result<Profile<f32>> {
+        if self.beds.is_empty() || self.beds.len() > MOST_BEDS + 1 {
+            return Err(bad("beds", format!("{} beds; there can be 1 to {}", self.beds.len(), MOST_BEDS + 1)));
+        }
         let layer = |bottom: f32, n: usize| {
             let m = &self.materials[n];
             [bottom, n as f32, m.erodibility, tangent(m.talus) as f32]
@@ -278,7 +283,6 @@ impl Strata {
         let mut beds = [[-1e30; 4]; MOST_BEDS];
         let (mut bottom, mut last) = (0.0, loose);
         for (i, bed) in self.beds.iter().enumerate() {
-            fit("beds.thickness", bed.thickness, 0.01, 20000.0)?;
             bottom += bed.thickness;
             last = layer(bottom, self.number("beds.material", &bed.material)?);
             if i + 1 < self.beds.len() {
@@ -319,6 +323,7 @@ impl Process for Strata {
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
+        self.fits()?;
         self.profile().map(|_| ())
     }
 
@@ -537,12 +542,7 @@ impl Rule for Expose {
             i -= 1;
             let bed = p.beds[i];
             let inside = depth.lt(bed[0]);
-            here = [
-                here[0],
-                depth.lt(bed[0]).pick(bed[1], here[1]),
-                depth.lt(bed[0]).pick(bed[2], here[2]),
-                inside.pick(bed[3], here[3]),
-            ];
+            here = [here[0], inside.pick(bed[1], here[1]), inside.pick(bed[2], here[2]), inside.pick(bed[3], here[3])];
         }
         let loose = height - rock;
         let bare = (-(loose * p.per_cover)).exp();

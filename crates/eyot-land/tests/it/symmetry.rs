@@ -221,27 +221,31 @@ fn no_river_prefers_a_direction() {
         for rim in rims() {
             for shape in [(19, 13), (16, 16), (1, 9)] {
                 let world = funnel(shape, rim, &processes);
-                let run = |mut w: World| {
-                    CpuEngine::default()
-                        .simulate(&mut w, &processes, Span { from: 0, steps: 6 }, &Control::none())
-                        .unwrap();
-                    w
-                };
-                let straight = run(world.clone());
+                let straight = turned_alike(&world, &processes, 6, tolerance, &format!("{name} {rim:?} {shape:?}"));
                 assert_ne!(straight.fingerprint(), world.fingerprint());
-                for turn in TURNS {
-                    let (there, back) = (turn.turn(&straight), run(turn.turn(&world)));
-                    for l in there.layers().iter().filter(|l| l.spec.name != "height_rest") {
-                        let other = back.get(&l.spec.name).unwrap();
-                        for (a, b) in l.field.iter().zip(other.iter()) {
-                            let here = format!("{name} {rim:?} {shape:?} {}: {} {a} {b}", turn.name, l.spec.name);
-                            assert!((a - b).abs() <= tolerance * a.abs().max(1.0), "{here}");
-                        }
-                    }
-                }
             }
         }
     }
+}
+
+/// What steps make of a world, after a look that they make the turned of it of every turned one, within `tolerance` of values above 1.
+fn turned_alike(world: &World, processes: &[Scheduled], steps: u64, tolerance: f32, what: &str) -> World {
+    let run = |mut w: World| {
+        CpuEngine::default().simulate(&mut w, processes, Span { from: 0, steps }, &Control::none()).unwrap();
+        w
+    };
+    let straight = run(world.clone());
+    for turn in TURNS {
+        let (there, back) = (turn.turn(&straight), run(turn.turn(world)));
+        for l in there.layers().iter().filter(|l| l.spec.name != "height_rest") {
+            let other = back.get(&l.spec.name).unwrap();
+            for (a, b) in l.field.iter().zip(other.iter()) {
+                let here = format!("{what} {}: {} {a} {b}", turn.name, l.spec.name);
+                assert!((a - b).abs() <= tolerance * a.abs().max(1.0), "{here}");
+            }
+        }
+    }
+    straight
 }
 
 /// Ground in six terraces, so that lakes, flats and equally steep ways are everywhere. No cell lies on a line of symmetry of these
@@ -268,23 +272,7 @@ fn no_lake_prefers_a_direction() {
                 if let Ok(rest) = world.layer_mut("height_rest") {
                     rest.field.map_in_place(|_| 0.0);
                 }
-                let run = |mut w: World| {
-                    CpuEngine::default()
-                        .simulate(&mut w, &processes, Span { from: 0, steps: 4 }, &Control::none())
-                        .unwrap();
-                    w
-                };
-                let straight = run(world.clone());
-                for turn in TURNS {
-                    let (there, back) = (turn.turn(&straight), run(turn.turn(&world)));
-                    for l in there.layers().iter().filter(|l| l.spec.name != "height_rest") {
-                        let other = back.get(&l.spec.name).unwrap();
-                        for (a, b) in l.field.iter().zip(other.iter()) {
-                            let here = format!("{name} {rim:?} {shape:?} {}: {} {a} {b}", turn.name, l.spec.name);
-                            assert!((a - b).abs() <= tolerance * a.abs().max(1.0), "{here}");
-                        }
-                    }
-                }
+                turned_alike(&world, &processes, 4, tolerance, &format!("{name} {rim:?} {shape:?}"));
             }
         }
     }
