@@ -41,7 +41,9 @@ fn check(s: &TerrainStats, share_slack: f64, ratio_slack: f64) {
     within("concavity", s.concavity, 0.35, 0.6);
     within("hypsometric_integral", s.hypsometric_integral, 0.2, 0.5);
     within("hack", s.hack, 0.5, 0.62);
-    within("horton_bifurcation", s.horton_bifurcation, 3.5 - ratio_slack, 4.6 + ratio_slack);
+    // A range this small has rivers of three or four orders, so one river more of the last order moves the ratio by a half:
+    // the range of natural basins (Strahler 1957) and not that of the measured maps (3.5 to 4.6), which have more orders.
+    within("horton_bifurcation", s.horton_bifurcation, 3.0 - ratio_slack, 5.0 + ratio_slack);
     within("beta_2d", s.beta_2d, 3.3, 4.2);
     let names = ["flat", "peak", "ridge", "shoulder", "spur", "slope", "hollow", "footslope", "valley", "pit"];
     for ((name, share), real) in names.into_iter().zip(s.landforms.unwrap().to_array()).zip(JACKSBORO) {
@@ -53,7 +55,7 @@ fn check(s: &TerrainStats, share_slack: f64, ratio_slack: f64) {
 /// A quarter of the area with the cells of the full map.
 #[test]
 fn alps_drain_as_mountains_do() {
-    check(&alps(512, &["grid.cell=30"]), 0.02, 1.5);
+    check(&alps(512, &["grid.cell=30"]), 0.02, 1.0);
 }
 
 /// Takes half a minute on two quiet cores.
