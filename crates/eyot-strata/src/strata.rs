@@ -50,9 +50,6 @@ pub const MOST_BEDS: usize = 12;
 /// Folds and faults, of each.
 pub const MOST_BENDS: usize = 4;
 
-/// Surface of the bedrock.
-pub const BEDROCK: LayerSpec =
-    LayerSpec::new("bedrock", "m", "Height of the bedrock's surface; what lies on it is loose", (-12000.0, 12000.0));
 /// Where the beds lie.
 pub const BED_DATUM: LayerSpec =
     LayerSpec::new("bed_datum", "m", "Height of the top of the uppermost bed, worn away or not", (-1e6, 1e6));
@@ -66,12 +63,7 @@ pub const BED_SHIFT: LayerSpec = LayerSpec::new(
 /// What lies at the surface.
 pub const MATERIAL: LayerSpec =
     LayerSpec::new("material", "1", "Material at the surface, its number in the list of materials", (0.0, 255.0));
-/// The same layer that stream power reads.
-pub const ERODIBILITY: LayerSpec =
-    LayerSpec::new("erodibility", "1", "Factor on the erodibility of stream power; below 0 counts as 0", (0.0, 1e6));
-/// Steepness of walls.
-pub const ROCK_SLOPE: LayerSpec =
-    LayerSpec::new("rock_slope", "1", "Tangent of the steepest slope that the bedrock keeps here", (0.0, 100.0));
+pub use eyot_core::layer::known::{BED_LEFT, BEDROCK, ERODIBILITY, ERODIBILITY_BELOW, ROCK_SLOPE};
 
 /// A bed of one material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

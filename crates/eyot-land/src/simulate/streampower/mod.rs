@@ -125,9 +125,7 @@ impl Default for Streampower {
 
 /// Factor on the uplift.
 pub const UPLIFT: LayerSpec = LayerSpec::new("uplift", "1", "Factor on the uplift of stream power", (-1e3, 1e3));
-/// Factor on the erodibility.
-pub const ERODIBILITY: LayerSpec =
-    LayerSpec::new("erodibility", "1", "Factor on the erodibility of stream power; below 0 counts as 0", (0.0, 1e6));
+pub use eyot_core::layer::known::ERODIBILITY;
 
 impl Process for Streampower {
     fn layers(&self) -> Vec<LayerUse> {
