@@ -66,6 +66,8 @@ pub(crate) enum Verb {
     Schema,
     /// Draw a picture of a finished run or of a height map
     Render(Render),
+    /// Cut through a finished run or a height map along a line, and draw what lies below it
+    Section(crate::section::Section),
     /// Film a finished run or a height map: pictures along a camera's path, and a video
     Film(crate::film::Film),
     /// Print statistics of a finished run or of a height map

@@ -15,6 +15,7 @@ mod progress;
 mod recipe_cmd;
 mod report;
 mod runs;
+mod section;
 mod serve;
 mod sweep;
 mod timeline;
@@ -120,6 +121,7 @@ fn work(verb: Verb) -> Result<(), Failure> {
         Verb::Schema => info::schema(),
         Verb::Render(a) => inspect::render(&a),
         Verb::Film(a) => film::film(&a),
+        Verb::Section(a) => section::section(&a),
         Verb::Stats(a) => inspect::stats(&a),
         Verb::Sweep(a) => sweep::sweep(&a),
         Verb::Convert(a) => convert::convert(&a),

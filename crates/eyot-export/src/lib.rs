@@ -23,6 +23,7 @@ mod outputs;
 pub mod pictures;
 mod plots;
 mod preset;
+pub mod section;
 mod terrain;
 mod terrain_plots;
 mod views;

@@ -70,6 +70,13 @@ pub fn classes(layer: &str) -> Option<&'static [Class]> {
     (layer == "material").then_some(CLASSES)
 }
 
+/// The colour of a material by its number, sRGB: those beyond the list begin again after the usual ones.
+pub fn colour(number: usize) -> [u8; 3] {
+    let usual = 7;
+    let n = if number < CLASSES.len() { number } else { usual + (number - usual) % (CLASSES.len() - usual) };
+    CLASSES[n].colour
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -34,6 +34,7 @@
 //! (`tests/it/strata.rs`).
 
 use crate::materials::{Material, standard};
+use crate::sequence::{Layered, STRATA, Sequence};
 use eyot_core::given::Given;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::math64::{cos_degrees, sin_degrees};
@@ -41,7 +42,7 @@ use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, SECONDS_PER_YEAR};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, ParamSet, Read, Rule, Tally, TallyUnit, read};
-use eyot_core::{Error, Grid, LayerSpec, Result, given, rule_params};
+use eyot_core::{Error, Grid, LayerSpec, Result, World, given, rule_params};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -218,6 +219,23 @@ impl Strata {
         })
     }
 
+    /// What a world keeps of its beds.
+    ///
+    /// # Errors
+    /// If there is no material of a name.
+    pub fn sequence(&self) -> Result<Sequence> {
+        let bed = |bed: &Bed| {
+            let material = self.number("beds.material", &bed.material)? as u8;
+            Ok(Layered { material, thickness_m: bed.thickness })
+        };
+        Ok(Sequence {
+            materials: self.materials.clone(),
+            loose: self.number("loose", &self.loose)? as u8,
+            beds: self.beds.iter().map(bed).collect::<Result<_>>()?,
+            repeat: self.repeat,
+        })
+    }
+
     /// Thickness of the whole sequence, m.
     fn sequence_m(&self) -> f32 {
         self.beds.iter().map(|b| b.thickness).sum()
@@ -317,6 +335,11 @@ impl Process for Strata {
     fn check(&self, _grid: &Grid) -> Result<()> {
         self.fits()?;
         self.profile().map(|_| ())
+    }
+
+    fn prepare(&self, world: &mut World) -> Result<()> {
+        world.components.insert(STRATA, self.sequence()?);
+        Ok(())
     }
 
     fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {

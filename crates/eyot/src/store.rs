@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 pub use eyot_export::open::{Opened, of_run};
 pub use eyot_export::pictures::Subject;
+pub use eyot_export::section::{Drawn, SectionOptions};
 pub use eyot_export::sheets::{Picture, SheetCell, contact_sheet};
 pub use eyot_io::read_rgb_png;
 pub use eyot_io::run_folder::*;
@@ -38,6 +39,14 @@ pub fn open_with(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<
 /// written, which is found out first.
 pub fn draw(world: &World, options: &View, subject: Subject<'_>, path: &Path, limits: &Limits) -> Result<(), RunError> {
     eyot_export::pictures::draw_file(world, options, subject, path, limits).map_err(RunError::from)
+}
+
+/// Draws a section through a world into a file, as SVG or PNG by its name.
+///
+/// # Errors
+/// If the name has another extension, the world has no height, the line is none on its grid, or the file cannot be written.
+pub fn section(world: &World, options: &SectionOptions, path: &Path) -> Result<Drawn, RunError> {
+    eyot_export::section::write_section(world, options, path).map_err(RunError::from)
 }
 
 /// Statistics of a world's terrain, and of its climate if it has one.

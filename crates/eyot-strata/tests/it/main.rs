@@ -2,6 +2,7 @@
 
 mod conformance;
 mod rockfall;
+mod section;
 mod strata;
 
 use eyot_core::engine::CpuEngine;
