@@ -92,7 +92,7 @@ impl Process for RockCycle {
         layers.extend(NEW_ROCK.map(|s| s.changed(0.0)));
         layers.extend(RESTED.map(|s| s.changed(0.0)));
         // The first turn finds everything disturbed, and begins to count.
-        layers.push(RESTED_HEIGHT.changed(0.0));
+        layers.push(RESTED_HEIGHT.changed(1e6));
         layers
     }
 
@@ -182,7 +182,8 @@ fn turn<R: Real>(p: &HardenParams<R>, thickness: R, age: R, next: R, next_age: R
         thickness: thickness - hardened,
         age: (one - ripe) * age,
         next: both,
-        next_age: zero.lt(joins).pick(next_age * (next / both.max(R::of(1e-9))), next_age),
+        // What joins is as old as nothing once the next stage has grown older in this turn.
+        next_age: zero.lt(joins).pick((next_age + p.years) * (next / both.max(R::of(1e-9))) - p.years, next_age),
         disturbed: disturbed * (one - there),
         hardened,
         lost: hardened - joins,

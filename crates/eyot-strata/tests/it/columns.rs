@@ -186,11 +186,11 @@ fn new_rock_wears_at_its_own_rate_and_is_seen() {
     let beds = Strata { new_rock: true, ..beds() };
     let mut w = world([3, 1], 10.0, |_, _| 100.0);
     // 1 m of sandstone on 2 m of marble (the second and the fifth stage); the beds begin at 97 m here.
-    w.put(&NEW_ROCK[1], Field::filled(3, 1, 1.0)).unwrap();
-    w.put(&NEW_ROCK[4], Field::filled(3, 1, 2.0)).unwrap();
-    w.put(&BEDROCK, Field::filled(3, 1, 100.0)).unwrap();
-    w.put(&ERODIBILITY, Field::filled(3, 1, 1.0)).unwrap();
-    w.put(&SEDIMENT, Field::filled(3, 1, 0.0)).unwrap();
+    w.put(&NEW_ROCK[1], Field::new(3, 1, 1.0)).unwrap();
+    w.put(&NEW_ROCK[4], Field::new(3, 1, 2.0)).unwrap();
+    w.put(&BEDROCK, Field::new(3, 1, 100.0)).unwrap();
+    w.put(&ERODIBILITY, Field::new(3, 1, 1.0)).unwrap();
+    w.put(&SEDIMENT, Field::new(3, 1, 0.0)).unwrap();
     go(&mut w, &[scheduled(beds.clone())], 1);
     assert_eq!([value(&w, "material", 0, 0), value(&w, "bed_left", 0, 0)], [2.0, 1.0]);
     assert!((f64::from(value(&w, "erodibility_below", 0, 0)) - MARBLE).abs() < 1e-6);
