@@ -8,6 +8,7 @@
 //! [`Section`] what a line across the land cuts through.
 
 pub mod materials;
+pub mod rock_cycle;
 pub mod rockfall;
 pub mod section;
 pub mod sequence;
@@ -15,11 +16,14 @@ pub mod strata;
 pub mod subsurface;
 
 pub use materials::{Material, classes, standard};
+pub use rock_cycle::RockCycle;
 pub use rockfall::Rockfall;
 pub use section::{Piece, Section};
 pub use sequence::{Layered, SEQUENCE, STRATA, Sequence};
-pub use strata::{BED_DATUM, BED_SHIFT, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, ROCK_SLOPE, Strata};
-
+pub use strata::{
+    BED_DATUM, BED_SHIFT, BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, NEW_ROCK, ROCK_SLOPE, Strata,
+    Surfaces,
+};
 pub use subsurface::{Kind, Run, Subsurface};
 
 use eyot_core::ComponentKind;
@@ -30,9 +34,10 @@ use eyot_core::process::{Entry, Process};
 pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Strata>(
         "strata",
-        about!("strata.rs"),
+        about!("strata/mod.rs"),
         &["telford1990", "heimsath1997", "shobe2017"],
     ),
+    Entry::<dyn Process>::process::<RockCycle>("rock_cycle", about!("rock_cycle.rs"), &[]),
     Entry::<dyn Process>::process::<Rockfall>("rockfall", about!("rockfall.rs"), &["musgrave1989", "benes2001"]),
 ];
 

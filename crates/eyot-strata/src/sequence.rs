@@ -5,6 +5,7 @@
 //! have changed. So a checkpoint, a frame of a recording and a world from any program know their beds, too.
 
 use crate::materials::Material;
+use crate::strata::{SLOTS, Surfaces};
 use eyot_core::component::{Decoder, Encoder};
 use eyot_core::{Component, ComponentKind, Fingerprint, Result, World};
 use std::sync::Arc;
@@ -36,6 +37,12 @@ pub struct Sequence {
     pub beds: Vec<Layered>,
     /// Whether the sequence begins again below its last bed and above its first.
     pub repeat: bool,
+    /// What the layers `bed_1` to `bed_4` say of the bottoms of the first beds.
+    pub surfaces: Surfaces,
+    /// Height from which those that are heights are counted, m.
+    pub top_m: f32,
+    /// The materials of the layers `new_rock_1` to `new_rock_6`: none, or six.
+    pub stages: Vec<u8>,
 }
 
 /// How it is read.
@@ -75,12 +82,21 @@ impl Sequence {
         for _ in 0..count {
             beds.push(Layered { material: from.u8()?, thickness_m: from.f32()? });
         }
+        let surfaces = match from.u8()? {
+            0 => Surfaces::Flat,
+            1 => Surfaces::Lower,
+            2 => Surfaces::Height,
+            other => return Err(from.wrong(format!("surfaces of a kind {other}"))),
+        };
+        let (top_m, stages) = (from.f32()?, usize::from(from.u8()?));
+        let stages = from.u8s(stages)?;
         let known = |n: u8| usize::from(n) < materials.len();
         let sound = |b: &Layered| known(b.material) && b.thickness_m.is_finite() && b.thickness_m > 0.0;
-        if beds.is_empty() || repeat > 1 || !known(loose) || !beds.iter().all(sound) {
+        let fits = [0, SLOTS].contains(&stages.len()) && stages.iter().all(|n| known(*n)) && top_m.is_finite();
+        if beds.is_empty() || repeat > 1 || !known(loose) || !beds.iter().all(sound) || !fits {
             return Err(from.wrong("beds that cannot be"));
         }
-        Ok(Self { materials, loose, beds, repeat: repeat == 1 })
+        Ok(Self { materials, loose, beds, repeat: repeat == 1, surfaces, top_m, stages })
     }
 }
 
@@ -103,6 +119,10 @@ impl Component for Sequence {
             out.u8(b.material);
             out.f32(b.thickness_m);
         }
+        out.u8(self.surfaces as u8);
+        out.f32(self.top_m);
+        out.u8(self.stages.len().min(MOST) as u8);
+        out.bytes(&self.stages);
     }
 
     fn fingerprint(&self, print: &mut Fingerprint) {
@@ -116,10 +136,13 @@ impl Component for Sequence {
             print.word(u64::from(b.material));
             print.values(&[b.thickness_m]);
         }
+        print.word(self.surfaces as u64);
+        print.values(&[self.top_m]);
+        self.stages.iter().for_each(|n| print.word(u64::from(*n)));
     }
 
     fn bytes(&self) -> usize {
         let names: usize = self.materials.iter().map(|m| m.name.len()).sum();
-        names + size_of_val(&*self.materials) + size_of_val(&*self.beds)
+        names + size_of_val(&*self.materials) + size_of_val(&*self.beds) + self.stages.len()
     }
 }

@@ -3,13 +3,14 @@
 //! This is the one place that knows how layers and the [`Sequence`] of beds make a column. Sections, the cut sides of block pictures and
 //! exports all ask it.
 //!
-//! From the top down a column is sand (`sand`), reef limestone (`limestone`), other loose ground (down to `bedrock`), and the beds. The
-//! top of bed `i` lies at `D - (t_1 + ... + t_(i-1))`, with `D` of the layer `bed_datum` and the thicknesses `t` of the sequence. A
-//! world without strata has plain ground below sand and limestone.
+//! From the top down a column is sand (`sand`), reef limestone (`limestone`), other loose ground (down to `bedrock`), new rock
+//! (`new_rock_1` to `new_rock_6`), and the beds. The bottom of bed `i` lies at `D - (t_1 + ... + t_i)`, with `D` of the layer `bed_datum` and the
+//! thicknesses `t` of the sequence; where it has a surface of its own (`bed_1` to `bed_4`), that much lower or at that depth, but never above
+//! the bottom of the bed over it: equation (3) of the process `strata`. A world without strata has plain ground below sand and limestone.
 
 use crate::materials::colour;
 use crate::sequence::Sequence;
-use crate::strata::{BED_DATUM, BEDROCK};
+use crate::strata::{BED_DATUM, BED_SURFACES, BEDROCK, NEW_ROCK, SLOTS, SURFACES, Surfaces};
 use eyot_core::layer::known::{HEIGHT, LIMESTONE, SAND};
 use eyot_core::{Field, Result, World};
 
@@ -54,6 +55,8 @@ struct Heights {
     datum: f64,
     sand: f64,
     limestone: f64,
+    new_rock: [f64; SLOTS],
+    surfaces: [f64; SURFACES],
 }
 
 /// The ground of a world below its surface. See the head of this file.
@@ -64,6 +67,8 @@ pub struct Subsurface<'a> {
     datum: Option<&'a Field>,
     sand: Option<&'a Field>,
     limestone: Option<&'a Field>,
+    new_rock: [Option<&'a Field>; SLOTS],
+    surfaces: [Option<&'a Field>; SURFACES],
     sequence: Option<&'a Sequence>,
     kinds: Vec<Kind>,
     /// Places in `kinds` of loose ground, of ground that no bed is known of, of sand and of limestone.
@@ -97,7 +102,25 @@ impl<'a> Subsurface<'a> {
             None => more("loose ground", colour(0)),
         };
         let (sand, limestone) = (layer(&SAND.name), layer(&LIMESTONE.name));
-        Ok(Self { height, bedrock, datum, sand, limestone, sequence, kinds, loose, ground, sand_kind, limestone_kind })
+        let stages = sequence.is_some_and(|s| !s.stages.is_empty());
+        let new_rock = NEW_ROCK.map(|s| layer(&s.name).filter(|_| stages));
+        let bent = sequence.is_some_and(|s| s.surfaces != Surfaces::Flat);
+        let surfaces = BED_SURFACES.map(|s| layer(&s.name).filter(|_| bent));
+        Ok(Self {
+            height,
+            bedrock,
+            datum,
+            sand,
+            limestone,
+            new_rock,
+            surfaces,
+            sequence,
+            kinds,
+            loose,
+            ground,
+            sand_kind,
+            limestone_kind,
+        })
     }
 
     /// Everything that columns can be made of.
@@ -121,6 +144,8 @@ impl<'a> Subsurface<'a> {
                 datum: of(self.datum, 0.0),
                 sand: of(self.sand, 0.0),
                 limestone: of(self.limestone, 0.0),
+                new_rock: self.new_rock.map(|f| of(f, 0.0)),
+                surfaces: self.surfaces.map(|f| of(f, 0.0)),
             },
             floor_m,
             out,
@@ -140,6 +165,8 @@ impl<'a> Subsurface<'a> {
                 datum: self.datum.map_or(0.0, |f| leaning(f, x, y)),
                 sand: of(self.sand, 0.0),
                 limestone: of(self.limestone, 0.0),
+                new_rock: self.new_rock.map(|f| of(f, 0.0)),
+                surfaces: self.surfaces.map(|f| of(f, 0.0)),
             },
             floor_m,
             out,
@@ -153,7 +180,10 @@ impl<'a> Subsurface<'a> {
         let mut lay = |kind: usize, bed: Option<i32>, bottom: f64| {
             let bottom_m = bottom.max(floor_m);
             if bottom_m < top {
-                out.push(Run { kind, bed, top_m: top, bottom_m });
+                match out.last_mut() {
+                    Some(above) if above.kind == kind && above.bed == bed => above.bottom_m = bottom_m,
+                    _ => out.push(Run { kind, bed, top_m: top, bottom_m }),
+                }
                 top = bottom_m;
             }
             top > floor_m
@@ -169,15 +199,28 @@ impl<'a> Subsurface<'a> {
             lay(self.ground, None, f64::NEG_INFINITY);
             return;
         };
+        let mut rock = bedrock;
+        for (stage, thickness) in sequence.stages.iter().zip(h.new_rock) {
+            rock -= thickness.max(0.0);
+            lay(usize::from(*stage), None, rock);
+        }
         let (count, whole) = (sequence.beds.len(), sequence.thickness_m());
-        let turn = if sequence.repeat { ((h.datum - bedrock) / whole).floor() } else { 0.0 };
-        let mut bottom = h.datum - turn * whole;
+        let turn = if sequence.repeat { ((h.datum - rock) / whole).floor() } else { 0.0 };
+        let mut depth = turn * whole;
+        let mut bottom = f64::INFINITY;
         for n in 0..MOST_RUNS.max(count) {
             let bed = &sequence.beds[n % count];
-            bottom -= f64::from(bed.thickness_m);
+            depth += f64::from(bed.thickness_m);
             let last = if sequence.repeat { n + 1 >= MOST_RUNS } else { n + 1 >= count };
+            let lower = match (sequence.surfaces, h.surfaces.get(n)) {
+                _ if last => f64::INFINITY,
+                (Surfaces::Lower, Some(lower)) => depth + lower,
+                (Surfaces::Height, Some(height)) => f64::from(sequence.top_m) - height,
+                _ => depth,
+            };
+            bottom = (h.datum - lower).min(bottom);
             let number = (turn as i64 * count as i64 + n as i64) as i32;
-            if !lay(usize::from(bed.material), Some(number), if last { f64::NEG_INFINITY } else { bottom }) || last {
+            if !lay(usize::from(bed.material), Some(number), bottom) || last {
                 return;
             }
         }

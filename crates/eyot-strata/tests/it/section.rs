@@ -6,7 +6,9 @@ use eyot_core::layer::known::{LIMESTONE, SAND};
 use eyot_core::{Boundary, Component, Field, Grid, Limits, World};
 use eyot_strata::section::check;
 use eyot_strata::sequence::SEQUENCE;
-use eyot_strata::{Bed, Fault, Fold, Section, Sequence, Strata, Subsurface};
+use eyot_strata::{
+    BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, NEW_ROCK, Section, Sequence, Strata, Subsurface, Surfaces,
+};
 
 fn bed(material: &str, thickness: f32) -> Bed {
     Bed { material: material.into(), thickness }
@@ -80,6 +82,45 @@ fn sections_of_all_rows_hold_the_volume_of_all_columns() {
     }
     assert!(columns.iter().filter(|v| **v > 0.0).count() == 4, "{columns:?}");
     assert!(volumes.iter().zip(&columns).all(|(v, c)| near(*v, *c)), "{volumes:?} {columns:?}");
+}
+
+/// New rock and beds with bottoms of their own, by hand: what the layer `material` says is what lies on top.
+#[test]
+fn columns_have_new_rock_and_bent_beds() {
+    let beds = Strata { new_rock: true, surfaces: Surfaces::Lower, regolith: 0.0, ..beds() };
+    let mut w = world([2, 1], 10.0, |_, _| 90.0);
+    w.put(&BEDROCK, Field::new(2, 1, 89.0)).unwrap();
+    // The first bed ends 5 m lower in the second cell; 2 m of sandstone and 3 m of marble have hardened there.
+    w.put(&BED_SURFACES[0], Field::from_fn(2, 1, |x, _| 5.0 * x as f32)).unwrap();
+    w.put(&NEW_ROCK[1], Field::from_fn(2, 1, |x, _| 2.0 * x as f32)).unwrap();
+    w.put(&NEW_ROCK[4], Field::from_fn(2, 1, |x, _| 3.0 * x as f32)).unwrap();
+    w.put(&ERODIBILITY, Field::new(2, 1, 1.0)).unwrap();
+    go(&mut w, &[scheduled(beds.clone())], 1);
+    let below = Subsurface::of(&w).unwrap();
+    let mut runs = Vec::new();
+    let mut column = |x| {
+        below.of_cell(x, 0, 0.0, &mut runs);
+        runs.iter().map(|r| (below.kinds()[r.kind].name.clone(), r.bottom_m)).collect::<Vec<_>>()
+    };
+    let of = |name: &str, bottom: f64| (name.to_owned(), bottom);
+    assert_eq!(column(0), [of("regolith", 89.0), of("limestone", 80.0), of("schist", 50.0), of("granite", 0.0)]);
+    let second = [
+        of("regolith", 89.0),
+        of("sandstone", 87.0),
+        of("marble", 84.0),
+        of("limestone", 75.0),
+        of("schist", 50.0),
+        of("granite", 0.0),
+    ];
+    assert_eq!(column(1), second);
+    // Heights of bottoms: the first at 70 m, and the second, which would lie above it, nowhere.
+    w.put(&BED_SURFACES[0], Field::new(2, 1, 70.0)).unwrap();
+    w.put(&BED_SURFACES[1], Field::new(2, 1, 85.0)).unwrap();
+    go(&mut w, &[scheduled(Strata { surfaces: Surfaces::Height, ..beds })], 1);
+    let below = Subsurface::of(&w).unwrap();
+    below.of_cell(0, 0, 0.0, &mut runs);
+    let kinds: Vec<_> = runs.iter().map(|r| (r.kind, r.bottom_m)).collect();
+    assert_eq!(kinds, [(0, 89.0), (3, 70.0), (6, 0.0)]);
 }
 
 #[test]
@@ -168,7 +209,9 @@ fn worlds_know_their_beds_and_files_give_them_back() {
     assert!(read(&bytes).unwrap().equals(sequence));
     // Cut short anywhere, or of a material that is not there.
     assert!((0..bytes.len()).all(|n| read(&bytes[..n]).is_err()));
-    let last = bytes.len() - 5;
+    // The material of the last bed: before its thickness, the kind of surfaces, the top, and no stages.
+    let last = bytes.len() - 11;
+    assert_eq!(bytes[last], 6);
     bytes[last] = 200;
     assert!(read(&bytes).is_err());
 }
