@@ -9,6 +9,7 @@ use eyot_core::remedy::Remedy;
 use eyot_io::run_folder::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_io::storage::Folder;
 use eyot_io::{self as io, Origin, checkpoint};
+use eyot_land::analyse::erosion_score;
 use eyot_recipe::Export;
 use eyot_session::{Event, Results, RunError};
 use serde_json::{Value, json};
@@ -181,6 +182,14 @@ impl Outputs<'_> {
         write(&mut job, export).map_err(RunError::from)
     }
 
+    /// That of the land above the sea; the overview of a streamed world has other cells and none.
+    fn score(&self) -> Option<f64> {
+        let Results { state, world, .. } = *self.results;
+        let height = world.get("height").filter(|_| !state.streamed)?;
+        let land: Vec<bool> = height.iter().map(|z| f64::from(z) > world.sea_level_m).collect();
+        erosion_score(height, &world.grid, |i| land[i]).ok().flatten()
+    }
+
     fn report(&self, written: &[PathBuf], stale: &[String]) -> Value {
         let Results { recipe, state, world, .. } = *self.results;
         let names: Vec<String> =
@@ -200,6 +209,7 @@ impl Outputs<'_> {
             "sea_level_m": world.sea_level_m,
             "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
             "ledger": world.ledger,
+            "erosion_score": self.score(),
             "outputs": names,
             "vertical_exaggeration": recipe.view.enabled.then(|| recipe.view.vertical_exaggeration.unwrap_or(1.0)),
             // So that a later run knows them from files of others.

@@ -17,6 +17,7 @@ use super::hack::hack_exponent;
 use super::horton::{horton_ratios, streams_by_order};
 use super::moments::{finite, moments, quantile};
 use super::pits::count_pits;
+use super::score::erosion_score;
 use super::slope::slope_deg;
 use super::slope_area::concavity;
 use super::spectrum::{spectral_beta, spectrum_bytes};
@@ -151,6 +152,9 @@ pub struct TerrainStats {
     pub slope_p95_deg: Option<f64>,
     /// Skewness g1 of the slope in degrees, 1.
     pub slope_skew: Option<f64>,
+    /// Erosion score of the land, 1: deviation over mean of each cell's largest step to one of its four neighbours (Olsen 2004); `None`
+    /// on level land.
+    pub erosion_score: Option<f64>,
     /// Exponent of the radially averaged 2-D periodogram, 1; of the whole grid, sea floor included.
     pub beta_2d: Option<f64>,
     /// Hurst exponent of the variogram over lags of 1..16 cells between land cells, 1.
@@ -214,6 +218,7 @@ pub fn terrain_stats(
         slope_mean_deg: None,
         slope_p95_deg: None,
         slope_skew: None,
+        erosion_score: None,
         beta_2d: None,
         hurst: None,
         curvature_skew: None,
@@ -387,6 +392,7 @@ fn shape(
     stats.slope_p95_deg = quantile(&mut slopes, 0.95);
     drop(slopes);
 
+    stats.erosion_score = erosion_score(height, grid, |i| land[i])?;
     stats.curvature_skew = moments(&curvatures(height, grid, |i| land[i])?).and_then(|m| m.skewness);
     stats.pits_per_1000 = count_pits(height, grid, |i| land[i])?.per_1000();
     stats.hurst = hurst_exponent(height, grid, land)?;
