@@ -132,7 +132,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         What::Map => {
             for (name, layer) in files.iter().zip(&export.layers).filter(|(_, l)| present(l)) {
                 let path = job.file(name)?;
-                let picture = render::layer_map(world, layer, &crate::pictures::map_options(layer, None))
+                let picture = render::layer_map(world, layer, &crate::pictures::map_of(world, layer, None))
                     .map_err(ExportError::file)?;
                 io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
             }

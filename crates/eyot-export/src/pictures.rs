@@ -71,8 +71,8 @@ pub fn draw(
         Subject::View => render::perspective_controlled(world, &view_options(options), control),
         Subject::Relief => render::relief_controlled(world, &relief_options(options, None), control),
         Subject::ReliefAt(n) => render::relief_controlled(world, &relief_options(options, Some(n)), control),
-        Subject::Layer(name) => render::layer_map(world, name, &map_options(name, None)),
-        Subject::LayerAt(name, n) => render::layer_map(world, name, &map_options(name, Some(n))),
+        Subject::Layer(name) => render::layer_map(world, name, &map_of(world, name, None)),
+        Subject::LayerAt(name, n) => render::layer_map(world, name, &map_of(world, name, Some(n))),
     }
 }
 
@@ -80,11 +80,17 @@ pub fn draw(
 pub fn map_options(layer: &str, size: Option<u32>) -> render::MapOptions {
     let arrows = ["wind_x", "wind_y"];
     render::MapOptions {
-        classes: eyot_climate::zones::classes(layer).or_else(|| eyot_strata::classes(layer)),
+        classes: eyot_climate::zones::classes(layer).or_else(|| eyot_strata::classes(layer)).map(<[_]>::to_vec),
         arrows: arrows.contains(&layer).then_some(arrows),
         size: size.map(|n| n as usize),
         ..Default::default()
     }
+}
+
+/// As [`map_options`] for a layer of this world: materials have the names that the world itself knows.
+pub fn map_of(world: &World, layer: &str, size: Option<u32>) -> render::MapOptions {
+    let o = map_options(layer, size);
+    render::MapOptions { classes: eyot_strata::classes_of(world, layer).or(o.classes), ..o }
 }
 
 /// The ground's looks as the view of a recipe has them.

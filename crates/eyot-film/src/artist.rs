@@ -5,10 +5,10 @@ use eyot_core::engine::EngineError;
 use eyot_core::remedy;
 use eyot_core::remedy::Remedy;
 use eyot_core::{Control, Limits, World};
-use eyot_export::pictures::{check_picture_name, view_options};
+use eyot_export::pictures::{check_picture_name, map_of, view_options};
 use eyot_export::{ExportError, Subject, estimate};
 use eyot_recipe::View;
-use eyot_render::{self as render, Camera, LayerColours, MapOptions, Picture, Stage};
+use eyot_render::{self as render, Camera, LayerColours, Picture, Stage};
 use eyot_session::{EngineChoice, EngineOptions, RunError};
 use std::path::Path;
 
@@ -126,7 +126,7 @@ impl Backend {
         estimate::check("this picture", world, bytes, limits, estimate::picture_remedy()).map_err(fail)?;
         let options = view_options(&s.view);
         let worn = match &s.drape {
-            Some(layer) => Some(LayerColours::new(world, layer, &MapOptions::default()).map_err(fail)?),
+            Some(layer) => Some(LayerColours::new(world, layer, &map_of(world, layer, None)).map_err(fail)?),
             None => None,
         };
         let scene = match &worn {

@@ -3,10 +3,10 @@
 use crate::artist::ViewRequest;
 use eyot_core::engine::{DeviceError, EngineError};
 use eyot_core::{Limits, World};
-use eyot_export::pictures::view_options;
+use eyot_export::pictures::{map_of, view_options};
 use eyot_export::{Subject, estimate};
 use eyot_gpu::{Choice, Gpu, blocking};
-use eyot_render::{Camera, MapOptions, Picture, Stage};
+use eyot_render::{Camera, Picture, Stage};
 use eyot_session::EngineChoice;
 use eyot_view::{Renderer, Scene};
 
@@ -29,7 +29,7 @@ impl Card {
         renderer.reserve(&gpu, s.view.size)?;
         let options = view_options(&s.view);
         let scene = match &s.drape {
-            Some(layer) => Scene::of_layer(&gpu, &renderer, world, layer, &options, &MapOptions::default())?,
+            Some(layer) => Scene::of_layer(&gpu, &renderer, world, layer, &options, &map_of(world, layer, None))?,
             None => Scene::from_world(&gpu, &renderer, world, &options)?,
         };
         Ok(Self { gpu: Box::new(gpu), renderer: Box::new(renderer), scene: Box::new(scene) })

@@ -1,5 +1,6 @@
 //! The relief model: cut sides of the block, the ground that it stands on and the backdrop.
 
+use crate::cut::{Cut, Side};
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep};
 use crate::scene::Scene;
 use eyot_noise::picture::{fbm, noise};
@@ -97,10 +98,29 @@ impl Block {
         if p[2] > ground {
             return Some(self.water_wall(s, p, d, ground, normal, light));
         }
-        Some(mul(self.strata(s, p, ground), light))
+        let beds = s.stage.cut.as_ref().and_then(|cut| self.beds(s, cut, p, normal));
+        Some(mul(beds.unwrap_or_else(|| self.strata(s, p, ground)), light))
     }
 
-    /// Beds that lie nearly level, so that valleys cut through them, with soil on top.
+    /// The beds that the world has, with a grain that lies as they do and a dark line where they meet.
+    fn beds(&self, s: &Scene, cut: &Cut, p: V3, normal: V3) -> Option<V3> {
+        let cell = s.stage.cell_m();
+        let (side, along) = match normal {
+            [x, _, _] if x < 0.0 => (Side::West, p[1] / cell[1]),
+            [x, _, _] if x > 0.0 => (Side::East, p[1] / cell[1]),
+            [_, y, _] if y < 0.0 => (Side::North, p[0] / cell[0]),
+            _ => (Side::South, p[0] / cell[0]),
+        };
+        let rock = cut.at(side, along, p[2] / s.stage.exaggeration)?;
+        let far = (p[0] + 1.37 * p[1]) / s.stage.extent;
+        let thick = (self.top - self.base) / s.stage.exaggeration;
+        let bedding = rock.bedding / thick;
+        let grain = 0.10 * fbm(160.0 * far, 40.0 * bedding, 3, 9) + 0.10 * noise(3.0 * far, 60.0 * bedding, 12);
+        let line = 0.35 * smoothstep(0.006, 0.001, rock.contact / thick);
+        Some(scale(rock.colour, (1.0 + grain) * (1.0 - line)))
+    }
+
+    /// Of a world that knows no beds: some that lie nearly level, so that valleys cut through them, with soil on top.
     fn strata(&self, s: &Scene, p: V3, ground: f32) -> V3 {
         let along = (p[0] + 1.37 * p[1]) / s.stage.extent;
         let thick = self.top - self.base;

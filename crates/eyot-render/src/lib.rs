@@ -36,6 +36,7 @@ mod camera;
 mod climate;
 mod colour_map;
 pub mod cover;
+mod cut;
 mod drawing;
 mod framing;
 mod ground;

@@ -33,7 +33,7 @@ pub struct MapOptions {
     /// Draw a legend with name, unit and ticks below the map.
     pub legend: bool,
     /// Names and colours of the classes whose numbers the layer holds; then nothing of the above but sizes, hillshade and legend matters.
-    pub classes: Option<&'static [Class]>,
+    pub classes: Option<Vec<Class>>,
     /// Arrows over the map, for the flow of these two layers, to the east and to the south.
     pub arrows: Option<[&'static str; 2]>,
 }
@@ -74,7 +74,7 @@ const MISSING: V3 = [0.62, 0.62, 0.62];
 /// If the world has no layer of that name.
 pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Picture> {
     let layer = world.layer(layer_name)?;
-    if let Some(classes) = o.classes {
+    if let Some(classes) = &o.classes {
         return class_map(world, layer_name, classes, o);
     }
     let values = layer.field.to_vec();
@@ -105,7 +105,7 @@ pub fn layer_map(world: &World, layer_name: &str, o: &MapOptions) -> Result<Pict
 }
 
 /// A map of classes. A pixel takes the class of the cell in its middle: there is nothing between two classes.
-fn class_map(world: &World, layer_name: &str, classes: &'static [Class], o: &MapOptions) -> Result<Picture> {
+fn class_map(world: &World, layer_name: &str, classes: &[Class], o: &MapOptions) -> Result<Picture> {
     let layer = world.layer(layer_name)?;
     let (width, height) = (layer.field.width(), layer.field.height());
     let raster = o.raster(width, height);
@@ -143,6 +143,8 @@ pub struct LayerColours {
     spec: LayerSpec,
     map: ColourMap,
     scale: Scale,
+    /// Instead of both: classes, with how many cells are of each.
+    classes: Option<(Vec<Class>, Vec<usize>)>,
 }
 
 impl LayerColours {
@@ -154,7 +156,8 @@ impl LayerColours {
         let layer = world.layer(layer_name)?;
         let values = layer.field.to_vec();
         let (map, scale) = choose(world, &layer.spec, &values, o);
-        let mut this = Self { colours: Vec::new(), spec: layer.spec.clone(), map, scale };
+        let classes = o.classes.clone().map(|c| (c, Vec::new()));
+        let mut this = Self { colours: Vec::new(), spec: layer.spec.clone(), map, scale, classes };
         this.paint(&values);
         Ok(this)
     }
@@ -170,6 +173,12 @@ impl LayerColours {
     }
 
     fn paint(&mut self, values: &[f32]) {
+        if let Some((classes, shares)) = &mut self.classes {
+            *shares = vec![0; classes.len()];
+            values.iter().for_each(|v| shares[number(*v, classes)] += 1);
+            self.colours = values.iter().map(|v| classes[number(*v, classes)].colour.map(decode)).collect();
+            return;
+        }
         let one = |v: &f32| if v.is_finite() { self.map.at(self.scale.place(*v)) } else { MISSING };
         self.colours = values.par_iter().map(|v| one(v).map(linear)).collect();
     }
@@ -177,6 +186,11 @@ impl LayerColours {
     /// The colours along the scale, at `count` places at the same distance, for those who look them up.
     pub fn table(&self, count: usize) -> ColourTable {
         let last = count.max(2) - 1;
+        if let Some((classes, _)) = &self.classes {
+            let to = classes.len() as f32 - 1.0;
+            let class = |i: usize| classes[number(i as f32 / last as f32 * to, classes)].colour.map(decode);
+            return ColourTable { colours: (0..=last).map(class).collect(), from: 0.0, middle: None, to, log: false };
+        }
         let colours = (0..=last).map(|i| self.map.at(i as f32 / last as f32).map(linear)).collect();
         let (from, middle, to, log) = match self.scale {
             Scale::Linear { from, to } => (from, None, to, false),
@@ -188,6 +202,9 @@ impl LayerColours {
 
     /// `picture` with the legend below it.
     pub fn with_legend(&self, picture: &Picture) -> Picture {
+        if let Some((classes, shares)) = &self.classes {
+            return legend::of_classes(picture, &self.spec, classes, shares);
+        }
         legend::below(picture, &self.spec, self.map, &self.scale)
     }
 }

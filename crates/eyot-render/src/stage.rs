@@ -2,6 +2,7 @@
 
 use crate::camera::Camera;
 use crate::cover::{Looks, albedo};
+use crate::cut::Cut;
 use crate::framing::Subject;
 use crate::ground::{Ground, box_mean};
 use crate::math::{V3, add, direction, scale, smoothstep};
@@ -46,6 +47,8 @@ pub struct Stage {
     pub fresh_water: Water,
     rivers: bool,
     looks: Looks,
+    /// What the sides of a relief model show, if the world knows its beds.
+    pub(crate) cut: Option<Cut>,
     /// What pictures show, as it was when the stage was made.
     pub(crate) subject: Subject,
 }
@@ -84,10 +87,12 @@ impl Stage {
             fresh_water: Water::fresh(2.0 * ground.river.1),
             rivers: o.fresh_water,
             looks: o.looks.clone(),
+            cut: None,
             subject: Subject::default(),
             ground,
         };
         stage.raise();
+        stage.cut(world)?;
         stage.subject = Subject::of(&stage);
         Ok(stage)
     }
@@ -100,6 +105,15 @@ impl Stage {
     pub fn follow(&mut self, world: &World) -> Result<()> {
         self.ground.follow(world)?;
         self.raise();
+        self.cut(world)
+    }
+
+    fn cut(&mut self, world: &World) -> Result<()> {
+        if self.block {
+            // Some way below the foot, which follows from a smoother surface.
+            let floor = self.datum() + self.foot() / self.exaggeration - 0.1 * self.extent;
+            self.cut = Cut::of(world, self.datum(), floor)?;
+        }
         Ok(())
     }
 

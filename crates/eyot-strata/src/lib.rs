@@ -15,7 +15,7 @@ pub mod sequence;
 pub mod strata;
 pub mod subsurface;
 
-pub use materials::{Material, classes, standard};
+pub use materials::{Material, classes, classes_of, standard};
 pub use rock_cycle::RockCycle;
 pub use rockfall::Rockfall;
 pub use section::{Piece, Section};

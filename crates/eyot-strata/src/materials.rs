@@ -1,6 +1,8 @@
 //! Materials of which beds are made, and what is known of them.
 
+use crate::sequence::Sequence;
 use eyot_core::layer::{Class, class};
+use eyot_core::{World, intern};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -75,6 +77,17 @@ pub fn colour(number: usize) -> [u8; 3] {
     let usual = 7;
     let n = if number < CLASSES.len() { number } else { usual + (number - usual) % (CLASSES.len() - usual) };
     CLASSES[n].colour
+}
+
+/// As [`classes`], with the materials of a world that has strata: those that its recipe made, too.
+pub fn classes_of(world: &World, layer: &str) -> Option<Vec<Class>> {
+    let sequence = Sequence::of(world).ok().flatten().filter(|_| layer == "material")?;
+    let named = |(n, m): (usize, &Material)| {
+        // Too many names end in those of the list.
+        let name = intern(&m.name).unwrap_or(CLASSES[n.min(CLASSES.len() - 1)].name);
+        Class { name, colour: colour(n) }
+    };
+    Some(sequence.materials.iter().enumerate().map(named).collect())
 }
 
 #[cfg(test)]

@@ -25,7 +25,8 @@ const BELOW: &[(&str, &[&str])] = &[
     // What is written and shown.
     ("eyot-mesh", &["core"]),
     ("eyot-io", &["core", "mesh"]),
-    ("eyot-render", &["core", "noise"]),
+    // Cut sides show beds.
+    ("eyot-render", &["core", "noise", "strata"]),
     ("eyot-view", &["core", "gpu", "noise", "render"]),
     ("eyot-export", &["climate", "core", "io", "land", "mesh", "recipe", "reef", "render", "session", "strata"]),
     ("eyot-film", &["core", "export", "gpu", "io", "recipe", "render", "session", "view"]),
