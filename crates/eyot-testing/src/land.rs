@@ -20,7 +20,10 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         ("hydraulic classic by rock", vec![one(Hydraulic { flux: FluxForm::Classic, ..by_rock })]),
         ("thermal", vec![one(Thermal::default())]),
         ("thermal inverted", vec![one(Thermal { inverted: true, ..Default::default() })]),
+        ("thermal by rock", vec![one(Thermal { by_rock: true, ..Default::default() })]),
+        ("thermal inverted by rock", vec![one(Thermal { inverted: true, by_rock: true, ..Default::default() })]),
         ("seabed", vec![one(Seabed::default())]),
+        ("seabed by rock", vec![one(Seabed { by_rock: true, ..Default::default() })]),
         ("reef", vec![one(Reef { years_per_step: 1.0, diffusivity: 3.0, sea_level_rise: 0.01, ..Default::default() })]),
         ("reef, plain diffusion", vec![one(Reef { years_per_step: 1.0, diffusivity: 0.5, ..Default::default() })]),
         // So many stages that the engine cuts the step into several chains.
