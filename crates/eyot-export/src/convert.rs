@@ -4,7 +4,7 @@ use crate::error::ExportError;
 use crate::estimate;
 use crate::files::{self, Job, Layer};
 use crate::import::read_raster;
-use crate::{open, terrain};
+use crate::{below, open, terrain};
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
@@ -308,6 +308,7 @@ impl Conversion<'_> {
                 false => vec!["height".to_owned()],
             };
         }
+        names = below::add(&mut world, &names, self.limits)?;
         for name in &names {
             world.layer(name).map_err(ExportError::input)?;
         }

@@ -6,6 +6,7 @@
 //! takes height maps into recipes, [`Files`] resolves the files that recipes name, [`Costs`] says what outputs cost, and [`RunFiles`] writes
 //! what a run has come to.
 
+mod below;
 mod chart;
 pub mod convert;
 pub mod corals;

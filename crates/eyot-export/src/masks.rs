@@ -11,11 +11,12 @@
 //!
 //! As layers in files of numbers, `wear` and `deposit` are metres; in a mask, 1 is what a hundredth of the changed cells exceed.
 
+use crate::below;
 use crate::materials::Ground;
 use eyot_core::{Control, Result, World};
 use eyot_io::Rows;
 use eyot_land::drainage::{Base, Routing, fill, outlets};
-use eyot_recipe::{Export, GROUND_BEFORE, MASKS};
+use eyot_recipe::{Export, GROUND_BEFORE, MASKS, bed_of_top};
 use eyot_render::cover::{Cover, Strip};
 use eyot_render::{Class, water_cover};
 use rayon::prelude::*;
@@ -97,6 +98,9 @@ pub(crate) fn missing(world: &World, mask: &str) -> Option<String> {
             "it compares the ground with that before the erosion; keep that with [[layer]] name = \"{GROUND_BEFORE}\", unit = \"m\", start = \"height\", \
              next = \"{GROUND_BEFORE}\", and name \"{GROUND_BEFORE}\" in the `simulate` of the step that erodes"
         )),
+        name if bed_of_top(name).is_some() && !matches!(below::top(world, name), Ok(Some(_))) => {
+            Some("no step with `strata` has such a bed".to_owned())
+        }
         _ => None,
     }
 }

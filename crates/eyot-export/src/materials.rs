@@ -7,7 +7,7 @@
 //! A cell's shares need two rows of neighbours and nothing else, so they are made while they are written.
 
 use crate::files::Job;
-use crate::masks;
+use crate::{below, masks};
 use eyot_core::{Result, World};
 use eyot_io::Source;
 use eyot_io::{self as io, About, Rows};
@@ -143,10 +143,19 @@ pub(crate) fn layer<'a>(
         return Some(found);
     }
     let (place, height) = source.layer("height")?;
+    let whole = height.size() == (ground.world.grid.width, ground.world.grid.height);
+    if whole && let Some(top) = below::top(ground.world, name).ok().flatten() {
+        let about = About {
+            name: name.to_owned(),
+            unit: "m".to_owned(),
+            meaning: below::TOP.to_owned(),
+            range: Some(top.min_max()),
+            ..place
+        };
+        return Some((about, Box::new(masks::Whole { size: height.size(), values: top.to_vec() })));
+    }
     // A mask is made of the whole world, so there is none of a streamed one.
-    if height.size() == (ground.world.grid.width, ground.world.grid.height)
-        && let Some(mask) = masks::of(ground.world, name, ground).ok().flatten()
-    {
+    if whole && let Some(mask) = masks::of(ground.world, name, ground).ok().flatten() {
         let mask = if bytes { mask.shares() } else { mask };
         let about = About {
             name: name.to_owned(),

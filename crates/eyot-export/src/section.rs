@@ -133,7 +133,8 @@ pub fn section(world: &World, o: &SectionOptions) -> Result<Drawn, ExportError> 
     let plot_height = match (o.size.1, o.exaggeration) {
         (Some(h), _) => room(0.5 * h as f32),
         (None, Some(e)) => (relief * e / per_unit / RELIEF).clamp(120.0, 4000.0),
-        (None, None) => 0.36 * f64::from(plot_width),
+        // Steep land is drawn to scale in a higher picture, and not squashed.
+        (None, None) => (1.01 * relief / length_m / RELIEF).clamp(0.36, 1.2) * f64::from(plot_width),
     };
     if plot_height < 60.0 {
         return Err(ExportError::refused("the legend leaves no room for the section", "make the picture higher"));

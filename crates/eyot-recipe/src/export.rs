@@ -31,6 +31,12 @@ pub const GROUND: [&str; 16] = [
 /// exports alone: `flow` and `shore` of any land, `river` where there is `water`, `wear` and `deposit` where there is [`GROUND_BEFORE`].
 pub const MASKS: [&str; 6] = ["flow", "wear", "deposit", "river", "wetness", "shore"];
 
+/// The bed whose top a layer of an export is, counted from 1: of `bed_1_top` to `bed_13_top`, which exports make where there are `strata`.
+pub fn bed_of_top(layer: &str) -> Option<usize> {
+    let number = layer.strip_prefix("bed_")?.strip_suffix("_top")?;
+    number.parse().ok().filter(|n: &usize| (1..=13).contains(n) && n.to_string() == number)
+}
+
 /// The layer that keeps the ground before it was eroded.
 pub const GROUND_BEFORE: &str = "ground_before";
 
@@ -97,14 +103,14 @@ impl Export {
         }
     }
 
-    /// True for layers that only exports know: the shares of materials and of classes of the ground.
+    /// True for layers that only exports know: the shares of materials and of classes of the ground, masks, and tops of beds.
     pub fn knows(&self, layer: &str) -> bool {
         let takes = match self.preset {
             Some(preset) => preset == Preset::Gis,
             None => matches!(self.shows(), What::Layers | What::Mask),
         };
         let mask = MASKS.contains(&layer) && layer != "wetness";
-        takes && (MATERIALS.contains(&layer) || GROUND.contains(&layer) || mask)
+        takes && (MATERIALS.contains(&layer) || GROUND.contains(&layer) || mask || bed_of_top(layer).is_some())
     }
 
     /// True for exports that make triangles or vertices of cells.
@@ -117,8 +123,9 @@ impl Export {
 
     /// True if its files can be written while the world is made, one band of rows after the other.
     pub fn streams(&self) -> bool {
-        if self.uses_layers() && self.layers.iter().any(|l| self.knows(l) && MASKS.contains(&l.as_str())) {
-            // These follow from the whole of the land.
+        let whole = |l: &String| MASKS.contains(&l.as_str()) || bed_of_top(l).is_some();
+        if self.uses_layers() && self.layers.iter().any(|l| self.knows(l) && whole(l)) {
+            // These follow from the whole of the land, or from what only whole worlds keep.
             return false;
         }
         match self.preset {

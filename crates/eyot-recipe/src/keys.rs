@@ -387,7 +387,7 @@ pub struct Export {
     pub format: Option<ExportFormat>,
     /// All files for a program instead of one kind: sizes are resampled, scales and orders are the program's.
     pub preset: Option<Preset>,
-    /// The layers that `layers`, `mask` and `map` show, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make, and so are its classes `deep_sea`, `sea_floor`, `weed`, `reef`, `wet_sand`, `beach`, `mud`, `lush_grass`, `dry_grass`, `shrub`, `forest`, `gravel`, `scree`, `bare_rock`, `soil` and `snow_cover`, and the masks `flow`, `wear`, `deposit`, `river` and `shore`, of which `wear` and `deposit` need a layer `ground_before` with the height before the erosion. `terrain`, `splat` and presets other than `gis` always show the height and do not need it.
+    /// The layers that `layers`, `mask` and `map` show, one file each (`zarr` and `exr`: together in one). `grass`, `rock`, `sand` and `snow` are the shares of the ground, which no step needs to make, and so are its classes `deep_sea`, `sea_floor`, `weed`, `reef`, `wet_sand`, `beach`, `mud`, `lush_grass`, `dry_grass`, `shrub`, `forest`, `gravel`, `scree`, `bare_rock`, `soil` and `snow_cover`, and the masks `flow`, `wear`, `deposit`, `river` and `shore`, of which `wear` and `deposit` need a layer `ground_before` with the height before the erosion. `bed_1_top` to `bed_13_top` are the heights of the tops of beds, worn away or not, of worlds with `strata`. `terrain`, `splat` and presets other than `gis` always show the height and do not need it.
     #[schemars(length(min = 1))]
     pub layers: Vec<String>,
     /// Start of the file name; the layer's name follows. The layer's name alone if empty.

@@ -135,21 +135,34 @@ impl<'a> Subsurface<'a> {
 
     /// Puts the runs of a cell down to `floor_m` into `out`, from the surface down; each is thicker than 0.
     pub fn of_cell(&self, x: usize, y: usize, floor_m: f64, out: &mut Vec<Run>) {
+        self.column(self.heights(x, y), floor_m, out);
+    }
+
+    /// Height of the top of a bed in a cell, worn away or not, m. Beds are counted from 0; of a sequence that repeats it is that of the first
+    /// turn. `None` if the world has no such bed.
+    pub fn top_of_bed(&self, x: usize, y: usize, bed: usize) -> Option<f64> {
+        let sequence = self.sequence.filter(|s| bed < s.beds.len())?;
+        let h = self.heights(x, y);
+        let (mut depth, mut top) = (0.0, f64::INFINITY);
+        for (n, above) in sequence.beds[..bed].iter().enumerate() {
+            depth += f64::from(above.thickness_m);
+            top = (h.datum - bottom_below_datum(sequence, &h, n, depth)).min(top);
+        }
+        Some(if bed == 0 { h.datum } else { top })
+    }
+
+    fn heights(&self, x: usize, y: usize) -> Heights {
         let height = f64::from(self.height.get(x, y));
         let of = |field: Option<&Field>, else_: f64| field.map_or(else_, |f| f64::from(f.get(x, y)));
-        self.column(
-            Heights {
-                height,
-                bedrock: of(self.bedrock, height),
-                datum: of(self.datum, 0.0),
-                sand: of(self.sand, 0.0),
-                limestone: of(self.limestone, 0.0),
-                new_rock: self.new_rock.map(|f| of(f, 0.0)),
-                surfaces: self.surfaces.map(|f| of(f, 0.0)),
-            },
-            floor_m,
-            out,
-        );
+        Heights {
+            height,
+            bedrock: of(self.bedrock, height),
+            datum: of(self.datum, 0.0),
+            sand: of(self.sand, 0.0),
+            limestone: of(self.limestone, 0.0),
+            new_rock: self.new_rock.map(|f| of(f, 0.0)),
+            surfaces: self.surfaces.map(|f| of(f, 0.0)),
+        }
     }
 
     /// As [`Subsurface::of_cell`] between the middles of cells: a place in columns and rows, 0 in the middle of the first cell. Surfaces
@@ -212,18 +225,22 @@ impl<'a> Subsurface<'a> {
             let bed = &sequence.beds[n % count];
             depth += f64::from(bed.thickness_m);
             let last = if sequence.repeat { n + 1 >= MOST_RUNS } else { n + 1 >= count };
-            let lower = match (sequence.surfaces, h.surfaces.get(n)) {
-                _ if last => f64::INFINITY,
-                (Surfaces::Lower, Some(lower)) => depth + lower,
-                (Surfaces::Height, Some(height)) => f64::from(sequence.top_m) - height,
-                _ => depth,
-            };
+            let lower = if last { f64::INFINITY } else { bottom_below_datum(sequence, &h, n, depth) };
             bottom = (h.datum - lower).min(bottom);
             let number = (turn as i64 * count as i64 + n as i64) as i32;
             if !lay(usize::from(bed.material), Some(number), bottom) || last {
                 return;
             }
         }
+    }
+}
+
+/// Depth of the bottom of bed `n` below the datum, m, before it gives way to that above it; `depth` is the sum of the thicknesses.
+fn bottom_below_datum(sequence: &Sequence, h: &Heights, n: usize, depth: f64) -> f64 {
+    match (sequence.surfaces, h.surfaces.get(n)) {
+        (Surfaces::Lower, Some(lower)) => depth + lower,
+        (Surfaces::Height, Some(height)) => f64::from(sequence.top_m) - height,
+        _ => depth,
     }
 }
 

@@ -45,6 +45,14 @@ fn a_run_from_recipe_to_picture() {
     said(f, &["render", "small", "--size", "64x48", "--azimuth", "-30"], 0, &[]);
     said(f, &["render", "small", "--layer", "height", "--out", "map.png"], 0, &[]);
     assert!(f.join("small/render.png").is_file() && f.join("map.png").is_file());
+    // A section: its areas are those of the cells of a row.
+    said(f, &["section", "small"], 0, &["wrote small/section.png: 480 m long", "ground"]);
+    let cut = ["section", "small", "--line", "0m,5m,480m,5m", "--out", "cut.svg", "--exaggeration", "2", "--json"];
+    let cut = json(f, &cut);
+    assert!(f.join("cut.svg").is_file() && cut["exaggeration"] == 2.0 && cut["length_m"] == 480.0, "{cut}");
+    said(f, &["section", "small", "--line", "0,0,1"], 2, &["x0,y0,x1,y1"]);
+    said(f, &["section", "small", "--line", "0m,0m,9m,999m"], 2, &["outside the land of 480 x 480 m"]);
+    said(f, &["section", "small", "--out", "cut.jpg"], 2, &["ends in .png or .svg"]);
     // Without a word more it is the run's own picture, and a changed view is that of the run.
     let view = ["view.azimuth=70", "view.size=[80, 56]", "view.sun_elevation=12"];
     let set: Vec<&str> = view.iter().flat_map(|v| ["--set", v]).collect();
