@@ -29,6 +29,7 @@ pub const BEYOND_ALL: f32 = 1e30;
 
 /// What the numbers in a file are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Numbers {
     /// The values themselves.
     #[default]
