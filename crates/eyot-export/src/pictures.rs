@@ -9,7 +9,6 @@ use {eyot_io as io, eyot_render as render};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Subject<'a> {
     /// The land as a camera sees it.
     View,

@@ -49,7 +49,6 @@ pub struct ParameterInfo {
 /// Whether a parameter may be an expression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum Expression {
     /// It may not.
     No,
