@@ -84,7 +84,7 @@ fn a_session_in_memory_exports_the_files_of_a_folder() {
     let mut there = BTreeMap::new();
     files(folder.path(), "", &mut there);
     assert_eq!(memory.names(), there.keys().cloned().collect::<Vec<_>>());
-    for name in ["height.png", "terrain.glb", "height.tif", "height.r16.json", "preview.png", "isle.zarr/zarr.json"] {
+    for name in ["height.png", "terrain.glb", "height.tif", "height.r16.json", "preview.png", "world.zarr/zarr.json"] {
         assert!(there.contains_key(name), "{name} is not among {:?}", there.keys());
     }
     // Where they lie is their folder or nothing; what they are called is the same.
