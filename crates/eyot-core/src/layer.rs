@@ -163,4 +163,31 @@ pub mod known {
     /// Dissolved inorganic carbon available to corals.
     pub const CARBON: LayerSpec =
         LayerSpec::new("carbon", "1", "Inorganic carbon in the sea water relative to the open sea", (0.0, 1.0));
+    /// How easily the ground wears here.
+    pub const ERODIBILITY: LayerSpec = LayerSpec::new(
+        "erodibility",
+        "1",
+        "How fast what lies at the surface wears, over loose ground; below 0 counts as 0",
+        (0.0, 1e6),
+    );
+    /// How far down the material at the surface reaches.
+    pub const BED_LEFT: LayerSpec =
+        LayerSpec::new("bed_left", "m", "Thickness of the material at the surface, down to the next one", (0.0, 1e6));
+    /// What comes to light below [`BED_LEFT`].
+    pub const ERODIBILITY_BELOW: LayerSpec = LayerSpec::new(
+        "erodibility_below",
+        "1",
+        "How fast the material below the one at the surface wears, over loose ground",
+        (0.0, 1e6),
+    );
+    /// Surface of the bedrock.
+    pub const BEDROCK: LayerSpec = LayerSpec::new(
+        "bedrock",
+        "m",
+        "Height of the bedrock's surface; what lies on it is loose",
+        (-12000.0, 12000.0),
+    );
+    /// Steepness of walls.
+    pub const ROCK_SLOPE: LayerSpec =
+        LayerSpec::new("rock_slope", "1", "Tangent of the steepest slope that the rock keeps here", (0.0, 100.0));
 }

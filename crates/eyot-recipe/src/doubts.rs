@@ -10,6 +10,7 @@ impl Recipe {
     /// What can be run and was most likely not meant, a sentence each with its remedy.
     pub fn doubts(&self) -> Vec<Remedy> {
         let mut all: Vec<Remedy> = no_ground(&self.steps).map(Remedy::from).into_iter().collect();
+        all.extend(blind_to_rock(&self.steps).into_iter().map(Remedy::from));
         for step in self.enabled_steps() {
             let Work::Generate(g) = &step.work else { continue };
             let of_step = |d| remedy![format!("step {} ({}): ", step.number, step.name), d];
@@ -42,6 +43,41 @@ fn no_ground(steps: &[Step]) -> Option<String> {
         }
     }
     None
+}
+
+/// The parameter by which a process can be told that it should know the rock.
+const BY_ROCK: &str = "by_rock";
+
+/// Processes that wear the land as if it were loose although rock is known, and those that ask for rock that is not.
+fn blind_to_rock(steps: &[Step]) -> Vec<String> {
+    let rock = known::ERODIBILITY.name;
+    let (mut known, mut all) = (false, Vec::new());
+    for step in steps.iter().filter(|s| s.enabled) {
+        let work = match &step.work {
+            Work::Generate(g) => {
+                known |= g.layer == rock;
+                continue;
+            }
+            Work::Simulate(work) => work,
+        };
+        let acting: Vec<&ProcessUse> = work.processes.iter().filter(|u| u.enabled).collect();
+        let here = acting.iter().any(|u| u.make().is_ok_and(|p| p.writes().contains(&rock)));
+        known |= here;
+        for u in acting {
+            let (name, number, title) = (u.actor.name(), step.number, &step.name);
+            match u.in_force()[BY_ROCK].as_bool() {
+                Some(false) if here => all.push(format!(
+                    "step {number} ({title}) knows the rock, but `{name}` wears all of it as if it were loose; say {name}.{BY_ROCK} = true"
+                )),
+                Some(true) if !known => all.push(format!(
+                    "step {number} ({title}): {name}.{BY_ROCK} needs the layer `{rock}`, which nothing makes, so that all ground counts as \
+                     loose; simulate `strata` in the same step, or make the layer with a generate step before it"
+                )),
+                _ => {}
+            }
+        }
+    }
+    all
 }
 
 /// Whether the ground may come from this: from plates, or from a rule of the recipe's own.

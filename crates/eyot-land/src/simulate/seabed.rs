@@ -4,6 +4,8 @@
 //! 1. `h' = h + rate / 4 sum over 4 neighbours of (h_n - h)`, over pairs of cells that both lie under the sea and of which
 //!    neither carries reef limestone nor lies on a rim: cells on the rim stay as they are. With `rate = 1` and all neighbours under
 //!    the sea this is the mean of the four.
+//! 2. By rock each pair moves `min(1, E)` of that, with `E` the layer `erodibility` at the higher cell: waves move what is loose, and
+//!    wear rock by its kind.
 //!
 //! # Source
 //! The mean of the four neighbours (Jacobi), as height-map editors smooth.
@@ -13,7 +15,7 @@
 //! - A rate of 1 leaves checkerboards undamped (their factor is -1), so the range ends at 0.9.
 //!
 //! # Layers
-//! Reads and writes `height` (m); reads `limestone` (m).
+//! Reads and writes `height` (m); reads `limestone` (m), and `erodibility` (1) by rock.
 //!
 //! # Limits
 //! Stable for every rate in the range.
@@ -22,7 +24,7 @@
 //! Ground with what rounding of heights makes or loses, which is in the ledger (`ground.rounded`; `tests/it/reef.rs`).
 
 use super::ends;
-use eyot_core::layer::known::{HEIGHT, LIMESTONE};
+use eyot_core::layer::known::{ERODIBILITY, HEIGHT, LIMESTONE};
 use eyot_core::ledger::known::GROUND_ROUNDED;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process};
@@ -39,24 +41,35 @@ pub struct Seabed {
     /// How much of the difference to the neighbours' mean goes in a step.
     #[schemars(range(min = 0.0, max = 0.9), extend("unit" = "1", "between_cells" = true))]
     pub rate: f32,
+    /// Is rock worn by its kind, as the layer `erodibility` has it, which `strata` writes? Off, all ground counts as loose.
+    pub by_rock: bool,
 }
 
 impl Default for Seabed {
     fn default() -> Self {
-        Self { rate: 0.2 }
+        Self { rate: 0.2, by_rock: false }
     }
 }
 
 impl Process for Seabed {
     fn layers(&self) -> Vec<LayerUse> {
-        vec![HEIGHT.changed(0.0), LIMESTONE.read(0.0)]
+        let mut layers = vec![HEIGHT.changed(0.0), LIMESTONE.read(0.0)];
+        if self.by_rock {
+            layers.push(ERODIBILITY.read(1.0));
+        }
+        layers
     }
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let [first_x, last_x] = ends(moment.grid.width, moment.grid.rim.x);
         let [first_y, last_y] = ends(moment.grid.height, moment.grid.rim.y);
         let (share, sea) = (0.25 * self.rate, moment.sea_level_m as f32);
-        plan.push::<Level>(LevelParams { share, sea, first_x, last_x, first_y, last_y });
+        let p = LevelParams { share, sea, first_x, last_x, first_y, last_y };
+        if self.by_rock {
+            plan.push::<Level<true>>(p);
+        } else {
+            plan.push::<Level>(p);
+        }
     }
 }
 
@@ -78,12 +91,15 @@ rule_params! {
     }
 }
 
-/// Equation (1).
-pub struct Level;
+/// Equation (1), with `BY_ROCK` (2).
+pub struct Level<const BY_ROCK: bool = false>;
 
-impl Rule for Level {
-    const NAME: &'static str = "seabed_level";
-    const READS: &'static [Read] = &[read("height", 1), read("limestone", 1)];
+/// What the rule reads; the last one only by rock.
+const LEVEL: [Read; 3] = [read("height", 1), read("limestone", 1), read("erodibility", 1)];
+
+impl<const BY_ROCK: bool> Rule for Level<BY_ROCK> {
+    const NAME: &'static str = if BY_ROCK { "seabed_level_by_rock" } else { "seabed_level" };
+    const READS: &'static [Read] = if BY_ROCK { &LEVEL } else { LEVEL.split_at(2).0 };
     const WRITES: &'static [&'static str] = &["height"];
     const TALLIES: &'static [Tally] = &[GROUND_ROUNDED];
     type Params = LevelParams<()>;
@@ -92,8 +108,8 @@ impl Rule for Level {
 
     #[inline(always)]
     fn cell<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 1]) {
-        let x = pull(p, c, 1, 0) + pull(p, c, -1, 0);
-        let y = pull(p, c, 0, 1) + pull(p, c, 0, -1);
+        let x = pull::<BY_ROCK, R>(p, c, 1, 0) + pull::<BY_ROCK, R>(p, c, -1, 0);
+        let y = pull::<BY_ROCK, R>(p, c, 0, 1) + pull::<BY_ROCK, R>(p, c, 0, -1);
         let gain = (p.share * loose(p, c, 0, 0) * (x + y)).no_contract();
         let levelled = (c.here(0) + gain).no_contract();
         ([levelled], [(levelled - c.here(0)) - gain])
@@ -101,8 +117,14 @@ impl Rule for Level {
 }
 
 #[inline(always)]
-fn pull<R: Real>(p: &LevelParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
-    (c.at(0, dx, dy) - c.here(0)) * loose(p, c, dx, dy)
+fn pull<const BY_ROCK: bool, R: Real>(p: &LevelParams<R>, c: &impl Cell<R>, dx: isize, dy: isize) -> R {
+    let drop = c.at(0, dx, dy) - c.here(0);
+    let pull = drop * loose(p, c, dx, dy);
+    if BY_ROCK {
+        let giver = drop.lt(R::of(0.0)).pick(c.here(2), c.at(2, dx, dy));
+        return pull * giver.clamp(R::of(0.0), R::of(1.0));
+    }
+    pull
 }
 
 /// 1 under the sea where no limestone covers the ground and no rim is, else 0.

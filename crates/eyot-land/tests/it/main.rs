@@ -2,6 +2,7 @@
 
 mod analyse_jacksboro;
 mod analyse_synthetic;
+mod by_rock;
 mod common;
 mod conformance;
 mod determinism;

@@ -118,7 +118,7 @@ fn check_cone(h: impl Fn(isize, isize) -> f64, n: isize) -> Result<(), String> {
 }
 
 fn thermal() -> Thermal {
-    Thermal { talus: TALUS as f32, rate: 1.0, inverted: false }
+    Thermal { talus: TALUS as f32, rate: 1.0, inverted: false, ..Thermal::default() }
 }
 
 /// Criteria: slopes at most 33.1 degrees (measured 33.002 on axes and diagonals), radius within 1.5 cells of 24.5
@@ -209,7 +209,7 @@ fn every_form_conserves_ground() {
     for rim in rims() {
         for inverted in [false, true] {
             let w = world(grid(23, 19, 1.0, rim), |x, y| 4.0 * noise(x, y) + 0.3 * x as f32);
-            let p = Thermal { talus: 30.0, rate: 1.0, inverted };
+            let p = Thermal { talus: 30.0, rate: 1.0, inverted, ..Thermal::default() };
             let mut r = Reference::<f64>::new(&w);
             let before = r.sum("height");
             r.simulate(&once(p.clone()), 300);
@@ -243,7 +243,7 @@ fn the_inverted_form_flattens_flats() {
         let start = deviation(&w);
         let mut last = start;
         for _ in 0..8 {
-            run(&mut w, &Thermal { talus: 36.0, rate, inverted: true }, 50);
+            run(&mut w, &Thermal { talus: 36.0, rate, inverted: true, ..Thermal::default() }, 50);
             assert!(deviation(&w) < last);
             last = deviation(&w);
         }
@@ -255,7 +255,7 @@ fn the_inverted_form_flattens_flats() {
 
 #[test]
 fn the_inverted_form_leaves_cliffs_to_the_bit() {
-    let p = Thermal { talus: 36.0, rate: 1.0, inverted: true };
+    let p = Thermal { talus: 36.0, rate: 1.0, inverted: true, ..Thermal::default() };
     // A ramp of 45 degrees, and terraces with steps of 5 m.
     let ramp = |x: usize, _: usize| x as f32;
     let terraces = |x: usize, y: usize| 5.0 * ((x / 7) as f32 + (y / 6) as f32);

@@ -1,6 +1,8 @@
 //! Strata and what comes down from them.
 
+mod columns;
 mod conformance;
+mod rock_cycle;
 mod rockfall;
 mod strata;
 

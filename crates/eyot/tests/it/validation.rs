@@ -374,6 +374,24 @@ fn no_sea_has_a_word() {
 }
 
 #[test]
+fn what_is_blind_to_rock_is_doubted() {
+    let doubts = |processes: &str, more: &str| -> Vec<String> {
+        let text = format!(
+            "[grid]\nsize = [64, 64]\ncell = 10.0\n[[step]]\ngenerate = \"fbm\"\n[[step]]\nname = \"age\"\nsimulate = {processes}\n\
+             steps = 5\n{more}"
+        );
+        parse(&text, &[]).unwrap().doubts().iter().map(ToString::to_string).collect()
+    };
+    let blind = doubts("[\"hydraulic\", \"strata\"]", "");
+    assert_eq!(blind.len(), 1);
+    assert!(blind[0].contains("step 2 (age)") && blind[0].contains("say hydraulic.by_rock = true"), "{}", blind[0]);
+    assert!(doubts("[\"hydraulic\", \"strata\"]", "hydraulic.by_rock = true").is_empty());
+    assert!(doubts("[\"hydraulic\"]", "").is_empty());
+    let rockless = doubts("[\"hydraulic\"]", "hydraulic.by_rock = true");
+    assert!(rockless.len() == 1 && rockless[0].contains("needs the layer `erodibility`"), "{rockless:?}");
+}
+
+#[test]
 fn ground_that_no_step_makes_is_doubted() {
     assert!(parse(GOOD, &[]).unwrap().doubts().is_empty());
     let doubts = parse(GOOD, &["step.1.enabled=false"]).unwrap().doubts();

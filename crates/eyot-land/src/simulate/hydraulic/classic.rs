@@ -5,7 +5,7 @@
 //! negative, and equation (7) as `s1(x) = s(x - v t)` with bilinear interpolation, at most one cell far. The trace does
 //! not conserve sediment; the ledger's account `ground.traced` says how much it made or lost.
 
-use super::signed::{SHARED, head, spare};
+use super::signed::{Dig, SHARED, head, spare};
 use super::{ErodeParams, FluxParams};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, TallyUnit, read};
@@ -47,20 +47,24 @@ const EAST: usize = 4;
 const NORTH: usize = 5;
 const SOUTH: usize = 6;
 
-/// Equations (3) to (6), and the exchange with the ground of (7).
-pub struct ClassicErode;
+/// Equations (3) to (6), and the exchange with the ground of (7). With `BY_ROCK` what is dug depends on the layer `erodibility`.
+pub struct ClassicErode<const BY_ROCK: bool = false>;
 
-impl Rule for ClassicErode {
-    const NAME: &'static str = "hydraulic_classic_erode";
-    const READS: &'static [Read] = &[
-        read("height", 1),
-        read("water", 0),
-        read("sediment", 0),
-        read("outflow_west", 1),
-        read("outflow_east", 1),
-        read("outflow_north", 1),
-        read("outflow_south", 1),
-    ];
+/// What the rule reads; the last one only by rock.
+const ERODE: [Read; 8] = [
+    read("height", 1),
+    read("water", 0),
+    read("sediment", 0),
+    read("outflow_west", 1),
+    read("outflow_east", 1),
+    read("outflow_north", 1),
+    read("outflow_south", 1),
+    read("erodibility", 0),
+];
+
+impl<const BY_ROCK: bool> Rule for ClassicErode<BY_ROCK> {
+    const NAME: &'static str = if BY_ROCK { "hydraulic_classic_erode_by_rock" } else { "hydraulic_classic_erode" };
+    const READS: &'static [Read] = if BY_ROCK { &ERODE } else { ERODE.split_at(7).0 };
     const WRITES: &'static [&'static str] = &["height", "water", "sediment", "speed_x", "speed_y"];
     const TALLIES: &'static [Tally] = &SHARED;
     type Params = ErodeParams<()>;
@@ -95,8 +99,9 @@ impl Rule for ClassicErode {
         let (h, load) = (c.here(0), c.here(2));
         let lowest = c.at(0, 1, 0).min(c.at(0, -1, 0)).min(c.at(0, 0, 1).min(c.at(0, 0, -1)));
         let missing = capacity - load;
-        let wish = p.dig * missing.positive();
-        let dug = wish.min(p.dig_limit * (h - lowest).positive());
+        let dig = if BY_ROCK { Dig::by_rock(p, c.here(7)) } else { Dig::everywhere(p) };
+        let wish = dig.share * missing.positive();
+        let dug = wish.min(dig.limit * (h - lowest).positive());
         let settled = p.settle * (-missing).positive();
         let at_sea = h.lt(p.sea);
         let refused = at_sea.pick(zero, wish - dug);

@@ -11,7 +11,7 @@
 //! there, so that a channel of one row is the wave equation in one dimension.
 
 use super::ErodeParams;
-use super::signed::{Flows, SHARED_BY_SIGNED, boundary_sums, exchange, head};
+use super::signed::{Dig, Flows, SHARED_BY_SIGNED, boundary_sums, exchange, head};
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, Read, Rule, Side, Tally, read};
 use eyot_core::rule_params;
@@ -95,8 +95,9 @@ impl Rule for EightFlux {
     }
 }
 
-/// Equations (3) to (8): water and sediment move, the ground is dug and built up, water rains and evaporates.
-pub struct EightErode;
+/// Equations (3) to (8): water and sediment move, the ground is dug and built up, water rains and evaporates. With `BY_ROCK` what
+/// is dug depends on the layer `erodibility`.
+pub struct EightErode<const BY_ROCK: bool = false>;
 
 const HEIGHT: usize = 0;
 const WATER: usize = 1;
@@ -107,20 +108,25 @@ const RAW_SE: usize = 5;
 const RAW_SW: usize = 6;
 const AFFORD: usize = 7;
 const AFFORD_SEDIMENT: usize = 8;
+const ERODIBILITY: usize = 9;
 
-impl Rule for EightErode {
-    const NAME: &'static str = "hydraulic_eight_erode";
-    const READS: &'static [Read] = &[
-        read("height", 1),
-        read("water", 0),
-        read("sediment", 0),
-        read("raw_x", 1),
-        read("raw_y", 1),
-        read("raw_se", 1),
-        read("raw_sw", 1),
-        read("afford", 1),
-        read("afford_sediment", 1),
-    ];
+/// What the rule reads; the last one only by rock.
+const ERODE: [Read; 10] = [
+    read("height", 1),
+    read("water", 0),
+    read("sediment", 0),
+    read("raw_x", 1),
+    read("raw_y", 1),
+    read("raw_se", 1),
+    read("raw_sw", 1),
+    read("afford", 1),
+    read("afford_sediment", 1),
+    read("erodibility", 0),
+];
+
+impl<const BY_ROCK: bool> Rule for EightErode<BY_ROCK> {
+    const NAME: &'static str = if BY_ROCK { "hydraulic_eight_erode_by_rock" } else { "hydraulic_eight_erode" };
+    const READS: &'static [Read] = if BY_ROCK { &ERODE } else { ERODE.split_at(ERODIBILITY).0 };
     const WRITES: &'static [&'static str] = &["height", "water", "sediment", "flux_x", "flux_y", "flux_se", "flux_sw"];
     const TALLIES: &'static [Tally] = &SHARED_BY_SIGNED;
     type Params = ErodeParams<()>;
@@ -158,6 +164,7 @@ impl Rule for EightErode {
             gx: sixth * p.slope_x * (four * (h_east - h_west) + (down + up)),
             gy: sixth * p.slope_y * (four * (h_south - h_north) + (down - up)),
             lowest: beside.min(across),
+            dig: if BY_ROCK { Dig::by_rock(p, c.here(ERODIBILITY)) } else { Dig::everywhere(p) },
         };
         let ([height, water, sediment], sums) = exchange(p, c.here(HEIGHT), c.here(WATER), c.here(SEDIMENT), &flows);
         ([height, water, sediment, east, south, se, sw], sums)

@@ -15,7 +15,8 @@
 //! 6. `C = capacity |v| sin a min(1, d_mean / ramp_depth)`.
 //! 7. sediment leaves in proportion to water: `s1 = s + t sum(f K s / d)` over inflows minus outflows; then where
 //!    `C > s1`: `h -= e, s1 += e` with `e = min((1 - e^(-dig t)) (C - s1), dig_limit (h - lowest neighbour))`,
-//!    else `h += e, s1 -= e` with `e = (1 - e^(-settle t)) (s1 - C)`.
+//!    else `h += e, s1 -= e` with `e = (1 - e^(-settle t)) (s1 - C)`. By rock, `E` times as much is dug, with `E` the layer
+//!    `erodibility`: `1 - e^(-dig t)` becomes `min(1, E (1 - e^(-dig t)))`, and `dig_limit` becomes `min(1, E) dig_limit`.
 //! 8. `d' = e^(-evaporation t) d1 + t rain`. Under the sea water joins the sea and all sediment settles.
 //!
 //! # Source
@@ -41,7 +42,7 @@
 //!
 //! # Layers
 //! Reads and writes `height` (m), `water` (m), `sediment` (m), `flux_x`, `flux_y`, `flux_se` and `flux_sw` (m/s);
-//! reads `springs` (1).
+//! reads `springs` (1) if they flow, and `erodibility` (1) by rock.
 //!
 //! # Limits
 //! Stable for `t <= l / (sqrt 2 c)` (half that for the classic form); longer steps are cut into equal parts of at most 0.9
@@ -57,7 +58,7 @@ mod signed;
 
 use super::{ends, face};
 use eyot_core::given::Given;
-use eyot_core::layer::known::{HEIGHT, SEDIMENT, WATER};
+use eyot_core::layer::known::{ERODIBILITY, HEIGHT, SEDIMENT, WATER};
 use eyot_core::math;
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process};
@@ -125,6 +126,9 @@ pub struct Hydraulic {
     pub dig_limit: f32,
     /// Does water that reaches the sea join it? Off, the ground below sea level fills with fresh water.
     pub sea: bool,
+    /// Is rock dug by its kind, as the layer `erodibility` has it, which `strata` writes? Off, all ground is dug as if it were
+    /// loose.
+    pub by_rock: bool,
     /// The form of the flux.
     pub flux: FluxForm,
 }
@@ -164,6 +168,7 @@ impl Default for Hydraulic {
             settle: 0.1,
             dig_limit: 0.25,
             sea: true,
+            by_rock: false,
             flux: FluxForm::Eight,
         }
     }
@@ -243,6 +248,9 @@ impl Process for Hydraulic {
             FluxForm::Eight => layers.extend([FLUX_X, FLUX_Y, FLUX_SE, FLUX_SW].map(|f| f.changed(0.0))),
             FluxForm::Signed => layers.extend([FLUX_X, FLUX_Y].map(|f| f.changed(0.0))),
             FluxForm::Classic => layers.extend(OUTFLOW.map(|o| o.changed(0.0))),
+        }
+        if self.by_rock {
+            layers.push(ERODIBILITY.read(1.0));
         }
         layers
     }
@@ -328,17 +336,29 @@ impl Process for Hydraulic {
                     let scratch = [&RAW_X, &RAW_Y, &RAW_SE, &RAW_SW, &AFFORD, &AFFORD_SEDIMENT];
                     scratch.into_iter().for_each(|s| plan.scratch(s));
                     plan.push_given::<EightFlux>(eight);
-                    plan.push_given::<EightErode>(erode);
+                    if self.by_rock {
+                        plan.push_given::<EightErode<true>>(erode);
+                    } else {
+                        plan.push_given::<EightErode>(erode);
+                    }
                 }
                 FluxForm::Signed => {
                     [&RAW_X, &RAW_Y, &AFFORD, &AFFORD_SEDIMENT].into_iter().for_each(|s| plan.scratch(s));
                     plan.push_given::<Flux>(flux);
-                    plan.push_given::<Erode>(erode);
+                    if self.by_rock {
+                        plan.push_given::<Erode<true>>(erode);
+                    } else {
+                        plan.push_given::<Erode>(erode);
+                    }
                 }
                 FluxForm::Classic => {
                     [&SPEED_X, &SPEED_Y].into_iter().for_each(|s| plan.scratch(s));
                     plan.push_given::<ClassicFlux>(flux);
-                    plan.push_given::<ClassicErode>(erode);
+                    if self.by_rock {
+                        plan.push_given::<ClassicErode<true>>(erode);
+                    } else {
+                        plan.push_given::<ClassicErode>(erode);
+                    }
                     plan.push_given::<ClassicAdvect>(erode);
                 }
             }

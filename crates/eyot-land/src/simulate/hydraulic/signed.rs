@@ -101,20 +101,25 @@ rule_params! {
     }
 }
 
-/// Equations (3) to (8): water and sediment move, the ground is dug and built up, water rains and evaporates.
-pub struct Erode;
+/// Equations (3) to (8): water and sediment move, the ground is dug and built up, water rains and evaporates. With `BY_ROCK` what
+/// is dug depends on the layer `erodibility`.
+pub struct Erode<const BY_ROCK: bool = false>;
 
-impl Rule for Erode {
-    const NAME: &'static str = "hydraulic_erode";
-    const READS: &'static [Read] = &[
-        read("height", 1),
-        read("water", 0),
-        read("sediment", 0),
-        read("raw_x", 1),
-        read("raw_y", 1),
-        read("afford", 1),
-        read("afford_sediment", 1),
-    ];
+/// What the rule reads; the last one only by rock.
+const ERODE: [Read; 8] = [
+    read("height", 1),
+    read("water", 0),
+    read("sediment", 0),
+    read("raw_x", 1),
+    read("raw_y", 1),
+    read("afford", 1),
+    read("afford_sediment", 1),
+    read("erodibility", 0),
+];
+
+impl<const BY_ROCK: bool> Rule for Erode<BY_ROCK> {
+    const NAME: &'static str = if BY_ROCK { "hydraulic_erode_by_rock" } else { "hydraulic_erode" };
+    const READS: &'static [Read] = if BY_ROCK { &ERODE } else { ERODE.split_at(7).0 };
     const WRITES: &'static [&'static str] = &["height", "water", "sediment", "flux_x", "flux_y"];
     const TALLIES: &'static [Tally] = &SHARED_BY_SIGNED;
     type Params = ErodeParams<()>;
@@ -140,6 +145,7 @@ impl Rule for Erode {
             gx: p.slope_x * (h_east - h_west),
             gy: p.slope_y * (h_south - h_north),
             lowest: h_east.min(h_west).min(h_south.min(h_north)),
+            dig: if BY_ROCK { Dig::by_rock(p, c.here(7)) } else { Dig::everywhere(p) },
         };
         let ([new_height, new_water, new_load], sums) =
             exchange(p, c.here(height), c.here(water), c.here(sediment), &flows);
@@ -172,6 +178,34 @@ pub(super) struct Flows<R> {
     pub(super) gy: R,
     /// Lowest neighbour, m.
     pub(super) lowest: R,
+    pub(super) dig: Dig<R>,
+}
+
+/// How much of what it could carry water digs.
+pub(super) struct Dig<R> {
+    /// Share of the missing load that is dug, 1.
+    pub(super) share: R,
+    /// Largest share of the drop to the lowest neighbour, 1.
+    pub(super) limit: R,
+}
+
+impl<R: Real> Dig<R> {
+    /// The same in all rock.
+    #[inline(always)]
+    pub(super) fn everywhere(p: &ErodeParams<R>) -> Self {
+        Self { share: p.dig, limit: p.dig_limit }
+    }
+
+    /// In rock that wears `erodibility` times as fast as loose ground. Both are multiplied, so that where the limiter is in force
+    /// hard rock is dug more slowly, too; soft rock fills the load and keeps to the limit.
+    #[inline(always)]
+    pub(super) fn by_rock(p: &ErodeParams<R>, erodibility: R) -> Self {
+        let (one, factor) = (R::of(1.0), erodibility.positive());
+        Self {
+            share: (p.dig * factor).min(one).named("(7) share"),
+            limit: (p.dig_limit * factor.min(one)).named("(7) limit"),
+        }
+    }
 }
 
 /// Equations (3) to (8) of a cell of ground `h`, water `depth` and load `sediment`: its new values of them, and the sums of
@@ -205,8 +239,8 @@ pub(super) fn exchange<R: Real>(p: &ErodeParams<R>, h: R, depth: R, sediment: R,
     let carried = carried.named("(7) carried");
     let load = carried.positive().named("(7) load");
     let missing = (capacity - load).named("(7) missing");
-    let wish = (p.dig * missing.positive()).named("(7) wish");
-    let dug = wish.min(p.dig_limit * (h - flows.lowest.named("lowest")).positive()).named("(7) may_dig");
+    let wish = (flows.dig.share * missing.positive()).named("(7) wish");
+    let dug = wish.min(flows.dig.limit * (h - flows.lowest.named("lowest")).positive()).named("(7) may_dig");
     let settled = p.settle * (-missing).positive();
     let at_sea = h.lt(p.sea);
     let refused = at_sea.pick(zero, wish - dug);

@@ -55,6 +55,16 @@ impl Law {
         }
     }
 
+    /// As [`Law::prepared`] of a cell with `factor` times the `c` of one that is prepared.
+    #[inline]
+    pub(super) fn scaled(&self, prepared: f64, factor: f64) -> f64 {
+        match self.form {
+            Form::Linear => prepared / (prepared + factor * (1.0 - prepared)),
+            Form::Square | Form::Root => prepared * factor,
+            Form::Steep | Form::Gentle => prepared + ln(factor),
+        }
+    }
+
     /// Share of a drop of `d > 0` metres that is left after the step, within 0..=1.
     #[inline]
     pub(super) fn left(&self, prepared: f64, d: f64) -> f64 {
@@ -128,6 +138,17 @@ mod tests {
         }
         // measured: 9e-15
         assert!(worst < 5e-14, "{worst}");
+    }
+
+    #[test]
+    fn scaled_is_prepared_anew() {
+        for n in [0.5, 0.8, 1.0, 1.2, 2.0] {
+            let law = Law::new(n);
+            for (c, factor) in [(0.3, 20.0), (4.0, 0.05), (7.0, 0.0), (2.0, 1.0)] {
+                let (scaled, anew) = (law.scaled(law.prepared(c), factor), law.prepared(c * factor));
+                assert!((law.left(scaled, 30.0) - law.left(anew, 30.0)).abs() < 1e-12, "n {n}: {c} x {factor}");
+            }
+        }
     }
 
     #[test]

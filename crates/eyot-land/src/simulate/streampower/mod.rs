@@ -36,11 +36,13 @@
 //!
 //! # Layers
 //! Reads and writes `height` and `height_rest` (m), which hold it in double precision together. Reads `uplift` and
-//! `erodibility` (1) if the recipe makes them: factors on `U` and `K`, cell by cell.
+//! `erodibility` (1) if the recipe makes them: factors on `U` and `K`, cell by cell; and `bed_left` (m) with `erodibility_below` (1),
+//! which `strata` writes: a step that cuts through the bed at the surface cuts the next one at its own rate, in the time that is left.
 //!
 //! # Limits
 //! Stable for steps of any length. The order of uplift, cutting and creep within a step makes an error that falls with its
-//! length. Deposition and a critical slope are solved in turns, so that steps take several times as long.
+//! length. Deposition and a critical slope are solved in turns, so that steps take several times as long. Of the beds that a step cuts
+//! through it knows two.
 //!
 //! # Conserves
 //! What rises is in `ground.uplifted`, what rivers carry away in `ground.incised`, what creeps into cells that hold their
@@ -57,10 +59,10 @@ mod stack;
 pub use heights::HEIGHT_REST;
 
 use crate::drainage::{Base, Descent, Neighbours, Routing, fill, outlets};
-use eyot_core::layer::known::HEIGHT;
+use eyot_core::layer::known::{BED_LEFT, ERODIBILITY_BELOW, HEIGHT};
 use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Process, SECONDS_PER_YEAR, check_ranges};
 use eyot_core::{BoundaryCondition, Control, Field, Grid, LayerSpec, Result, World};
-use incise::Cut;
+use incise::{Cut, Rock};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -125,9 +127,7 @@ impl Default for Streampower {
 
 /// Factor on the uplift.
 pub const UPLIFT: LayerSpec = LayerSpec::new("uplift", "1", "Factor on the uplift of stream power", (-1e3, 1e3));
-/// Factor on the erodibility.
-pub const ERODIBILITY: LayerSpec =
-    LayerSpec::new("erodibility", "1", "Factor on the erodibility of stream power; below 0 counts as 0", (0.0, 1e6));
+pub use eyot_core::layer::known::ERODIBILITY;
 
 impl Process for Streampower {
     fn layers(&self) -> Vec<LayerUse> {
@@ -136,7 +136,7 @@ impl Process for Streampower {
 
     fn reads(&self) -> Vec<Cow<'static, str>> {
         // The factors only where somebody has made them.
-        [HEIGHT, HEIGHT_REST, UPLIFT, ERODIBILITY].map(|l| l.name).into()
+        [HEIGHT, HEIGHT_REST, UPLIFT, ERODIBILITY, BED_LEFT, ERODIBILITY_BELOW].map(|l| l.name).into()
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -183,8 +183,7 @@ impl ActionInstance for Streampower {
 
         let uplifted = uplift(&mut z, &grid, &held, f64::from(self.uplift) * years, world.get(&UPLIFT.name));
         control.check()?;
-        let Cut { incised, deposited } =
-            self.incise(&mut z, &grid, &routing, sea_level_m, world.get(&ERODIBILITY.name), control)?;
+        let Cut { incised, deposited } = self.incise(&mut z, &grid, &routing, sea_level_m, rock(world), control)?;
         control.check()?;
         let crept = if self.diffusivity > 0.0 {
             let before = row_sums(&z, &grid);
@@ -214,6 +213,12 @@ impl ActionInstance for Streampower {
         }
         Ok(())
     }
+}
+
+/// What the world knows of its rock.
+fn rock(world: &World) -> Option<Rock<'_>> {
+    let below = world.get(&BED_LEFT.name).zip(world.get(&ERODIBILITY_BELOW.name));
+    world.get(&ERODIBILITY.name).map(|here| Rock { here, below })
 }
 
 /// True if every cell but the outlets has a lower neighbour. Rivers that have been cut for a while leave no lakes.
