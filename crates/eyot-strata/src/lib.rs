@@ -2,16 +2,18 @@
 //!
 //! [`Strata`] keeps, for every cell, where the bedrock's surface lies and how its beds are displaced; what lies on the bedrock is
 //! loose. Other processes change the height, as ever: what they take is taken from the loose ground first, what they lay down is
-//! loose. [`Rockfall`] lets every material slide at its own angle.
+//! loose. [`Rockfall`] lets every material slide at its own angle, [`Soak`] softens what lies under standing water.
 //!
-//! Both are rules of single cells and their neighbours, and run on every engine.
+//! All are rules of single cells and their neighbours, and run on every engine.
 
 pub mod materials;
 pub mod rockfall;
+pub mod soak;
 pub mod strata;
 
 pub use materials::{Material, classes, standard};
 pub use rockfall::Rockfall;
+pub use soak::{SOAK_DEPTH, Soak};
 pub use strata::{BED_DATUM, BED_SHIFT, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, ROCK_SLOPE, Strata};
 
 use eyot_core::about;
@@ -25,4 +27,5 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
         &["telford1990", "heimsath1997", "shobe2017"],
     ),
     Entry::<dyn Process>::process::<Rockfall>("rockfall", about!("rockfall.rs"), &["musgrave1989", "benes2001"]),
+    Entry::<dyn Process>::process::<Soak>("soak", about!("soak.rs"), &["stava2008"]),
 ];

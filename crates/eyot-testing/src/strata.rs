@@ -2,7 +2,7 @@
 
 use crate::one;
 use eyot_core::process::Scheduled;
-use eyot_strata::{Fault, Fold, Rockfall, Strata};
+use eyot_strata::{Fault, Fold, Rockfall, Soak, Strata};
 
 /// Name and processes of each.
 pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
@@ -21,7 +21,8 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         ("beds", vec![one(Strata { top: 10.0, regolith: 0.5, ..Strata::default() })]),
         ("bent beds", vec![one(bent.clone())]),
         ("rockfall", vec![one(Rockfall::default())]),
-        ("beds and rockfall", vec![one(bent), one(Rockfall { talus: 20.0, rate: 1.0 })]),
+        ("beds and rockfall", vec![one(bent), one(Rockfall { talus: 20.0, rate: 1.0, ..Rockfall::default() })]),
+        ("soak", vec![one(Soak { change: 20.0, slope: 5.0, rate: 0.1, ..Soak::default() })]),
     ]
 }
 
@@ -31,6 +32,10 @@ pub fn start(layer: &str, u: f32) -> f32 {
         "height" => 40.0 * u - 10.0,
         "bedrock" => 40.0 * u - 11.0,
         "bed_datum" => 60.0 * u,
+        "water" => (20.0 * u - 8.0).max(0.0),
+        "soak_depth" => 10.0 * u,
+        "bed_left" => 20.0 * u,
+        "erodibility" | "erodibility_below" => 2.0 * u,
         "rock_slope" => 3.0 * u,
         _ => u,
     }

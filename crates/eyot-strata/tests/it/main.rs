@@ -2,6 +2,7 @@
 
 mod conformance;
 mod rockfall;
+mod soak;
 mod strata;
 
 use eyot_core::engine::CpuEngine;
