@@ -1,5 +1,6 @@
 //! Strata and what comes down from them.
 
+mod cliffs;
 mod conformance;
 mod rockfall;
 mod soak;
