@@ -617,7 +617,7 @@ Examples:
   eyot bench hydraulic --size 2048
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
-    /// What to measure: hydraulic, signed (that with four pipes), thermal, rule, noise, reef, drainage, streampower, community,
+    /// What to measure: hydraulic, signed (that with four pipes), thermal, rule, noise, reef, drainage, streampower, strata, community,
     /// slope, bodies, world, plates or drift; on a graphics card also island, 3000 steps of the recipe of that name
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,

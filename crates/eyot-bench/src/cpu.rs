@@ -19,6 +19,7 @@ use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
 use eyot_plates::{Drift, Tectonics};
 use eyot_reef::bodies::{Bodies, Detail};
 use eyot_reef::community::{self, Community, Forcing, Ground, Plot, Site as SeaFloor};
+use eyot_strata::{Bed, RockCycle, Rockfall, Strata};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -57,13 +58,15 @@ pub enum BenchSubject {
     World,
     /// Ten plates on a torus as large as the Earth; a step is a million years of all that they do, less on fine grids.
     Plates,
+    /// Ageing rock: water on eight beds, rockfall in every 20th step and the rock cycle in every second, as its source had it.
+    Strata,
     /// The living world on drifting plates, which take a turn in every 25th step: how long the world stops for them.
     Drift,
 }
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Hydraulic,
         Self::Signed,
         Self::Thermal,
@@ -72,6 +75,7 @@ impl BenchSubject {
         Self::Reef,
         Self::Drainage,
         Self::Streampower,
+        Self::Strata,
         Self::Community,
         Self::Slope,
         Self::Bodies,
@@ -101,6 +105,7 @@ impl BenchSubject {
             Self::Reef => "reef",
             Self::Drainage => "drainage",
             Self::Streampower => "streampower",
+            Self::Strata => "strata",
             Self::Community => "community",
             Self::Slope => "slope",
             Self::Bodies => "bodies",
@@ -147,7 +152,7 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `signed`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`,
+    /// What was measured: `hydraulic`, `hydraulic classic`, `signed`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`, `strata`,
     /// `community`, `slope`, `bodies`, `world`, `plates` or `drift`.
     pub what: &'static str,
     /// Cells along a side, or metres.
@@ -294,6 +299,10 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         }
         return start(grid, what, processes, -5000.0, 5000.0);
     }
+    if what == BenchSubject::Strata {
+        let grid = Grid::new(size, size, 10.0, Boundary::CLOSED, &Limits::default())?;
+        return start(grid, what, ageing(), -350.0, 650.0);
+    }
     // Cell size, lowest and highest ground (m), process.
     let (cell_m, low, high, process): (f64, f64, f64, Box<dyn Process>) = match (what, classic) {
         (BenchSubject::Hydraulic, false) => (10.0, -350.0, 650.0, Box::new(Hydraulic::default())),
@@ -312,6 +321,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
             | BenchSubject::Slope
             | BenchSubject::Bodies
             | BenchSubject::World
+            | BenchSubject::Strata
             | BenchSubject::Drift
             | BenchSubject::Plates,
             _,
@@ -323,6 +333,29 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
     let rim = if what == BenchSubject::Streampower { Boundary::OPEN } else { Boundary::CLOSED };
     let grid = Grid::new(size, size, cell_m, rim, &Limits::default())?;
     start(grid, what, vec![Scheduled { name: what.name(), process, every: 1 }], low, high)
+}
+
+/// Water, beds, what falls from them and what becomes rock again.
+fn ageing() -> Vec<Scheduled> {
+    let bed = |material: &str, thickness: f32| Bed { material: material.into(), thickness };
+    let beds = vec![
+        bed("sandstone", 60.0),
+        bed("schist", 90.0),
+        bed("limestone", 40.0),
+        bed("sand", 80.0),
+        bed("marble", 70.0),
+        bed("sandstone", 120.0),
+        bed("limestone", 60.0),
+        bed("granite", 1000.0),
+    ];
+    let strata = Strata { beds, top: 600.0, regolith: 0.5, new_rock: true, ..Strata::default() };
+    let scheduled = |name, process, every| Scheduled { name, process, every };
+    vec![
+        scheduled("hydraulic", Box::new(Hydraulic::default()) as Box<dyn Process>, 1),
+        scheduled("strata", Box::new(strata), 1),
+        scheduled("rockfall", Box::new(Rockfall::default()), 20),
+        scheduled("rock_cycle", Box::new(RockCycle::default()), 2),
+    ]
 }
 
 /// Steps of the world for which zones stay what they are.
@@ -810,6 +843,7 @@ mod tests {
             (BenchSubject::Reef, false, 6, Some(13)),
             // Two layers and the copies to go back to; its action, of which the plan knows nothing, comes on top.
             (BenchSubject::Streampower, false, 4, None),
+            (BenchSubject::Strata, false, 0, Some(0)),
         ] {
             let options = BenchOptions { what, classic, size: 64, seconds: 0.05, ..Default::default() };
             let r = run(&options).unwrap();

@@ -7,14 +7,19 @@
 //! All are rules of single cells and their neighbours, and run on every engine.
 
 pub mod materials;
+pub mod rock_cycle;
 pub mod rockfall;
 pub mod soak;
 pub mod strata;
 
 pub use materials::{Material, classes, standard};
+pub use rock_cycle::RockCycle;
 pub use rockfall::Rockfall;
 pub use soak::{SOAK_DEPTH, Soak};
-pub use strata::{BED_DATUM, BED_SHIFT, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, ROCK_SLOPE, Strata};
+pub use strata::{
+    BED_DATUM, BED_SHIFT, BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, NEW_ROCK, ROCK_SLOPE, Strata,
+    Surfaces,
+};
 
 use eyot_core::about;
 use eyot_core::process::{Entry, Process};
@@ -23,9 +28,10 @@ use eyot_core::process::{Entry, Process};
 pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Strata>(
         "strata",
-        about!("strata.rs"),
+        about!("strata/mod.rs"),
         &["telford1990", "heimsath1997", "shobe2017"],
     ),
+    Entry::<dyn Process>::process::<RockCycle>("rock_cycle", about!("rock_cycle.rs"), &[]),
     Entry::<dyn Process>::process::<Rockfall>("rockfall", about!("rockfall.rs"), &["musgrave1989", "benes2001"]),
     Entry::<dyn Process>::process::<Soak>("soak", about!("soak.rs"), &["stava2008"]),
 ];

@@ -1,7 +1,9 @@
 //! Strata and what comes down from them.
 
 mod cliffs;
+mod columns;
 mod conformance;
+mod rock_cycle;
 mod rockfall;
 mod soak;
 mod strata;

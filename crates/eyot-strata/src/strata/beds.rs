@@ -1,0 +1,185 @@
+//! What beds are made of and how they lie, as recipes say it, and as the rules need it.
+
+use super::new_rock::SLOTS;
+use super::{MOST_BENDS, Strata, Surfaces};
+use eyot_core::math64::{cos_degrees, sin_degrees};
+use eyot_core::{Error, Result};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Beds above the one without a bottom.
+pub const MOST_BEDS: usize = 12;
+/// Beds whose bottoms can be layers of their own.
+pub(super) const SURFACES: usize = 4;
+
+/// A bed of one material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Bed {
+    /// Name of its material.
+    pub material: String,
+    /// Thickness, measured along the vertical. That of the last bed has no meaning unless the sequence repeats.
+    #[schemars(range(min = 0.01, max = 20000.0), extend("unit" = "m"))]
+    pub thickness: f32,
+}
+
+impl Default for Bed {
+    fn default() -> Self {
+        Self { material: "sandstone".into(), thickness: 50.0 }
+    }
+}
+
+/// A wave of the beds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Fold {
+    /// From crest to crest.
+    #[schemars(range(min = 1.0, max = 1000000.0), extend("unit" = "m"))]
+    pub wavelength: f32,
+    /// Half the way from crest to trough.
+    #[schemars(range(min = 0.0, max = 10000.0), extend("unit" = "m"))]
+    pub amplitude: f32,
+    /// Direction across the crests, clockwise from north.
+    #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "degree"))]
+    pub direction: f32,
+    /// Way from the middle of the grid to a crest.
+    #[schemars(range(min = -1000000.0, max = 1000000.0), extend("unit" = "m"))]
+    pub crest: f32,
+}
+
+impl Default for Fold {
+    fn default() -> Self {
+        Self { wavelength: 4000.0, amplitude: 150.0, direction: 0.0, crest: 0.0 }
+    }
+}
+
+/// An upright plane along which the beds are displaced.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Fault {
+    /// Direction in which it runs, clockwise from north.
+    #[schemars(range(min = -360.0, max = 360.0), extend("unit" = "degree"))]
+    pub strike: f32,
+    /// How far it passes the middle of the grid, to the right of its direction.
+    #[schemars(range(min = -1000000.0, max = 1000000.0), extend("unit" = "m"))]
+    pub distance: f32,
+    /// How much higher the beds lie to the right of it.
+    #[schemars(range(min = -10000.0, max = 10000.0), extend("unit" = "m"))]
+    pub throw: f32,
+}
+
+impl Default for Fault {
+    fn default() -> Self {
+        Self { strike: 0.0, distance: 0.0, throw: 100.0 }
+    }
+}
+
+pub(super) fn bad(field: &str, reason: String) -> Error {
+    Error::BadParameter { owner: "strata".into(), field: field.into(), reason }
+}
+
+pub(super) fn tangent(degrees: f32) -> f64 {
+    sin_degrees(f64::from(degrees)) / cos_degrees(f64::from(degrees))
+}
+
+impl Strata {
+    pub(super) fn number(&self, field: &str, name: &str) -> Result<usize> {
+        self.materials.iter().position(|m| m.name == name).ok_or_else(|| {
+            let names: Vec<&str> = self.materials.iter().map(|m| m.name.as_str()).collect();
+            bad(field, format!("there is no material `{name}`; there are {}", names.join(", ")))
+        })
+    }
+
+    /// Thickness of the whole sequence, m.
+    pub(super) fn sequence_m(&self) -> f32 {
+        self.beds.iter().map(|b| b.thickness).sum()
+    }
+
+    /// Finds numbers and counts that cannot be; names are looked up by [`Strata::profile`].
+    pub(super) fn fits(&self) -> Result<()> {
+        let fit = |what: &str, value: f32, low: f32, high: f32| {
+            let fits = (low..=high).contains(&value);
+            if fits { Ok(()) } else { Err(bad(what, format!("{value} is outside {low}..={high}"))) }
+        };
+        if self.materials.len() > 255 {
+            return Err(bad("materials", format!("{} materials; there can be 255", self.materials.len())));
+        }
+        for m in &self.materials {
+            fit(&format!("materials.{}.talus", m.name), m.talus, 1.0, 89.0)?;
+            fit(&format!("materials.{}.erodibility", m.name), m.erodibility, 0.0, 1000.0)?;
+            fit(&format!("materials.{}.density", m.name), m.density, 100.0, 10000.0)?;
+            if self.materials.iter().filter(|o| o.name == m.name).count() > 1 {
+                return Err(bad("materials", format!("there are two of the name `{}`", m.name)));
+            }
+        }
+        for (what, count) in [("folds", self.folds.len()), ("faults", self.faults.len())] {
+            if count > MOST_BENDS {
+                return Err(bad(what, format!("{count} {what}; there can be {MOST_BENDS}")));
+            }
+        }
+        for f in &self.folds {
+            fit("folds.wavelength", f.wavelength, 1.0, 1e6)?;
+            fit("folds.amplitude", f.amplitude, 0.0, 1e4)?;
+            fit("folds.direction", f.direction, -360.0, 360.0)?;
+            fit("folds.crest", f.crest, -1e6, 1e6)?;
+        }
+        for f in &self.faults {
+            fit("faults.strike", f.strike, -360.0, 360.0)?;
+            fit("faults.distance", f.distance, -1e6, 1e6)?;
+            fit("faults.throw", f.throw, -1e4, 1e4)?;
+        }
+        if self.repeat && self.surfaces != Surfaces::Flat {
+            let reason = "beds whose bottoms are layers cannot repeat; take one of the two";
+            return Err(bad("surfaces", reason.into()));
+        }
+        self.beds.iter().try_for_each(|bed| fit("beds.thickness", bed.thickness, 0.01, 20000.0))
+    }
+
+    /// Bottoms of the beds below the datum, m, with their materials: of a sequence that has been checked, since every step asks for it.
+    ///
+    /// # Errors
+    /// If there are too few or too many beds, or no material of a name.
+    pub(super) fn profile(&self) -> Result<Profile<f32>> {
+        if self.beds.is_empty() || self.beds.len() > MOST_BEDS + 1 {
+            return Err(bad("beds", format!("{} beds; there can be 1 to {}", self.beds.len(), MOST_BEDS + 1)));
+        }
+        let layer = |bottom: f32, n: usize| {
+            let m = &self.materials[n];
+            let wear = if m.erodibility > 0.0 { 1.0 / m.erodibility } else { 0.0 };
+            [bottom, n as f32, m.erodibility, tangent(m.talus) as f32, wear]
+        };
+        let loose = layer(0.0, self.number("loose", &self.loose)?);
+        let mut all = Vec::with_capacity(self.beds.len());
+        let mut bottom = 0.0;
+        for bed in &self.beds {
+            bottom += bed.thickness;
+            all.push(layer(bottom, self.number("beds.material", &bed.material)?));
+        }
+        let last = all.pop().unwrap_or(loose);
+        // Beds that are missing are the last one, and end above everything.
+        let [_, material, erodibility, slope, wear] = last;
+        let mut beds = [[-1e30, material, erodibility, slope, wear]; MOST_BEDS];
+        beds[..all.len()].copy_from_slice(&all);
+        let mut slots = [[0.0; 4]; SLOTS];
+        if self.new_rock {
+            if self.stages.len() != SLOTS {
+                return Err(bad("stages", format!("{} materials; new rock has {SLOTS} stages", self.stages.len())));
+            }
+            for (slot, name) in slots.iter_mut().zip(&self.stages) {
+                let [_, material, erodibility, slope, wear] = layer(0.0, self.number("stages", name)?);
+                *slot = [material, erodibility, slope, wear];
+            }
+        }
+        Ok(Profile { beds, last, loose, slots })
+    }
+}
+
+/// Bottom below the datum (m), number, erodibility, tangent of the steepest slope and 1 / erodibility of each bed.
+#[derive(Clone, Copy)]
+pub(super) struct Profile<T> {
+    pub(super) beds: [[T; 5]; MOST_BEDS],
+    pub(super) last: [T; 5],
+    pub(super) loose: [T; 5],
+    /// Those of new rock, without a bottom.
+    pub(super) slots: [[T; 4]; SLOTS],
+}
