@@ -15,7 +15,7 @@ pub mod strata;
 pub use materials::{Material, classes, standard};
 pub use rock_cycle::RockCycle;
 pub use rockfall::Rockfall;
-pub use soak::{SOAK_DEPTH, Soak};
+pub use soak::{SOAK_WATER, Soak};
 pub use strata::{
     BED_DATUM, BED_SHIFT, BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, NEW_ROCK, ROCK_SLOPE, Strata,
     Surfaces,

@@ -1,10 +1,10 @@
 //! Soaking: standing water softens the rock below it, and what is loose under it levels out.
 //!
 //! # Equations
-//! `h` height, `r` surface of the bedrock, `s = h - r` loose ground, `d` depth of the water, that of the sea included, `S = d + h` its
-//! surface, `E` the layer `erodibility`.
-//! 1. Water stands where `d >= depth`, where `|d - d0| <= change` since the step before (as much flows in as out), and where the water of
-//!    no neighbour of that depth lies higher or lower by more than `slope` times the distance.
+//! `h` height, `r` surface of the bedrock, `s = h - r` loose ground, `w` depth of fresh water, `d` that of all water, of the sea, too,
+//! `E` the layer `erodibility`.
+//! 1. Water stands where `d >= depth`, where `|w - w0| <= change` since the step before (as much flows in as out), and where the surface
+//!    of no neighbouring water of that depth lies higher or lower by more than `slope` times the distance.
 //! 2. Under it `r' = r - rate E e^(-s / cover)`: the height stays, and what was rock is loose.
 //! 3. Of two neighbours under standing water the higher gives the lower `min(k D, m s)`, with `D` the difference of heights, `s` its loose
 //!    ground, `k = level / 12` for neighbours that share an edge and half of it for diagonal ones, and `m` 1/12 and 1/24.
@@ -22,7 +22,7 @@
 //!
 //! # Layers
 //! Reads `water` (m) and `erodibility` (1); reads and writes `height` and `bedrock` (m), which the process `strata` makes. Keeps the depth
-//! that it saw last as `soak_depth` (m).
+//! of fresh water that it saw last as `soak_water` (m).
 //!
 //! # Limits
 //! Stable for every `level` within 0..=1: the shares of the 8 neighbours sum to `level / 2`. What it calls still depends on the waves that
@@ -50,7 +50,7 @@ pub struct Soak {
     /// Depth from which on water counts.
     #[schemars(range(min = 0.001, max = 1000.0), extend("unit" = "m"))]
     pub depth: f32,
-    /// By how much the depth of standing water changes at most between two steps of this process.
+    /// By how much the depth of standing fresh water changes at most between two steps of this process.
     #[schemars(range(min = 0.0, max = 10.0), extend("unit" = "m"))]
     pub change: f32,
     /// How steep the surface of standing water is at most, as a tangent. Rivers are steeper.
@@ -75,9 +75,9 @@ impl Default for Soak {
     }
 }
 
-/// The depth that was seen last.
-pub const SOAK_DEPTH: LayerSpec =
-    LayerSpec::new("soak_depth", "m", "Depth of the water when it was last asked whether it stands", (0.0, 24000.0));
+/// The water that was seen last.
+pub const SOAK_WATER: LayerSpec =
+    LayerSpec::new("soak_water", "m", "Depth of fresh water when it was last asked whether it stands", (0.0, 24000.0));
 const STILL: LayerSpec = LayerSpec::new("still", "1", "1 where water stands", (0.0, 1.0)).empty_outside();
 /// Height of the sea where there is none.
 const NO_SEA: f32 = -1e30;
@@ -89,7 +89,7 @@ impl Process for Soak {
             WATER.read(0.0),
             BEDROCK.changed(-12000.0),
             ERODIBILITY.read(1.0),
-            SOAK_DEPTH.changed(0.0),
+            SOAK_WATER.changed(0.0),
         ]
     }
 
@@ -134,8 +134,8 @@ pub struct Find;
 
 impl Rule for Find {
     const NAME: &'static str = "soak_find";
-    const READS: &'static [Read] = &[read("height", 1), read("water", 1), read("soak_depth", 0)];
-    const WRITES: &'static [&'static str] = &["soak_depth", "still"];
+    const READS: &'static [Read] = &[read("height", 1), read("water", 1), read("soak_water", 0)];
+    const WRITES: &'static [&'static str] = &["soak_water", "still"];
     type Params = FindParams<()>;
     type Out<R: Real> = [R; 2];
     type Sums<R: Real> = [R; 0];
@@ -143,12 +143,12 @@ impl Rule for Find {
     #[inline(always)]
     fn cell<R: Real>(p: &FindParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 0]) {
         let zero = R::of(0.0);
-        let depth = depth(p, c, 0, 0);
+        let water = c.here(1);
         let level_x = level(p, c, 1, 0, p.level_x) * level(p, c, -1, 0, p.level_x);
         let level_y = level(p, c, 0, 1, p.level_y) * level(p, c, 0, -1, p.level_y);
-        let steady = p.change.lt((depth - c.here(2)).abs()).pick(zero, level_x * level_y);
-        let still = depth.lt(p.depth).pick(zero, steady).named("(1) still");
-        ([depth, still], [])
+        let steady = p.change.lt((water - c.here(2)).abs()).pick(zero, level_x * level_y);
+        let still = depth(p, c, 0, 0).lt(p.depth).pick(zero, steady).named("(1) still");
+        ([water, still], [])
     }
 }
 

@@ -52,7 +52,7 @@ pub fn start(layer: &str, u: f32) -> f32 {
         "bedrock" => 40.0 * u - 11.0,
         "bed_datum" => 60.0 * u,
         "water" => (20.0 * u - 8.0).max(0.0),
-        "soak_depth" => 10.0 * u,
+        "soak_water" => 10.0 * u,
         "bed_left" => 20.0 * u,
         "bed_1" | "bed_2" | "bed_3" | "bed_4" => 20.0 * u - 10.0,
         // Half of the slots are empty.

@@ -100,7 +100,8 @@ fn columns(cap: f32, below: f32) -> World {
     w
 }
 
-/// Hard rock on loose ground, as Benes and Olsen have it. By hand: `0.5 / 12` of what exceeds 10 m x tan 35 = 7.002 m.
+/// Hard rock on loose ground, as Benes and Olsen have it. By hand: `0.5 / 12` of what exceeds 10 m x tan 35 = 7.002 m, and half of that
+/// to each of the two diagonal neighbours, which are the same cell beyond a closed rim, beyond 9.902 m.
 #[test]
 fn hard_rock_on_loose_ground_has_three_cases() {
     let (granite, sand) = (0.05, 0.9);
@@ -110,15 +111,15 @@ fn hard_rock_on_loose_ground_has_three_cases() {
         (columns(30.0, sand), 0.0),
         (columns(20.0, sand), 0.0),
         // 2: 15 m x 2500 kg/m3 press more than 10 m x 1950 kg/m3, which trickle out from under them.
-        (columns(15.0, sand), 10.0 - 7.002),
+        (columns(15.0, sand), (10.0 - 7.002) + (10.0 - 9.902)),
         // 3: 5 m press less than 20 m: all 25 m slide.
-        (columns(5.0, sand), 25.0 - 7.002),
+        (columns(5.0, sand), (25.0 - 7.002) + (25.0 - 9.902)),
     ];
     for (i, (w, excess)) in cases.iter().enumerate() {
         let want = 0.5 / 12.0 * excess;
         let fallen: Vec<f32> =
             [125.0, 100.0, 100.0].iter().zip(0..).map(|(h, x)| value(w, "height", x, 0) - h).collect();
-        let near = |got: f32, want: f32| (got - want).abs() < 2e-5 * (1.0 + want.abs());
+        let near = |got: f32, want: f32| (got - want).abs() < 5e-5 * (1.0 + want.abs());
         assert!(near(fallen[0], -want) && near(fallen[1], want) && fallen[2] == 0.0, "{i}: {fallen:?}, {want} m");
         assert!(*excess > 0.0 || fallen == [0.0; 3], "{i}: nothing moves: {fallen:?}");
         assert_eq!(value(w, "bedrock", 1, 0), 100.0, "{i}: what arrives is loose");
