@@ -106,7 +106,11 @@ pub fn looks(v: &View) -> render::Looks {
     };
     let mut ramp: Vec<(f32, [f32; 3])> = v.ramp.iter().map(|s| (s.height, render::linear(s.colour.0))).collect();
     ramp.sort_by(|a, b| a.0.total_cmp(&b.0));
-    render::Looks { palette, ramp, snow_line_m: v.snow_line, tree_line_m: v.tree_line, season, ..Default::default() }
+    // The classes of the map are the colours of the ground.
+    let kinds = eyot_strata::classes(&eyot_strata::MATERIAL.name).unwrap_or_default();
+    let rocks = kinds.iter().map(|c| render::linear(c.colour)).collect();
+    let (snow_line_m, tree_line_m) = (v.snow_line, v.tree_line);
+    render::Looks { palette, ramp, snow_line_m, tree_line_m, season, rocks, ..Default::default() }
 }
 
 /// What the view of a recipe is to the camera.

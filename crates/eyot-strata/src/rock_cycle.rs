@@ -62,6 +62,9 @@ pub const RESTED_HEIGHT: LayerSpec = LayerSpec::new(
 const DISTURBED: LayerSpec =
     LayerSpec::new("disturbed", "1", "1 where something moves what lies uppermost", (0.0, 1.0));
 
+const COMPACTED: LayerSpec =
+    LayerSpec::new("compacted", "m", "Thickness that hardening took in this turn", (0.0, 12000.0));
+
 /// Deposits that rest become sand, sandstone, limestone, schist, marble and granite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -105,7 +108,7 @@ impl Process for RockCycle {
     }
 
     fn plan(&self, _moment: &Moment, plan: &mut Plan) {
-        plan.scratch(&DISTURBED);
+        [&DISTURBED, &COMPACTED].into_iter().for_each(|s| plan.scratch(s));
         let mut p = HardenParams::<Given> {
             years: given!(plan, self.years_per_turn),
             wait: given!(plan, self.wait),
@@ -114,24 +117,21 @@ impl Process for RockCycle {
         };
         let mut next = || {
             let now = p;
-            p.wait = p.wait * 4.0;
+            p.wait = p.wait * 16.0;
             now
         };
-        plan.push_given::<HardenLoose>(next());
-        plan.push_given::<Harden<1>>(next());
-        plan.push_given::<Harden<2>>(next());
-        plan.push_given::<Harden<3>>(next());
-        plan.push_given::<Harden<4>>(next());
-        plan.push_given::<HardenLast>(next());
+        plan.push_given::<HardenUpper>(next());
+        plan.push_given::<HardenMiddle>(next());
+        plan.push_given::<HardenLower>(next());
     }
 }
 
 rule_params! {
-    /// Parameters of [`Harden`].
+    /// Parameters of the three rules, each of which lets two stages harden.
     pub struct HardenParams {
         /// Years of a turn, yr.
         years,
-        /// Years that this stage rests, yr.
+        /// Years that the first of two stages rests; the second takes four times as long, yr.
         wait,
         /// Share of the thickness that is left, 1.
         kept,
@@ -140,162 +140,172 @@ rule_params! {
     }
 }
 
-macro_rules! stage {
-    ($here:literal, $age:literal, $next:literal, $next_age:literal) => {
-        &[
-            read("height", 0),
-            read("bedrock", 0),
-            read($here, 0),
-            read($age, 0),
-            read($next, 0),
-            read($next_age, 0),
-            read("disturbed", 0),
-        ]
-    };
-}
-
-/// What a turn does to a stage and to the next one.
-struct Turn<R> {
+/// A stage: its thickness, m, and its age, yr.
+#[derive(Clone, Copy)]
+struct Stage<R> {
     thickness: R,
     age: R,
-    next: R,
-    next_age: R,
-    /// 1 where something moves what lies uppermost, and that is not this stage.
+}
+
+/// What a turn did to a stage.
+struct Turn<R> {
+    /// 1 where something moves what lies uppermost, and that is none of those before.
     disturbed: R,
     hardened: R,
     lost: R,
 }
 
-/// Equations (1) to (3).
-#[inline(always)]
-fn turn<R: Real>(p: &HardenParams<R>, thickness: R, age: R, next: R, next_age: R, disturbed: R) -> Turn<R> {
-    let (zero, one) = (R::of(0.0), R::of(1.0));
-    let there = R::of(SEEN).lt(thickness).one();
-    let age = (age + p.years) * (one - there * disturbed);
-    // What is not there has no age.
-    let age = there * age;
-    let ripe = there * (one - age.lt(p.wait).one());
-    let hardened = ripe * thickness;
-    let joins = p.kept * hardened;
-    let both = next + joins;
-    Turn {
-        thickness: thickness - hardened,
-        age: (one - ripe) * age,
-        next: both,
-        // What joins is as old as nothing once the next stage has grown older in this turn.
-        next_age: zero.lt(joins).pick((next_age + p.years) * (next / both.max(R::of(1e-9))) - p.years, next_age),
-        disturbed: disturbed * (one - there),
-        hardened,
-        lost: hardened - joins,
-    }
-}
-
 /// Ground thinner than this is not seen, m.
 const SEEN: f32 = 0.001;
 
-const fn hardened(account: &'static str) -> [Tally; 2] {
-    let unit = TallyUnit::Thickness;
-    [
-        Tally { account, unit, sign: 0, meaning: "What hardened to this stage, before it lost thickness" },
-        Tally { account: "ground.compacted", unit, sign: -1, meaning: "Thickness that hardening took" },
-    ]
+/// Equations (1) to (3) for a stage that rests for `wait` years and becomes the next one.
+#[inline(always)]
+fn harden<R: Real>(p: &HardenParams<R>, wait: R, this: &mut Stage<R>, next: &mut Stage<R>, disturbed: R) -> Turn<R> {
+    let (zero, one) = (R::of(0.0), R::of(1.0));
+    let there = R::of(SEEN).lt(this.thickness).one();
+    // What is not there has no age.
+    let age = there * ((this.age + p.years) * (one - disturbed));
+    let ripe = there * (one - age.lt(wait).one());
+    let hardened = ripe * this.thickness;
+    let joins = p.kept * hardened;
+    let both = next.thickness + joins;
+    // What joins is as old as nothing once the next stage has grown older in this turn.
+    let shared = (next.age + p.years) * (next.thickness / both.max(R::of(1e-9))) - p.years;
+    *this = Stage { thickness: this.thickness - hardened, age: (one - ripe) * age };
+    *next = Stage { thickness: both, age: zero.lt(joins).pick(shared, next.age) };
+    Turn { disturbed: disturbed * (one - there), hardened, lost: hardened - joins }
 }
 
-/// Loose ground hardens to the first stage.
-pub struct HardenLoose;
+const fn hardened(account: &'static str) -> Tally {
+    let meaning = "What hardened to this stage, before it lost thickness";
+    Tally { account, unit: TallyUnit::Thickness, sign: 0, meaning }
+}
+const COMPACTION: Tally = Tally {
+    account: "ground.compacted",
+    unit: TallyUnit::Thickness,
+    sign: -1,
+    meaning: "Thickness that hardening took",
+};
 
-impl Rule for HardenLoose {
-    const NAME: &'static str = "rock_cycle_loose";
+/// Loose ground and the first stage harden.
+pub struct HardenUpper;
+
+impl Rule for HardenUpper {
+    const NAME: &'static str = "rock_cycle_upper";
     const READS: &'static [Read] = &[
         read("height", 0),
         read("bedrock", 0),
+        read("bed_datum", 0),
+        read("rested_height", 0),
         read("rested_0", 0),
         read("new_rock_1", 0),
         read("rested_1", 0),
-        read("bed_datum", 0),
-        read("rested_height", 0),
+        read("new_rock_2", 0),
+        read("rested_2", 0),
     ];
-    const WRITES: &'static [&'static str] = &["height", "bedrock", "rested_0", "new_rock_1", "rested_1", "disturbed"];
-    const TALLIES: &'static [Tally] = &hardened("rock.hardened_1");
+    const WRITES: &'static [&'static str] =
+        &["height", "bedrock", "rested_0", "new_rock_1", "rested_1", "new_rock_2", "rested_2", "disturbed"];
+    const TALLIES: &'static [Tally] = &[hardened("rock.hardened_1"), hardened("rock.hardened_2"), COMPACTION];
     type Params = HardenParams<()>;
-    type Out<R: Real> = [R; 6];
-    type Sums<R: Real> = [R; 2];
+    type Out<R: Real> = [R; 8];
+    type Sums<R: Real> = [R; 3];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &HardenParams<R>, c: &impl Cell<R>) -> ([R; 6], [R; 2]) {
+    fn cell<R: Real>(p: &HardenParams<R>, c: &impl Cell<R>) -> ([R; 8], [R; 3]) {
         let (height, bedrock) = (c.here(0), c.here(1));
-        let moved = ((height - c.here(5)) - c.here(6)).abs();
-        let t = turn(p, height - bedrock, c.here(2), c.here(3), c.here(4), p.disturbance.lt(moved).one());
-        let ground = height - t.lost;
-        // All of it or nothing hardens, so that what is left lies on the rock to the bit.
-        let rock = R::of(0.0).lt(t.hardened).pick(ground, bedrock);
-        ([ground, rock, t.age, t.next, t.next_age, t.disturbed], [t.hardened, height - ground])
+        let moved = p.disturbance.lt(((height - c.here(2)) - c.here(3)).abs()).one();
+        let mut loose = Stage { thickness: height - bedrock, age: c.here(4) };
+        let mut first = Stage { thickness: c.here(5), age: c.here(6) };
+        let mut second = Stage { thickness: c.here(7), age: c.here(8) };
+        let a = harden(p, p.wait, &mut loose, &mut first, moved);
+        // All of the loose ground or nothing hardens, so that what is left lies on the rock to the bit.
+        let ground = (height - a.lost).no_contract();
+        let rock = R::of(0.0).lt(a.hardened).pick(ground, bedrock);
+        let b = harden(p, R::of(4.0) * p.wait, &mut first, &mut second, a.disturbed);
+        let [ground, rock] = sunk(ground, rock, b.lost);
+        let out = [ground, rock, loose.age, first.thickness, first.age, second.thickness, second.age, b.disturbed];
+        (out, [a.hardened, b.hardened, height - ground])
     }
 }
 
-/// Stage `FROM`, 1 to 4, hardens to the next.
-pub struct Harden<const FROM: usize>;
+/// The second and the third stage harden.
+pub struct HardenMiddle;
 
-impl<const FROM: usize> Rule for Harden<FROM> {
-    const NAME: &'static str = ["", "rock_cycle_1", "rock_cycle_2", "rock_cycle_3", "rock_cycle_4"][FROM];
-    const READS: &'static [Read] = match FROM {
-        1 => stage!["new_rock_1", "rested_1", "new_rock_2", "rested_2"],
-        2 => stage!["new_rock_2", "rested_2", "new_rock_3", "rested_3"],
-        3 => stage!["new_rock_3", "rested_3", "new_rock_4", "rested_4"],
-        _ => stage!["new_rock_4", "rested_4", "new_rock_5", "rested_5"],
-    };
-    const WRITES: &'static [&'static str] = match FROM {
-        1 => &["height", "bedrock", "new_rock_1", "rested_1", "new_rock_2", "rested_2", "disturbed"],
-        2 => &["height", "bedrock", "new_rock_2", "rested_2", "new_rock_3", "rested_3", "disturbed"],
-        3 => &["height", "bedrock", "new_rock_3", "rested_3", "new_rock_4", "rested_4", "disturbed"],
-        _ => &["height", "bedrock", "new_rock_4", "rested_4", "new_rock_5", "rested_5", "disturbed"],
-    };
-    const TALLIES: &'static [Tally] = match FROM {
-        1 => &hardened("rock.hardened_2"),
-        2 => &hardened("rock.hardened_3"),
-        3 => &hardened("rock.hardened_4"),
-        _ => &hardened("rock.hardened_5"),
-    };
+impl Rule for HardenMiddle {
+    const NAME: &'static str = "rock_cycle_middle";
+    const READS: &'static [Read] = &[
+        read("new_rock_2", 0),
+        read("rested_2", 0),
+        read("new_rock_3", 0),
+        read("rested_3", 0),
+        read("new_rock_4", 0),
+        read("rested_4", 0),
+        read("disturbed", 0),
+    ];
+    const WRITES: &'static [&'static str] =
+        &["new_rock_2", "rested_2", "new_rock_3", "rested_3", "new_rock_4", "rested_4", "disturbed", "compacted"];
+    const TALLIES: &'static [Tally] = &[hardened("rock.hardened_3"), hardened("rock.hardened_4")];
     type Params = HardenParams<()>;
-    type Out<R: Real> = [R; 7];
+    type Out<R: Real> = [R; 8];
     type Sums<R: Real> = [R; 2];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &HardenParams<R>, c: &impl Cell<R>) -> ([R; 7], [R; 2]) {
-        let (height, bedrock) = (c.here(0), c.here(1));
-        let t = turn(p, c.here(2), c.here(3), c.here(4), c.here(5), c.here(6));
-        let [ground, rock] = sunk(height, bedrock, t.lost);
-        ([ground, rock, t.thickness, t.age, t.next, t.next_age, t.disturbed], [t.hardened, height - ground])
+    fn cell<R: Real>(p: &HardenParams<R>, c: &impl Cell<R>) -> ([R; 8], [R; 2]) {
+        let mut upper = Stage { thickness: c.here(0), age: c.here(1) };
+        let mut middle = Stage { thickness: c.here(2), age: c.here(3) };
+        let mut lower = Stage { thickness: c.here(4), age: c.here(5) };
+        let a = harden(p, p.wait, &mut upper, &mut middle, c.here(6));
+        let b = harden(p, R::of(4.0) * p.wait, &mut middle, &mut lower, a.disturbed);
+        let out = [
+            upper.thickness,
+            upper.age,
+            middle.thickness,
+            middle.age,
+            lower.thickness,
+            lower.age,
+            b.disturbed,
+            a.lost + b.lost,
+        ];
+        (out, [a.hardened, b.hardened])
     }
 }
 
-/// The fifth stage hardens to the last one, which stays as it is; where the ground lies then is kept.
-pub struct HardenLast;
+/// The fourth and the fifth stage harden; the last one stays as it is. Where the ground lies then is kept.
+pub struct HardenLower;
 
-impl Rule for HardenLast {
-    const NAME: &'static str = "rock_cycle_last";
+impl Rule for HardenLower {
+    const NAME: &'static str = "rock_cycle_lower";
     const READS: &'static [Read] = &[
         read("height", 0),
         read("bedrock", 0),
+        read("bed_datum", 0),
+        read("new_rock_4", 0),
+        read("rested_4", 0),
         read("new_rock_5", 0),
         read("rested_5", 0),
         read("new_rock_6", 0),
         read("disturbed", 0),
-        read("bed_datum", 0),
+        read("compacted", 0),
     ];
     const WRITES: &'static [&'static str] =
-        &["height", "bedrock", "new_rock_5", "rested_5", "new_rock_6", "rested_height"];
-    const TALLIES: &'static [Tally] = &hardened("rock.hardened_6");
+        &["height", "bedrock", "new_rock_4", "rested_4", "new_rock_5", "rested_5", "new_rock_6", "rested_height"];
+    const TALLIES: &'static [Tally] = &[hardened("rock.hardened_5"), hardened("rock.hardened_6"), COMPACTION];
     type Params = HardenParams<()>;
-    type Out<R: Real> = [R; 6];
-    type Sums<R: Real> = [R; 2];
+    type Out<R: Real> = [R; 8];
+    type Sums<R: Real> = [R; 3];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &HardenParams<R>, c: &impl Cell<R>) -> ([R; 6], [R; 2]) {
-        let (height, bedrock) = (c.here(0), c.here(1));
-        let t = turn(p, c.here(2), c.here(3), c.here(4), R::of(0.0), c.here(5));
-        let [ground, rock] = sunk(height, bedrock, t.lost);
-        ([ground, rock, t.thickness, t.age, t.next, ground - c.here(6)], [t.hardened, height - ground])
+    fn cell<R: Real>(p: &HardenParams<R>, c: &impl Cell<R>) -> ([R; 8], [R; 3]) {
+        let height = c.here(0);
+        let mut upper = Stage { thickness: c.here(3), age: c.here(4) };
+        let mut lower = Stage { thickness: c.here(5), age: c.here(6) };
+        let mut last = Stage { thickness: c.here(7), age: R::of(0.0) };
+        let a = harden(p, p.wait, &mut upper, &mut lower, c.here(8));
+        let b = harden(p, R::of(4.0) * p.wait, &mut lower, &mut last, a.disturbed);
+        let [ground, rock] = sunk(height, c.here(1), c.here(9) + (a.lost + b.lost));
+        let out =
+            [ground, rock, upper.thickness, upper.age, lower.thickness, lower.age, last.thickness, ground - c.here(2)];
+        (out, [a.hardened, b.hardened, height - ground])
     }
 }
 

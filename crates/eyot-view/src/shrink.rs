@@ -5,8 +5,19 @@ use eyot_gpu::Result;
 use std::borrow::Cow;
 
 /// Layers that a scene reads, beside the one that it may wear.
-const READ: [&str; 10] =
-    ["height", "water", "wetness", "limestone", "growth", "aridity", "flux_x", "flux_y", "flux_se", "flux_sw"];
+const READ: [&str; 11] = [
+    "height",
+    "water",
+    "wetness",
+    "limestone",
+    "growth",
+    "aridity",
+    "material",
+    "flux_x",
+    "flux_y",
+    "flux_se",
+    "flux_sw",
+];
 
 /// `world`, or means over squares of `cells` of it.
 ///
@@ -28,10 +39,17 @@ pub(crate) fn shrunk<'a>(world: &'a World, cells: usize, also: Option<&str>) -> 
     out.sea_level_m = world.sea_level_m;
     for layer in world.layers() {
         if READ.contains(&&*layer.spec.name) || also == Some(&*layer.spec.name) {
-            out.put(&layer.spec, means(&layer.field, grid.width, grid.height, cells))?;
+            // There is no mean of kinds.
+            let shrunk = if layer.spec.name == "material" { middles } else { means };
+            out.put(&layer.spec, shrunk(&layer.field, grid.width, grid.height, cells))?;
         }
     }
     Ok(Cow::Owned(out))
+}
+
+fn middles(field: &Field, width: usize, height: usize, cells: usize) -> Field {
+    let middle = |i: usize, n: usize| (i * cells + cells / 2).min(n - 1);
+    Field::from_fn(width, height, |x, y| field.get(middle(x, field.width()), middle(y, field.height())))
 }
 
 fn means(field: &Field, width: usize, height: usize, cells: usize) -> Field {

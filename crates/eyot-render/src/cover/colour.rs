@@ -10,6 +10,9 @@ use eyot_noise::picture::{hash, noise};
 const BED_M: f32 = 42.0;
 const BED_CELLS: f32 = 0.9;
 
+/// How much of bare rock's colour is that of its kind.
+const ROCK: f32 = 0.9;
+
 impl Cover {
     /// The colour of a place with these classes.
     pub(super) fn coloured(&self, s: &Site, w: &Weights) -> V3 {
@@ -36,8 +39,18 @@ impl Cover {
                 continue;
             }
             let of = match class {
-                Class::Rock if s.z > 0.0 || !self.sea => mix(mix(pair[0], pair[1], stone), self.bed(s, &beds), 0.62),
-                Class::Scree => mix(mix(pair[0], pair[1], stone), self.bed(s, &beds), 0.22),
+                Class::Rock if s.z > 0.0 || !self.sea => {
+                    let share = if s.rock.is_some() { ROCK } else { 0.62 };
+                    mix(mix(pair[0], pair[1], stone), self.rock(s, &beds), share)
+                }
+                Class::Scree => {
+                    let share = if s.rock.is_some() { 0.6 } else { 0.22 };
+                    mix(mix(pair[0], pair[1], stone), self.rock(s, &beds), share)
+                }
+                Class::Soil => {
+                    let soil = mix(pair[0], pair[1], green);
+                    s.rock.map_or(soil, |rock| mix(soil, rock, 0.55))
+                }
                 Class::Reef | Class::Rock | Class::Gravel | Class::Weed => mix(pair[0], pair[1], stone),
                 Class::Snow => mix(pair[0], pair[1], smoothstep(-0.2, 0.6, s.shade + 0.4 * s.broad)),
                 _ => mix(pair[0], pair[1], green),
@@ -66,6 +79,16 @@ impl Cover {
         let wet: f32 =
             [Class::DeepSea, Class::SeaFloor, Class::Weed, Class::Reef].iter().map(|class| w[*class as usize]).sum();
         mix(land, c, wet.min(1.0))
+    }
+
+    /// The colour of the rock: what the world says, with a breath of thin beds, or beds that are made up.
+    fn rock(&self, s: &Site, beds: &[V3; 5]) -> V3 {
+        let bed = self.bed(s, beds);
+        s.rock.map_or(bed, |rock| {
+            let light = |c: V3| (c[0] + c[1] + c[2]) / 3.0;
+            let mean = beds.iter().map(|&b| light(b)).sum::<f32>() / beds.len() as f32;
+            scale(rock, 1.0 + 0.35 * (light(bed) / mean.max(1e-3) - 1.0))
+        })
     }
 
     /// The colour of a bed of rock, with a short passage from one to the next. Beds lie nearly level, so that all walls show them at

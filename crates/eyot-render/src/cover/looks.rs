@@ -52,6 +52,8 @@ pub struct Looks {
     pub beach_m: Option<f32>,
     /// Slope at which half of the ground is rock, degrees; 45 in cells of 10 m if not given, less in larger ones.
     pub rock_slope_deg: Option<f32>,
+    /// Colours of kinds of rock (linear RGB) by their numbers in the layer `material`; those of the palette where there are none.
+    pub rocks: Vec<V3>,
     /// When the picture is taken.
     pub season: Season,
 }

@@ -2,7 +2,7 @@
 
 use super::Cover;
 use crate::climate;
-use crate::math::smoothstep;
+use crate::math::{V3, mix, smoothstep};
 use eyot_core::World;
 use eyot_noise::picture::fbm;
 
@@ -10,7 +10,7 @@ use eyot_noise::picture::fbm;
 pub const HALO: usize = 2;
 
 /// The layers that are read where a world has them, the height first.
-pub const LAYERS: [&str; 10] = [
+pub const LAYERS: [&str; 11] = [
     "height",
     "wetness",
     "limestone",
@@ -21,6 +21,7 @@ pub const LAYERS: [&str; 10] = [
     "rain_mean",
     "precipitation",
     "ice",
+    "material",
 ];
 const HEIGHT: usize = 0;
 const WETNESS: usize = 1;
@@ -30,6 +31,7 @@ const ARIDITY: usize = 4;
 const WARMTH: [usize; 2] = [5, 6];
 const RAIN: [usize; 2] = [7, 8];
 const ICE: usize = 9;
+const MATERIAL: usize = 10;
 
 /// Whole rows of the [`LAYERS`] of a world.
 pub struct Strip {
@@ -123,6 +125,8 @@ pub(super) struct Site {
     pub climate: Option<(f32, f32)>,
     /// Share that ice covers.
     pub ice: f32,
+    /// Colour of the rock or of the loose ground, where the world knows it.
+    pub rock: Option<V3>,
 }
 
 impl Cover {
@@ -160,7 +164,20 @@ impl Cover {
             reef: share(GROWTH).max(smoothstep(0.2, 2.5, strip.get(LIMESTONE, x, row).unwrap_or(0.0))),
             climate,
             ice: self.ice(strip, x, row),
+            rock: self.rock_colour(strip, x, row),
         }
+    }
+
+    /// Half of it the cell's own colour, half that of its neighbours, so that beds do not end in stairs.
+    fn rock_colour(&self, strip: &Strip, x: usize, row: usize) -> Option<V3> {
+        let colour = |x: usize, row: usize| {
+            let number = strip.get(MATERIAL, x, row)?;
+            self.looks.rocks.get(number as usize).copied()
+        };
+        let own = colour(x, row)?;
+        let around: V3 =
+            std::array::from_fn(|i| strip.mean(x, row, 1, |x, row| colour(x, row).map_or(own[i], |c| c[i])));
+        Some(mix(own, around, 0.5))
     }
 
     /// A lake that fills a cell's hollow alone is far smaller than the cell, and as white spots such lakes would be all that is seen of a cold

@@ -188,8 +188,6 @@ impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Rule for Expose<BED
     const NAME: &'static str = match (BEDS, UNDER, BENT) {
         (4, false, false) => "strata_expose_4",
         (4, true, false) => "strata_expose_4_under",
-        (4, false, true) => "strata_expose_4_bent",
-        (4, true, true) => "strata_expose_4_bent_under",
         (_, false, false) => "strata_expose_12",
         (_, true, false) => "strata_expose_12_under",
         (_, false, true) => "strata_expose_12_bent",

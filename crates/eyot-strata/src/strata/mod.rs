@@ -263,13 +263,11 @@ impl Process for Strata {
         }
         match (self.beds.len() <= 5, self.new_rock, self.surfaces != Surfaces::Flat) {
             (true, false, false) => self.expose::<4, false, false>(&profile, plan),
-            (true, false, true) => self.expose::<4, false, true>(&profile, plan),
             (true, true, false) => self.expose::<4, true, false>(&profile, plan),
-            (true, true, true) => self.expose::<4, true, true>(&profile, plan),
             (false, false, false) => self.expose::<12, false, false>(&profile, plan),
-            (false, false, true) => self.expose::<12, false, true>(&profile, plan),
+            (_, false, true) => self.expose::<12, false, true>(&profile, plan),
             (false, true, false) => self.expose::<12, true, false>(&profile, plan),
-            (false, true, true) => self.expose::<12, true, true>(&profile, plan),
+            (_, true, true) => self.expose::<12, true, true>(&profile, plan),
         }
         if self.new_rock {
             plan.push_given::<Overlay<false>>(new_rock);
