@@ -55,20 +55,20 @@ fn a_scarp_with_a_caprock_stays_a_cliff_and_one_without_smooths_out() {
         go(&mut w, &all, formed);
         let (start, first) = (crossing(&w, 85.0), angle(&w));
         let mut angles = vec![first];
-        while start - crossing(&w, 85.0) < 10.0 {
+        while start - crossing(&w, 85.0) < 15.0 {
             assert!(w.step < 2000, "it retreats");
             go(&mut w, &all, 25);
             angles.push(angle(&w));
         }
         angles
     };
-    // The cliff needs a while to find its form.
+    // Fifteen cells of retreat. The cliff needs a while to find its form; measured 62 to 66 degrees, and 45 to 37 without a caprock.
     let capped = retreated(vec![bed("granite", 15.0), bed("sandstone", 500.0)], 200);
     let uniform = retreated(vec![bed("sandstone", 500.0)], 1);
     println!("with a caprock {capped:.1?}, without {uniform:.1?} degrees");
     let kept = capped.iter().all(|a| (a - capped[0]).abs() < 5.0);
     assert!(kept && capped[0] > 50.0, "{capped:.1?}");
-    assert!(uniform[0] - uniform[uniform.len() - 1] > 5.0, "{uniform:.1?}");
+    assert!(uniform[0] - uniform[uniform.len() - 1] > 6.0, "{uniform:.1?}");
 }
 
 /// The same rivers on the same slope, in beds and in rock without beds that wears as much on the whole.
