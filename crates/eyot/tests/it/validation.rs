@@ -389,6 +389,10 @@ fn what_is_blind_to_rock_is_doubted() {
     assert!(doubts("[\"hydraulic\"]", "").is_empty());
     let rockless = doubts("[\"hydraulic\"]", "hydraulic.by_rock = true");
     assert!(rockless.len() == 1 && rockless[0].contains("needs the layer `erodibility`"), "{rockless:?}");
+    // Who needs the bedrock comes after who makes it.
+    assert!(doubts("[\"strata\", \"rockfall\"]", "").is_empty());
+    let early = doubts("[\"rockfall\", \"strata\"]", "");
+    assert!(early.len() == 1 && early[0].contains("list `strata` before it"), "{early:?}");
 }
 
 #[test]
