@@ -112,7 +112,7 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["run", "small.toml", "--max-memory", "lots"], "8G"),
         (&["run", "small.toml", "--checkpoint-seconds", "-1"], "seconds"),
         (&["run", "small.toml", "--replay", "nothere.json"], "run.json"),
-        (&["run", "small.toml", "--replay", "noise.tif"], "cannot replay"),
+        (&["run", "small.toml", "--replay", "binary.toml"], "it is no JSON"),
         (&["run", "small.toml", "--replay", "small.toml"], "it is no JSON"),
         (&["run", "small.toml", "--replay", "empty.json"], "it lists no commands"),
         (&["run", "small.toml", "--record", "-1"], "write a whole number of at least 1"),
@@ -173,7 +173,12 @@ fn commands_that_read_height_maps_take_the_flags_that_they_name() {
             said(f, &with("1G"), 0, &["6 x 4 cells"]);
         }
     }
-    said(f, &["stats", "odd.raw", "--from-size", "6x4", "--from-type", "f32le", "--nodata", "10"], 0, &["missing"]);
+    said(
+        f,
+        &["stats", "odd.raw", "--from-size", "6x4", "--from-type", "f32le", "--nodata", "10"],
+        0,
+        &["cells without a value"],
+    );
 }
 
 /// Without graphics hardware the processor is measured instead, and so is what only the processor does.
