@@ -1,6 +1,6 @@
 //! `section`: a cut through the land along a line.
 
-use crate::args::size;
+use crate::args::{Reading, size};
 use crate::{Failure, inspect, print, report};
 use clap::Args;
 use eyot::store::{self, SectionOptions};
@@ -38,6 +38,8 @@ pub(crate) struct Section {
     /// Print line, exaggeration and areas as JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 /// Coordinates of points, each with whether it is in metres.
@@ -61,7 +63,7 @@ fn line(text: &str) -> Result<Line, String> {
 
 /// Draws a section.
 pub(crate) fn section(args: &Section) -> Result<(), Failure> {
-    let opened = inspect::open(&args.from)?;
+    let opened = inspect::open(&args.from, &args.reading)?;
     inspect::has_ground(&opened, &args.from)?;
     let (w, h) = args.size.unwrap_or((WIDTH, None));
     if !(500..=16384).contains(&w) || h.is_some_and(|h| !(300..=16384).contains(&h)) {

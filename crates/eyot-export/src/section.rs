@@ -4,7 +4,6 @@
 //! ([`Subsurface::at`]); the areas are those of the cells that the line passes ([`Section`]).
 
 use crate::error::ExportError;
-use crate::files::write_text;
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::{Field, World};
 use eyot_io as io;
@@ -82,7 +81,7 @@ pub fn write_section(world: &World, options: &SectionOptions, path: &Path) -> Re
     io::check_place(path).map_err(ExportError::file)?;
     let drawn = section(world, options)?;
     if extension == "svg" {
-        write_text(path, &drawn.drawing.svg()).map_err(ExportError::file)?;
+        io::write_text(path, &drawn.drawing.svg()).map_err(ExportError::file)?;
     } else {
         let p = drawn.drawing.picture();
         io::write_rgb_png(path, p.width, p.height, &p.pixels).map_err(ExportError::file)?;
