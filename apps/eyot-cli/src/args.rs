@@ -1,12 +1,13 @@
 //! What the command line takes.
 
+use crate::recipe_cmd::limits;
 use crate::{Failure, report};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use eyot::Preset;
 use eyot::Stream;
 use eyot::engines::Isa;
-use eyot::formats::{ByteOrder, RowOrder, Sample};
-use eyot::{EngineChoice, EngineOptions, View};
+use eyot::formats::{ByteOrder, ReadOptions, RowOrder, Sample};
+use eyot::{EngineChoice, EngineOptions, Limits, View};
 use eyot_bench::cpu::BenchSubject;
 use std::path::PathBuf;
 
@@ -156,7 +157,7 @@ pub(crate) struct Work {
     #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) checkpoint_seconds: f64,
     /// Record the run: a frame of everything each so many steps, in timeline.zarr in the folder for the results
-    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) record: Option<u64>,
     /// Bytes that the recording may take, such as 2GiB or 500M; old frames thin out
     #[arg(long, value_name = "BYTES", requires = "record", default_value = "2GiB", value_parser = bytes)]
@@ -310,10 +311,10 @@ pub(crate) struct Branch {
 #[group(required = true, multiple = false)]
 pub(crate) struct Moment {
     /// The last frame that has at most so many steps of simulation done
-    #[arg(long, value_name = "STEP")]
+    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     to: Option<u64>,
     /// The frame of this number, as `eyot timeline` lists them
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frame: Option<usize>,
 }
 
@@ -403,6 +404,8 @@ Examples:
 pub(crate) struct Render {
     /// Folder of a run, or a height map
     pub(crate) from: PathBuf,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     /// The picture, a .png [default: FOLDER/render.png, or beside the height map]
     #[arg(long, short, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
@@ -489,6 +492,8 @@ impl Look {
 pub(crate) struct Stats {
     /// Folder of a run, or a height map
     pub(crate) from: PathBuf,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     /// Area that must drain through a cell to make it a channel; without it 600 cells of a map of 512 x 512, on finer and coarser grids
     /// the same share of the map. The drainage density follows it, so compare maps with one area
     #[arg(long, value_name = "M2", allow_negative_numbers = true, value_parser = area)]
@@ -543,6 +548,48 @@ pub(crate) struct Sweep {
     pub(crate) quiet: bool,
 }
 
+/// What a height map may leave open, and the memory that reading and all that follows may use.
+#[derive(Args)]
+pub(crate) struct Reading {
+    /// Columns x rows of an input without header
+    #[arg(long, value_name = "N|WxH", value_parser = size)]
+    pub(crate) from_size: Option<(u32, Option<u32>)>,
+    /// Numbers of an input without header: u8, u16le, u16be, i16le, f32le, f64be, ...
+    #[arg(long, value_name = "TYPE", value_parser = sample)]
+    pub(crate) from_type: Option<(Sample, ByteOrder)>,
+    /// Which row of an input without header comes first
+    #[arg(long, value_name = "ROW", value_parser = row_order)]
+    pub(crate) from_rows: Option<RowOrder>,
+    /// Heights that the smallest and the largest whole number of the input stand for, m
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = range)]
+    pub(crate) from_range: Option<(f64, f64)>,
+    /// Number in the input that marks missing cells
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
+    pub(crate) nodata: Option<f64>,
+    /// Memory that may be used, such as 8G or 500M
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+impl Reading {
+    pub(crate) fn options(&self) -> ReadOptions {
+        ReadOptions {
+            low_m: self.from_range.map(|r| r.0),
+            high_m: self.from_range.map(|r| r.1),
+            nodata: self.nodata,
+            size: self.from_size.map(|(w, h)| (w as usize, h.unwrap_or(w) as usize)),
+            sample: self.from_type.map(|t| t.0),
+            byte_order: self.from_type.map(|t| t.1),
+            row_order: self.from_rows,
+            ..ReadOptions::default()
+        }
+    }
+
+    pub(crate) fn limits(&self) -> Limits {
+        limits(self.max_memory)
+    }
+}
+
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -564,24 +611,11 @@ pub(crate) struct Convert {
     /// the output can hold, or the height]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) layer: Vec<String>,
-    /// Columns x rows of an input without header
-    #[arg(long, value_name = "N|WxH", value_parser = size)]
-    pub(crate) from_size: Option<(u32, Option<u32>)>,
-    /// Numbers of an input without header: u8, u16le, u16be, i16le, f32le, f64be, ...
-    #[arg(long, value_name = "TYPE", value_parser = sample)]
-    pub(crate) from_type: Option<(Sample, ByteOrder)>,
-    /// Which row of an input without header comes first
-    #[arg(long, value_name = "ROW", value_parser = row_order)]
-    pub(crate) from_rows: Option<RowOrder>,
-    /// Heights that the smallest and the largest whole number of the input stand for, m
-    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = range)]
-    pub(crate) from_range: Option<(f64, f64)>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
     /// Heights that 0 and 65535 stand for in an output of 16 bits, m [default: those of the input, or its range]
     #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = range)]
     pub(crate) range: Option<(f64, f64)>,
-    /// Number in the input that marks missing cells
-    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
-    pub(crate) nodata: Option<f64>,
     /// Size of a cell, m, or west-east x north-south
     #[arg(long, value_name = "M|MxM", value_parser = cell)]
     pub(crate) cell: Option<(f64, f64)>,
@@ -606,9 +640,6 @@ pub(crate) struct Convert {
     /// Overwrite what is there already
     #[arg(long)]
     pub(crate) force: bool,
-    /// Memory that the conversion may use, such as 8G or 500M
-    #[arg(long, value_name = "BYTES", value_parser = bytes)]
-    pub(crate) max_memory: Option<u64>,
 }
 
 #[derive(Args)]

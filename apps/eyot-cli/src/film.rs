@@ -1,6 +1,6 @@
 //! `film`: pictures along a camera's path, or of a run at work.
 
-use crate::args::{Draws, Look, size};
+use crate::args::{Draws, Look, Reading, size};
 use crate::progress::{bar, time};
 use crate::wording::CommandLine;
 use crate::{Failure, inspect, print, report};
@@ -44,6 +44,8 @@ The same command goes on with a film that was stopped. With ffmpeg installed, a 
 pub(crate) struct Film {
     /// Folder of a run, or a height map
     from: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Folder for the pictures [default: FOLDER/film, or beside the height map]
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -87,7 +89,7 @@ pub(crate) struct Film {
 /// Films a run or a height map.
 pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     // A recording can be of a run that has no world yet.
-    let opened = if args.recording { None } else { Some(inspect::open(&args.from)?) };
+    let opened = if args.recording { None } else { Some(inspect::open(&args.from, &args.reading)?) };
     if let Some(opened) = &opened {
         inspect::has_ground(opened, &args.from)?;
     }
@@ -97,7 +99,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     // A recording tells of its recipe itself.
     let own = match &opened {
         Some(opened) => opened.view.clone(),
-        None => recorded_view(&args.from)?,
+        None => recorded_view(&args.from, &args.reading.limits())?,
     };
     let path = match (&args.path, own.from_above) {
         (Some(path), _) => path.clone(),
@@ -137,7 +139,7 @@ pub(crate) fn film(args: &Film) -> Result<(), Failure> {
     }
     let control = Control::new(cancel, &|_, _| {});
     let mut shown = Shown::new(args.quiet);
-    let limits = Limits::default();
+    let limits = args.reading.limits();
     let tell: &mut dyn FnMut(&FilmProgress) = &mut |p| shown.show(p);
     // A run reads its world itself.
     let opened = opened.filter(|_| !args.run);
@@ -176,8 +178,8 @@ impl Film {
 }
 
 /// The view of a recorded run's recipe.
-fn recorded_view(folder: &Path) -> Result<View, Failure> {
-    let timeline = Timeline::open(folder, &Limits::default());
+fn recorded_view(folder: &Path, limits: &Limits) -> Result<View, Failure> {
+    let timeline = Timeline::open(folder, limits);
     timeline.and_then(|t| t.view()).map_err(|e| report::run(&e))
 }
 

@@ -1,20 +1,21 @@
 //! `render`, `stats`, `bench`: looking at what is there.
 
-use crate::args::{Bench, Measured, Render, Stats};
+use crate::args::{Bench, Measured, Reading, Render, Stats};
 use crate::wording::CommandLine;
 use crate::{Failure, print, report};
 use eyot::analyse::TerrainOptions;
+use eyot::formats::ReadOptions;
 use eyot::remedy::Worded;
 use eyot::store::Subject;
 use eyot::view::ViewRequest;
-use eyot::{EngineChoice, EngineOptions, Limits, store};
+use eyot::{EngineChoice, EngineOptions, store};
 use eyot_bench::{cpu, gpu};
 use serde_json::Value;
 use std::path::Path;
 
 /// Draws a picture of a run or a height map.
 pub(crate) fn render(args: &Render) -> Result<(), Failure> {
-    let opened = open(&args.from)?;
+    let opened = open(&args.from, &args.reading)?;
     let own = &opened.view;
     // As the run drew its preview, unless somebody says otherwise.
     let above = own.from_above && args.drape.is_none() && !args.look.has_camera();
@@ -55,7 +56,7 @@ pub(crate) fn render(args: &Render) -> Result<(), Failure> {
         };
         if args.from.is_dir() { args.from.join(name) } else { args.from.with_extension(format!("eyot.{name}")) }
     });
-    let limits = Limits::default();
+    let limits = args.reading.limits();
     if subject == Subject::View {
         let factor = view.vertical_exaggeration.unwrap_or(1.0);
         let request = ViewRequest { view, drape: args.drape.clone(), engine };
@@ -102,14 +103,14 @@ pub(crate) fn known(opened: &store::Opened, from: &Path, flag: &str, layer: &str
 
 /// Prints statistics of a run or a height map.
 pub(crate) fn stats(args: &Stats) -> Result<(), Failure> {
-    let opened = open(&args.from)?;
+    let (opened, limits) = (open(&args.from, &args.reading)?, args.reading.limits());
     let options = TerrainOptions { channel_area_m2: args.channel_area, ..TerrainOptions::default() };
-    let stats = store::stats(&opened, &options, &Limits::default()).map_err(|e| report::run(&e))?;
+    let stats = store::stats(&opened, &options, &limits).map_err(|e| report::run(&e))?;
     if let Some(folder) = &args.plots {
         std::fs::create_dir_all(folder)
             .map_err(|e| Failure::Failed(report::plain(&format!("cannot make `{}`: {e}", folder.display()), None)))?;
         let name = args.from.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        let files = store::plots(&opened, &options, &name, folder, &Limits::default()).map_err(|e| report::run(&e))?;
+        let files = store::plots(&opened, &options, &name, folder, &limits).map_err(|e| report::run(&e))?;
         files.iter().for_each(|f| print::note(&format!("wrote {}", f.display())));
     }
     if args.json {
@@ -348,8 +349,9 @@ fn print_gpu(args: &Bench, r: &gpu::GpuBenchReport) -> Result<(), Failure> {
     ))
 }
 
-pub(crate) fn open(path: &Path) -> Result<store::Opened, Failure> {
-    let opened = store::open(path, &Limits::default()).map_err(|e| report::run(&e))?;
+pub(crate) fn open(path: &Path, reading: &Reading) -> Result<store::Opened, Failure> {
+    let options = ReadOptions { bare_numbers: true, ..reading.options() };
+    let opened = store::open_with(path, &options, &reading.limits()).map_err(|e| report::run(&e))?;
     opened.notes.iter().for_each(|n| print::note(&format!("note: {}", n.worded(&CommandLine))));
     Ok(opened)
 }

@@ -66,8 +66,9 @@ fn journal(path: &Path) -> Result<Vec<JournalEntry>, Failure> {
         return Err(fail("it is not a file".into()));
     }
     let text = std::fs::read_to_string(path).map_err(|e| fail(e.to_string()))?;
-    let report: serde_json::Value = serde_json::from_str(&text).map_err(|e| fail(e.to_string()))?;
-    serde_json::from_value(report["journal"].clone()).map_err(|e| fail(e.to_string()))
+    let report: serde_json::Value = serde_json::from_str(&text).map_err(|_| fail("it is no JSON".into()))?;
+    let Some(journal) = report.get("journal") else { return Err(fail("it lists no commands".into())) };
+    serde_json::from_value(journal.clone()).map_err(|e| fail(format!("its list of commands is damaged: {e}")))
 }
 
 /// Ctrl-C and the system's request to end: the first stops the run with a checkpoint, the second ends at once.

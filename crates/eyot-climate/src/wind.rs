@@ -80,6 +80,7 @@ pub const HEAT_LOW: LayerSpec = LayerSpec::new(
 /// Belts of wind by latitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Cells {
     /// Trade winds, westerlies and polar easterlies, the same in both hemispheres.
     #[default]

@@ -9,6 +9,7 @@ use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{ComponentKinds, Control, Georeference, Grid, Limits, World};
 use eyot_io::Source;
+use eyot_io::storage::Folder;
 use eyot_io::{self as io, About, ByteOrder, Origin, Raster, RasterFormat, ReadOptions, RowOrder, Rows, WriteOptions};
 use eyot_recipe::memory::check_bytes;
 use eyot_recipe::{Export, ExportFormat, FirstRow, Preset, View, What};
@@ -386,6 +387,7 @@ impl Conversion<'_> {
             std::fs::create_dir_all(self.output)
                 .map_err(|source| ExportError::Folder { path: self.output.to_owned(), source })?;
         }
+        let folder = if preset.is_some() { self.output } else { self.output.parent().unwrap_or(Path::new("")) };
         let control = Control::none();
         let mut job = Job {
             world,
@@ -393,13 +395,13 @@ impl Conversion<'_> {
             corals: None,
             name: &name,
             looks: crate::pictures::looks(view),
-            out: if preset.is_some() { self.output } else { self.output.parent().unwrap_or(Path::new("")) },
+            out: &Folder::new(folder),
             attributes: Map::<String, Value>::new(),
             limits: self.limits,
             control: &control,
-            begin: &mut |path: PathBuf| {
-                files.push(path.clone());
-                Ok(path)
+            begin: &mut |name| {
+                files.push(folder.join(name));
+                Ok(())
             },
             note: &|n| notes.borrow_mut().push(n),
         };

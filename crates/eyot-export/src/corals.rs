@@ -4,7 +4,6 @@ use crate::dive;
 use crate::error::ExportError;
 use crate::estimate;
 use crate::files::Job;
-use crate::files::write_text;
 use crate::plots::{self, Curve, Story};
 use crate::views;
 use eyot_core::component::Attribute;
@@ -17,10 +16,9 @@ use eyot_reef::bodies::{Bodies, Body, Detail};
 use eyot_reef::community::{Alga, Colony, Heat, Plot, Species};
 use eyot_reef::corals::{CORALS, Corals};
 use eyot_render::Drawing;
-use io::{Scene, SceneMaterial, SceneMesh, SceneNode};
+use io::{Scene, SceneMaterial, SceneMesh, SceneNode, Target};
 use mesh::{Blend, Blobs, Kernel, Lattice, MeshingOptions, Primitive, Solid, mesh_field};
 use serde_json::{Value, json};
-use std::path::Path;
 use {eyot_io as io, eyot_mesh as mesh};
 
 /// What to do about a reef that is too large.
@@ -157,7 +155,7 @@ impl<'a> Reef<'a> {
     ///
     /// # Errors
     /// If nothing lives, or the file cannot be written.
-    pub(crate) fn write(&self, bodies: &Bodies, path: &Path, name: &str, format: ExportFormat) -> io::Result<()> {
+    pub(crate) fn write(&self, bodies: &Bodies, to: Target<'_>, name: &str, format: ExportFormat) -> io::Result<()> {
         let species: &[Species] = &self.plot.community().species;
         let names: Vec<String> = self.corals(bodies).map(|(c, _)| label(c, species)).collect();
         let colours = vec![ALGAE; self.alga.positions.len()];
@@ -211,9 +209,9 @@ impl<'a> Reef<'a> {
         materials.push(SceneMaterial { name: "macroalgae", colour: [1.0; 3] });
         let scene = Scene { name, meshes, materials, nodes };
         match format {
-            ExportFormat::Obj => io::write_scene_obj(path, &scene),
-            ExportFormat::Ply => io::write_scene_ply(path, &scene),
-            _ => io::write_scene_glb(path, &scene),
+            ExportFormat::Obj => io::write_scene_obj(to, &scene),
+            ExportFormat::Ply => io::write_scene_ply(to, &scene),
+            _ => io::write_scene_glb(to, &scene),
         }
     }
 
@@ -272,7 +270,7 @@ pub(crate) fn write(
             for (format, names) in formats.iter().zip(files.chunks(drawings.len())) {
                 for (name, drawing) in names.iter().zip(&drawings) {
                     let path = job.file(name)?;
-                    write_drawing(drawing, *format, &path).map_err(ExportError::file)?;
+                    write_drawing(drawing, *format, path).map_err(ExportError::file)?;
                 }
             }
             Ok(())
@@ -281,12 +279,12 @@ pub(crate) fn write(
     }
 }
 
-fn write_drawing(drawing: &Drawing, format: ExportFormat, path: &Path) -> io::Result<()> {
+fn write_drawing(drawing: &Drawing, format: ExportFormat, to: Target<'_>) -> io::Result<()> {
     if format == ExportFormat::Svg {
-        return write_text(path, &drawing.svg());
+        return io::write_text(to, &drawing.svg());
     }
     let picture = drawing.picture();
-    io::write_rgb_png(path, picture.width, picture.height, &picture.pixels)
+    io::write_rgb_png(to, picture.width, picture.height, &picture.pixels)
 }
 
 /// Writes what needs bodies: a file of meshes, or pictures.
@@ -302,7 +300,7 @@ fn write_bodies(
         let pictures = dive::pictures(&reef, job.limits).map_err(ExportError::file)?;
         for (name, picture) in files.iter().zip(pictures) {
             let path = job.file(name)?;
-            io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
+            io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
         }
         return Ok(());
     }
@@ -317,5 +315,5 @@ fn write_bodies(
     let mut bodies = Bodies::new(reef.plot.community(), reef.seed, Detail::default()).map_err(ExportError::file)?;
     bodies.update(&reef.plot).map_err(ExportError::file)?;
     let (name, path) = (job.name, job.file(&files[0])?);
-    reef.write(&bodies, &path, name, format).map_err(ExportError::file)
+    reef.write(&bodies, path, name, format).map_err(ExportError::file)
 }

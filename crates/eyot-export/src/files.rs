@@ -8,13 +8,12 @@ use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteO
 
 use crate::materials::{self, Ground, Materials};
 use crate::{corals, masks, preset, terrain, views};
-use eyot_io::Source;
+use eyot_io::storage::Storage;
+use eyot_io::{Source, Target};
 use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, What};
 use eyot_reef::corals::Corals;
 use eyot_render as render;
 use serde_json::{Map, Value};
-use std::io::Write;
-use std::path::{Path, PathBuf};
 
 /// What all exports of a world share.
 pub struct Job<'a> {
@@ -28,24 +27,28 @@ pub struct Job<'a> {
     pub name: &'a str,
     /// What its ground looks like.
     pub looks: render::Looks,
-    /// The folder.
-    pub out: &'a Path,
+    /// Where they go.
+    pub out: &'a dyn Storage,
     /// What the files of research say of their origin.
     pub attributes: Map<String, Value>,
     /// Memory that may be taken.
     pub limits: &'a Limits,
     /// Stops the work.
     pub control: &'a Control<'a>,
-    /// Called before each file with its path; may refuse to go on.
-    pub begin: &'a mut dyn FnMut(PathBuf) -> Result<PathBuf, ExportError>,
+    /// Called before each file with its name; may refuse to go on.
+    pub begin: &'a mut dyn FnMut(&str) -> Result<(), ExportError>,
     /// Called with what a user should know.
     pub note: &'a dyn Fn(Remedy),
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
     /// The next file.
-    pub(crate) fn file(&mut self, name: &str) -> Result<PathBuf, ExportError> {
-        (self.begin)(self.out.join(name))
+    pub(crate) fn file<'n>(&mut self, name: &'n str) -> Result<Target<'n>, ExportError>
+    where
+        'a: 'n,
+    {
+        (self.begin)(name)?;
+        Ok(Target::blob(self.out, name))
     }
 
     /// The same job for another world in the same place.
@@ -119,7 +122,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         What::Terrain => terrain::write(job, &files, export),
         What::Splat => {
             let path = job.file(&files[0])?;
-            write_splat(job, &path, export)
+            write_splat(job, path, export)
         }
         What::View(name) => views::write(job, &name, format, &files[0]),
         what if what.is_of_corals() => {
@@ -134,7 +137,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
                 let path = job.file(name)?;
                 let picture = render::layer_map(world, layer, &crate::pictures::map_options(layer, None))
                     .map_err(ExportError::file)?;
-                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
+                io::write_rgb_png(path, picture.width, picture.height, &picture.pixels).map_err(ExportError::file)?;
             }
             Ok(())
         }
@@ -147,7 +150,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
                             "layer `{layer}` holds values from {low} to {high}; in a mask those below 0 are 0 and those above 1 are 1"
                         ));
                     }
-                    io::write_mask(&path, &mut *rows).map_err(ExportError::file)?;
+                    io::write_mask(path, &mut *rows).map_err(ExportError::file)?;
                 }
             }
             Ok(())
@@ -160,7 +163,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             }
             say_place(job, raster(format));
             let path = job.file(&files[0])?;
-            write_together(&path, &mut layers, format, &job.attributes)
+            write_together(path, &mut layers, format, &job.attributes)
         }
         _ => {
             let Some(format) = raster(format) else { return Ok(()) };
@@ -168,7 +171,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             for (name, layer) in files.iter().zip(&export.layers) {
                 if let Some((about, mut rows)) = materials::layer(source, layer, &ground, false) {
                     let path = job.file(name)?;
-                    io::write_rows(&path, &mut *rows, &about, format, &write_options(export)).map_err(export_error)?;
+                    io::write_rows(path, &mut *rows, &about, format, &write_options(export)).map_err(export_error)?;
                 }
             }
             Ok(())
@@ -185,8 +188,8 @@ pub(crate) fn say_place(job: &Job<'_>, format: Option<RasterFormat>) {
 }
 
 /// Several layers in one file.
-pub(crate) fn write_together(
-    path: &Path,
+pub(crate) fn write_together<'a>(
+    to: impl Into<Target<'a>>,
     layers: &mut [Layer<'_>],
     format: ExportFormat,
     attributes: &Map<String, Value>,
@@ -194,8 +197,8 @@ pub(crate) fn write_together(
     let mut rows: Vec<(&About, &mut dyn Rows)> =
         layers.iter_mut().map(|(about, rows)| (&*about, &mut **rows as &mut dyn Rows)).collect();
     match format {
-        ExportFormat::Zarr => io::write_store(path, &mut rows, attributes).map_err(export_error),
-        _ => io::write_exr(path, &mut rows).map_err(export_error),
+        ExportFormat::Zarr => io::write_store(to, &mut rows, attributes).map_err(export_error),
+        _ => io::write_exr(to, &mut rows).map_err(export_error),
     }
 }
 
@@ -203,21 +206,21 @@ pub(crate) fn write_together(
 pub(crate) type Layer<'a> = (About, Box<dyn Rows + 'a>);
 
 /// The shares of all materials of a job's height.
-pub(crate) fn write_splat(job: &Job<'_>, path: &Path, export: &Export) -> Result<(), ExportError> {
+pub(crate) fn write_splat(job: &Job<'_>, to: Target<'_>, export: &Export) -> Result<(), ExportError> {
     let Some(mut materials) = Materials::of(job.source, &Ground::of(job, export)) else { return Ok(()) };
-    io::write_splat(path, materials.size(), &MATERIALS, &mut |first, out| materials.read_bytes(first, out))
+    io::write_splat(to, materials.size(), &MATERIALS, &mut |first, out| materials.read_bytes(first, out))
         .map_err(export_error)
 }
 
 pub(crate) fn write_layer(
     source: &dyn Source,
     layer: &str,
-    path: &Path,
+    to: Target<'_>,
     format: RasterFormat,
     options: &WriteOptions,
 ) -> Result<(), ExportError> {
     match source.layer(layer) {
-        Some((about, mut rows)) => io::write_rows(path, &mut *rows, &about, format, options).map_err(export_error),
+        Some((about, mut rows)) => io::write_rows(to, &mut *rows, &about, format, options).map_err(export_error),
         None => Ok(()),
     }
 }
@@ -225,15 +228,6 @@ pub(crate) fn write_layer(
 /// A refusal of the system may pass; values that do not fit a format will not, however often one tries.
 fn export_error(e: io::Error) -> ExportError {
     if matches!(e, io::Error::Io { .. }) { ExportError::file(e) } else { ExportError::Values(e.into()) }
-}
-
-/// Writes a text file, whole or not at all.
-///
-/// # Errors
-/// If it cannot be written.
-pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
-    let fail = |source| io::Error::Io { path: path.to_owned(), action: "write", source };
-    io::write_atomically(path, |w| w.write_all(text.as_bytes()).map_err(fail))
 }
 
 #[cfg(test)]

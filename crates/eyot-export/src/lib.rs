@@ -34,8 +34,8 @@ pub mod sheets {
 
 pub use error::ExportError;
 pub use estimate::Costs;
-pub use eyot_io::Source;
-pub use files::{Job, write, write_text};
+pub use eyot_io::{Source, write_text};
+pub use files::{Job, write};
 pub use import::{Files, IMPORT, Import, read_raster};
 pub use outputs::RunFiles;
 pub use pictures::Subject;

@@ -1,21 +1,21 @@
 //! The files of a finished run.
 
 use crate::error::ExportError;
-use crate::files::{Job, write, write_text};
+use crate::files::{Job, write};
 use crate::pictures::{Subject, draw};
 use crate::{corals, estimate};
 use eyot_core::Error;
 use eyot_core::remedy::Remedy;
 use eyot_io::run_folder::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, WORLD_FILE};
-use eyot_io::storage::Folder;
-use eyot_io::{self as io, Origin, checkpoint};
+use eyot_io::storage::Storage;
+use eyot_io::{self as io, Origin, Target, checkpoint};
 use eyot_recipe::Export;
 use eyot_session::{Event, Results, RunError};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Writes the files of a run into its folder: the world unless it is streamed, the exports, the pictures and the report. Each file
-/// appears whole or not at all, the report last. A session without a folder has none.
+/// Writes the files of a run into its storage, a folder or memory: the world unless it is streamed, the exports, the pictures and the
+/// report. Each file appears whole or not at all, the report last. A session without storage has none.
 ///
 /// [`RunError::Export`] means that values do not fit the file that they were to be exported to; everything else is written then.
 /// After [`RunError::Stopped`] the files so far are whole, the world among them unless nothing was written.
@@ -24,7 +24,7 @@ pub struct RunFiles;
 
 impl eyot_session::Outputs for RunFiles {
     fn write(&self, results: &Results<'_>, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
-        match &results.folder {
+        match results.storage {
             Some(out) => Outputs { results, out }.write(exported),
             None => Ok(Vec::new()),
         }
@@ -34,19 +34,19 @@ impl eyot_session::Outputs for RunFiles {
 /// What a finished run leaves, and where.
 struct Outputs<'a> {
     results: &'a Results<'a>,
-    out: &'a Path,
+    out: &'a dyn Storage,
 }
 
 impl Outputs<'_> {
     fn write(&self, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError> {
         let Results { recipe, state, world, limits, control, .. } = *self.results;
-        let mut written = Vec::new();
+        let mut written: Vec<String> = Vec::new();
         let mut unmade: Vec<Remedy> = Vec::new();
-        let former = eyot_session::former_outputs(&Folder::new(self.out));
+        let former = eyot_session::former_outputs(self.out);
         self.replace_world(&mut written)?;
         for (i, export) in recipe.exports.iter().enumerate().filter(|(_, e)| e.enabled) {
-            let files: Vec<PathBuf> = export.files().iter().map(|f| self.out.join(f)).collect();
-            if i < state.done_exports && files.iter().all(|f| f.exists()) {
+            let files = export.files();
+            if i < state.done_exports && files.iter().all(|f| self.is_there(f)) {
                 written.extend(files);
                 continue;
             }
@@ -66,45 +66,46 @@ impl Outputs<'_> {
             let preview =
                 if view.from_above { Subject::ReliefAt(view.size[0].max(view.size[1])) } else { Subject::View };
             for (name, subject) in [(PREVIEW_FILE, preview), (RELIEF_FILE, Subject::Relief)] {
-                let path = self.begin(self.out.join(name), &mut written).map_err(RunError::from)?;
+                self.begin(name, &mut written).map_err(RunError::from)?;
                 let picture = draw(world, view, subject, limits, control).map_err(stopped)?;
-                io::write_rgb_png(&path, picture.width, picture.height, &picture.pixels).map_err(RunError::file)?;
+                io::write_rgb_png(Target::blob(self.out, name), picture.width, picture.height, &picture.pixels)
+                    .map_err(RunError::file)?;
             }
         }
-        let path = self.begin(self.out.join(REPORT_FILE), &mut written).map_err(RunError::from)?;
+        self.begin(REPORT_FILE, &mut written).map_err(RunError::from)?;
         let stale = self.stale(former, &written);
         let report = self.report(&written, &stale);
         let mut text = serde_json::to_string_pretty(&report).map_err(|e| RunError::Fault(e.to_string()))?;
         text.push('\n');
-        write_text(&path, &text).map_err(RunError::file)?;
+        io::write_text(Target::blob(self.out, REPORT_FILE), &text).map_err(RunError::file)?;
         self.check_there(&written)?;
         if state.streamed {
             self.remove(CHECKPOINT_FILE)?;
         }
         self.warn_of(&stale);
-        if unmade.is_empty() { Ok(written) } else { Err(RunError::Export(Remedy::joined(unmade, "; "))) }
+        let places = || written.iter().map(|name| self.out.place(name)).collect();
+        if unmade.is_empty() { Ok(places()) } else { Err(RunError::Export(Remedy::joined(unmade, "; "))) }
     }
 
     /// Writes the world and ends what an older run left. Until the new world is whole on the disk, an older run's results
     /// stay as they are. Then its report goes, for it must not vouch for a mixture of its files and these; from here to the
     /// new report, the checkpoint or, once it has the world's name, the world says where to go on.
-    fn replace_world(&self, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+    fn replace_world(&self, written: &mut Vec<String>) -> Result<(), RunError> {
         let Results { recipe, state, world, .. } = *self.results;
         if state.streamed {
             self.remove(REPORT_FILE)?;
             return self.remove(WORLD_FILE);
         }
         let value = serde_json::to_value(state.without_times()).map_err(|e| RunError::Fault(e.to_string()))?;
-        let path = self.begin(self.out.join(WORLD_FILE), written).map_err(RunError::from)?;
-        let checkpoint = self.out.join(CHECKPOINT_FILE);
-        checkpoint::save(&checkpoint, world, &recipe.source.text, &value).map_err(RunError::file)?;
+        self.begin(WORLD_FILE, written).map_err(RunError::from)?;
+        checkpoint::save_in(self.out, CHECKPOINT_FILE, world, &recipe.source.text, &value).map_err(RunError::file)?;
         self.remove(REPORT_FILE)?;
-        std::fs::rename(&checkpoint, &path).map_err(|source| RunError::Folder { path: self.out.to_owned(), source })
+        self.out.rename(CHECKPOINT_FILE, WORLD_FILE).map_err(RunError::file)
     }
 
     /// Files of earlier runs that this one did not write and that are still there.
-    fn stale(&self, former: Vec<String>, written: &[PathBuf]) -> Vec<String> {
-        let is_stale = |name: &String| !written.iter().any(|p| p.ends_with(name)) && self.out.join(name).exists();
+    fn stale(&self, former: Vec<String>, written: &[String]) -> Vec<String> {
+        let is_stale = |name: &String| !written.contains(name) && self.is_there(name);
         former.into_iter().filter(is_stale).collect()
     }
 
@@ -115,7 +116,7 @@ impl Outputs<'_> {
             let (files, they) = if stale.len() == 1 { ("file", "it shows") } else { ("files", "they show") };
             let message = format!(
                 "`{}` still holds the {files} {} of an earlier run: {they} another land; remove what you do not need",
-                self.out.display(),
+                self.out.place("").display(),
                 stale.join(", ")
             );
             (self.results.tell)(Event::Warning { message: message.into() });
@@ -123,33 +124,34 @@ impl Outputs<'_> {
     }
 
     fn remove(&self, name: &str) -> Result<(), RunError> {
-        let path = self.out.join(name);
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(RunError::Folder { path, source }),
-            _ => Ok(()),
-        }
+        self.out.remove(name).map_err(RunError::file)
+    }
+
+    fn is_there(&self, name: &str) -> bool {
+        self.out.bytes(name).is_some() || self.out.is_group(name)
     }
 
     /// Whoever reads the report must find what it lists.
-    fn check_there(&self, written: &[PathBuf]) -> Result<(), RunError> {
+    fn check_there(&self, written: &[String]) -> Result<(), RunError> {
         (self.results.in_place)()?;
-        match written.iter().find(|path| !path.exists()) {
-            Some(path) => {
-                Err(RunError::File(format!("`{}` was removed while the run wrote others", path.display()).into()))
+        match written.iter().find(|name| !self.is_there(name)) {
+            Some(name) => {
+                let place = self.out.place(name);
+                Err(RunError::File(format!("`{}` was removed while the run wrote others", place.display()).into()))
             }
             None => Ok(()),
         }
     }
 
-    fn begin(&self, path: PathBuf, written: &mut Vec<PathBuf>) -> Result<PathBuf, ExportError> {
+    fn begin(&self, name: &str, written: &mut Vec<String>) -> Result<(), ExportError> {
         self.results.control.check().map_err(ExportError::stopped)?;
         (self.results.in_place)().map_err(ExportError::file)?;
-        (self.results.tell)(Event::Writing { path: path.clone() });
-        written.push(path.clone());
-        Ok(path)
+        (self.results.tell)(Event::Writing { path: self.out.place(name) });
+        written.push(name.to_owned());
+        Ok(())
     }
 
-    fn export(&self, export: &Export, written: &mut Vec<PathBuf>) -> Result<(), RunError> {
+    fn export(&self, export: &Export, written: &mut Vec<String>) -> Result<(), RunError> {
         let Results { recipe, state, world, limits, .. } = *self.results;
         let known = |l: &str| world.get(l).is_some() || export.knows(l);
         for layer in export.layers.iter().filter(|l| export.uses_layers() && !known(l)) {
@@ -175,16 +177,14 @@ impl Outputs<'_> {
             .attributes(world),
             limits,
             control: self.results.control,
-            begin: &mut |path| self.begin(path, written),
+            begin: &mut |name| self.begin(name, written),
             note: &|message| (self.results.tell)(Event::Warning { message }),
         };
         write(&mut job, export).map_err(RunError::from)
     }
 
-    fn report(&self, written: &[PathBuf], stale: &[String]) -> Value {
+    fn report(&self, written: &[String], stale: &[String]) -> Value {
         let Results { recipe, state, world, .. } = *self.results;
-        let names: Vec<String> =
-            written.iter().filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned())).collect();
         let g = &recipe.grid;
         json!({
             "name": recipe.name,
@@ -200,7 +200,7 @@ impl Outputs<'_> {
             "sea_level_m": world.sea_level_m,
             "layers": world.layers().iter().map(|l| json!({ "name": l.spec.name, "unit": l.spec.unit, "meaning": l.spec.meaning })).collect::<Vec<_>>(),
             "ledger": world.ledger,
-            "outputs": names,
+            "outputs": written,
             "vertical_exaggeration": recipe.view.enabled.then(|| recipe.view.vertical_exaggeration.unwrap_or(1.0)),
             // So that a later run knows them from files of others.
             "earlier_outputs": stale,

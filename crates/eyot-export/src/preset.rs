@@ -1,7 +1,6 @@
 //! Presets: all files that a program wants, in its own sizes, scales and orders.
 
 use crate::error::ExportError;
-use crate::files::write_text;
 use crate::files::{Job, say_place, write_layer, write_splat};
 use crate::fit::{Samples, fit};
 use crate::import::row_order;
@@ -65,7 +64,7 @@ fn unreal(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let options = WriteOptions { scale: Some((low, high)), ..WriteOptions::default() };
     for (name, format) in names.iter().zip([RasterFormat::Png16, RasterFormat::R16]) {
         let path = job.file(name)?;
-        write_layer(&world, "height", &path, format, &options)?;
+        write_layer(&world, "height", path, format, &options)?;
     }
     let weights = write_materials(&mut job.of(&world), export, &names[2..])?;
     let masks = write_masks(&mut job.of(&world), export)?;
@@ -108,11 +107,11 @@ fn unity(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         nodata: None,
     };
     let path = job.file(&names[0])?;
-    write_layer(&world, "height", &path, RasterFormat::R16, &options)?;
+    write_layer(&world, "height", path, RasterFormat::R16, &options)?;
     // Alpha maps have a texel for every quad.
     let path = job.file(&names[1])?;
     let quads = fit(job.world, &materials::layers(job.world), [Samples::Quads(n - 1); 2], job.limits)?;
-    write_splat(&job.of(&quads), &path, export)?;
+    write_splat(&job.of(&quads), path, export)?;
     let masks = write_masks(&mut job.of(&quads), export)?;
     let about = json!({
         "preset": "unity",
@@ -151,9 +150,9 @@ fn godot(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     }
     let world = fit(job.world, &materials::layers(job.world), size.map(Samples::Vertices), job.limits)?;
     let path = job.file(&names[0])?;
-    write_layer(&world, "height", &path, RasterFormat::Exr, &WriteOptions::default())?;
+    write_layer(&world, "height", path, RasterFormat::Exr, &WriteOptions::default())?;
     let path = job.file(&names[1])?;
-    write_splat(&job.of(&world), &path, export)?;
+    write_splat(&job.of(&world), path, export)?;
     let masks = write_masks(&mut job.of(&world), export)?;
     let about = json!({
         "preset": "godot",
@@ -177,7 +176,7 @@ fn blender(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
     let world = job.world;
     terrain::write(job, &names[..1], export)?;
     let path = job.file(&names[1])?;
-    write_layer(world, "height", &path, RasterFormat::Exr, &WriteOptions::default())?;
+    write_layer(world, "height", path, RasterFormat::Exr, &WriteOptions::default())?;
     let materials = write_materials(job, export, &names[2..])?;
     let masks = write_masks(job, export)?;
     let all_masks: Vec<&Value> = [&materials, &masks].into_iter().filter_map(Value::as_array).flatten().collect();
@@ -207,7 +206,7 @@ fn gis(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
         let path = job.file(name)?;
         // The preset's nodata, not the source's.
         about.georeference = about.georeference.map(|g| Georeference { nodata: None, ..g });
-        io::write_rows(&path, &mut *rows, &about, RasterFormat::GeoTiff, &options).map_err(ExportError::file)?;
+        io::write_rows(path, &mut *rows, &about, RasterFormat::GeoTiff, &options).map_err(ExportError::file)?;
     }
     Ok(())
 }
@@ -219,7 +218,7 @@ fn write_materials(job: &mut Job<'_>, export: &Export, names: &[String]) -> Resu
     for (name, material) in names.iter().zip(MATERIALS) {
         let Some((_, mut rows)) = materials::layer(source, material, &ground, true) else { continue };
         let path = job.file(name)?;
-        io::write_mask(&path, &mut *rows).map_err(ExportError::file)?;
+        io::write_mask(path, &mut *rows).map_err(ExportError::file)?;
         list.push(json!({ "material": material, "file": name }));
     }
     Ok(json!(list))
@@ -244,7 +243,7 @@ fn write_masks(job: &mut Job<'_>, export: &Export) -> Result<Value, ExportError>
             Err(e) => return Err(ExportError::file(e)),
         };
         let path = job.file(&name)?;
-        io::write_mask(&path, &mut *rows).map_err(ExportError::file)?;
+        io::write_mask(path, &mut *rows).map_err(ExportError::file)?;
         list.push(json!({ "mask": mask, "file": name, "unit": unit, "value_of_0": 0.0, "value_of_255": full }));
     }
     for note in masks::all_missing(job.world, export) {
@@ -261,7 +260,7 @@ fn sea_level(world: &World) -> Result<Option<f64>, ExportError> {
 
 fn describe(job: &mut Job<'_>, names: &[String], about: &Value) -> Result<(), ExportError> {
     let path = job.file(&names[names.len() - 1])?;
-    write_text(&path, &format!("{about:#}\n")).map_err(ExportError::file)
+    io::write_text(path, &format!("{about:#}\n")).map_err(ExportError::file)
 }
 
 #[cfg(test)]

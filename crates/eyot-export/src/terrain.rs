@@ -1,16 +1,15 @@
 //! The land as meshes: in one file, or in tiles with a list of them.
 
 use crate::error::ExportError;
-use crate::files::{Job, write_text};
+use crate::files::Job;
 use crate::materials::{self, Ground};
 use crate::open_water::open_water;
-use eyot_io::{self as io, TerrainParts};
+use eyot_io::{self as io, Target, TerrainParts};
 use eyot_mesh::{self as mesh, Lod, MeshOptions, OpenWater, Rim, Terrain, TerrainMesh, Tiling};
 use eyot_recipe::{Export, MATERIALS, Preset};
 use eyot_render as render;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use std::path::PathBuf;
 
 /// Share of triangles that each level of detail has of the one before: half the detail along each axis.
 const COARSER: f64 = 0.25;
@@ -82,7 +81,7 @@ pub(crate) fn write(job: &mut Job<'_>, names: &[String], export: &Export) -> Res
         let path = job.file(name)?;
         if obj {
             let ground = &tile.levels[0].mesh;
-            return io::write_terrain_obj(&path, ground, tile.water.as_ref(), job.name).map_err(ExportError::file);
+            return io::write_terrain_obj(path, ground, tile.water.as_ref(), job.name).map_err(ExportError::file);
         }
         let skirt = |level: &Lod| tiling.skirt(tile.at, &tile.full, &level.mesh, depth_m);
         let skirts: Vec<TerrainMesh> = match depth_m > 0.0 {
@@ -98,7 +97,7 @@ pub(crate) fn write(job: &mut Job<'_>, names: &[String], export: &Export) -> Res
                 _ => name.strip_suffix(".glb").unwrap_or(name),
             },
         };
-        io::write_terrain_glb(&path, &parts).map_err(ExportError::file)?;
+        io::write_terrain_glb(path, &parts).map_err(ExportError::file)?;
         list.push(said(tile, name));
     }
     match names.get(tiles.len()) {
@@ -146,7 +145,7 @@ fn said(tile: &Tile, name: &str) -> Value {
 }
 
 fn write_list(
-    path: PathBuf,
+    to: Target<'_>,
     export: &Export,
     tiling: &Tiling,
     skirt_m: f32,
@@ -162,7 +161,7 @@ fn write_list(
         "skirt_m": skirt_m,
         "files": list,
     });
-    write_text(&path, &format!("{about:#}\n")).map_err(ExportError::file)
+    io::write_text(to, &format!("{about:#}\n")).map_err(ExportError::file)
 }
 
 /// `second`, `3rd`.

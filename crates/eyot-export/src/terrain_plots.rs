@@ -2,7 +2,6 @@
 
 use crate::chart::{Axis, COLOURS, Chart, Curve};
 use crate::error::ExportError;
-use crate::files::write_text;
 use eyot_io as io;
 use eyot_land::analyse::TerrainCurves;
 use std::path::{Path, PathBuf};
@@ -16,7 +15,7 @@ pub fn terrain_plots(curves: &TerrainCurves, name: &str, folder: &Path) -> Resul
     for (file, chart) in charts(curves, name) {
         let drawing = chart.draw();
         let path = folder.join(format!("{file}.svg"));
-        write_text(&path, &drawing.svg()).map_err(ExportError::file)?;
+        io::write_text(&path, &drawing.svg()).map_err(ExportError::file)?;
         files.push(path);
         let (path, p) = (folder.join(format!("{file}.png")), drawing.picture());
         io::write_rgb_png(&path, p.width, p.height, &p.pixels).map_err(ExportError::file)?;

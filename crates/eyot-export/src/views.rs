@@ -2,7 +2,7 @@
 
 use crate::error::ExportError;
 use crate::estimate;
-use crate::files::{Job, write_text};
+use crate::files::Job;
 use eyot_core::component::View;
 use eyot_io as io;
 use eyot_recipe::ExportFormat;
@@ -36,8 +36,8 @@ pub(crate) fn write_table(
 ) -> Result<(), ExportError> {
     let path = job.file(file)?;
     match format {
-        ExportFormat::Parquet => io::write_parquet(&path, table),
-        _ => write_text(&path, &table.csv()),
+        ExportFormat::Parquet => io::write_parquet(path, table),
+        _ => io::write_text(path, &table.csv()),
     }
     .map_err(ExportError::file)
 }

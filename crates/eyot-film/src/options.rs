@@ -72,6 +72,7 @@ pub struct Filmed {
 
 /// What a film shows.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum Subject<'a> {
     /// A world, which stands still.
     World(&'a World),

@@ -13,17 +13,16 @@ fn left_out(path: &Path, what: &str, feature: &str, instead: &str) -> Error {
 pub(crate) mod exr_read {
     use super::left_out;
     use crate::error::Result;
+    use crate::input::Opened;
     use crate::raster::{Raster, ReadOptions};
     use eyot_core::Limits;
-    use std::fs::File;
-    use std::path::Path;
 
-    pub(crate) fn read(path: &Path, _: File, _: u64, _: &ReadOptions, _: &Limits) -> Result<Raster> {
-        Err(left_out(path, "OpenEXR", "exr", "convert the file to NPY"))
+    pub(crate) fn read(opened: &mut Opened<'_>, _: &ReadOptions, _: &Limits) -> Result<Raster> {
+        Err(left_out(&opened.at.place, "OpenEXR", "exr", "convert the file to NPY"))
     }
 
-    pub(crate) fn names(path: &Path, _: File) -> Result<Vec<String>> {
-        Err(left_out(path, "OpenEXR", "exr", "convert the file to NPY"))
+    pub(crate) fn names(opened: &mut Opened<'_>) -> Result<Vec<String>> {
+        Err(left_out(&opened.at.place, "OpenEXR", "exr", "convert the file to NPY"))
     }
 }
 
@@ -33,14 +32,14 @@ pub(crate) mod exr_write {
     use crate::about::About;
     use crate::error::Result;
     use crate::rows::Rows;
-    use std::path::Path;
+    use crate::target::Target;
 
     /// Refuses to write OpenEXR, which this build leaves out.
     ///
     /// # Errors
     /// Always.
-    pub fn write_exr(path: &Path, _: &mut [(&About, &mut dyn Rows)]) -> Result<()> {
-        Err(left_out(path, "OpenEXR", "exr", "write another format"))
+    pub fn write_exr<'a>(to: impl Into<Target<'a>>, _: &mut [(&About, &mut dyn Rows)]) -> Result<()> {
+        Err(left_out(to.into().place(), "OpenEXR", "exr", "write another format"))
     }
 }
 
@@ -48,12 +47,12 @@ pub(crate) mod exr_write {
 pub(crate) mod geotiff_read {
     use super::left_out;
     use crate::error::Result;
+    use crate::input::Opened;
     use crate::raster::{Raster, ReadOptions};
     use eyot_core::Limits;
-    use std::path::Path;
 
-    pub(crate) fn read(path: &Path, _: u64, _: &ReadOptions, _: &Limits) -> Result<Raster> {
-        Err(left_out(path, "the reading of TIFF", "tiff", "convert the file to NPY"))
+    pub(crate) fn read(opened: Opened<'_>, _: &ReadOptions, _: &Limits) -> Result<Raster> {
+        Err(left_out(&opened.at.place, "the reading of TIFF", "tiff", "convert the file to NPY"))
     }
 }
 
@@ -62,13 +61,13 @@ pub(crate) mod parquet {
     use super::left_out;
     use crate::error::Result;
     use crate::table::Table;
-    use std::path::Path;
+    use crate::target::Target;
 
     /// Refuses to write Parquet, which this build leaves out.
     ///
     /// # Errors
     /// Always.
-    pub fn write_parquet(path: &Path, _: &Table) -> Result<()> {
-        Err(left_out(path, "Parquet", "parquet", "write CSV"))
+    pub fn write_parquet<'a>(to: impl Into<Target<'a>>, _: &Table) -> Result<()> {
+        Err(left_out(to.into().place(), "Parquet", "parquet", "write CSV"))
     }
 }

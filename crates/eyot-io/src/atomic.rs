@@ -184,16 +184,16 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 }
 
 /// Writes `bytes` with the error that names `path`.
-pub(crate) fn put(out: &mut impl Write, path: &Path, bytes: &[u8]) -> Result<()> {
+pub(crate) fn put(out: &mut (impl Write + ?Sized), path: &Path, bytes: &[u8]) -> Result<()> {
     out.write_all(bytes).map_err(Error::io(path, "write"))
 }
 
 /// Runs an encoder of another crate on `out`. Some wrap the system's errors until nobody can tell a full disk from a bad
 /// image; here, the first refusal of the system wins over whatever the encoder makes of it.
-pub(crate) fn watched(
-    out: &mut BufWriter<File>,
+pub(crate) fn watched<W: Write + ?Sized>(
+    out: &mut W,
     path: &Path,
-    encode: impl FnOnce(Watched<'_>) -> Result<()>,
+    encode: impl FnOnce(Watched<'_, W>) -> Result<()>,
 ) -> Result<()> {
     let refusal = Cell::new(None);
     let result = encode(Watched { out, refusal: &refusal });
@@ -204,12 +204,12 @@ pub(crate) fn watched(
 }
 
 /// A writer that remembers why it failed; see [`watched`].
-pub(crate) struct Watched<'a> {
-    out: &'a mut BufWriter<File>,
+pub(crate) struct Watched<'a, W: ?Sized> {
+    out: &'a mut W,
     refusal: &'a Cell<Option<io::Error>>,
 }
 
-impl Watched<'_> {
+impl<W: ?Sized> Watched<'_, W> {
     fn remember<T>(&self, result: io::Result<T>) -> io::Result<T> {
         if let Err(e) = &result
             && e.kind() != io::ErrorKind::Interrupted
@@ -222,7 +222,7 @@ impl Watched<'_> {
     }
 }
 
-impl Write for Watched<'_> {
+impl<W: Write + ?Sized> Write for Watched<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let result = self.out.write(bytes);
         self.remember(result)
@@ -234,7 +234,7 @@ impl Write for Watched<'_> {
     }
 }
 
-impl Seek for Watched<'_> {
+impl<W: Seek + ?Sized> Seek for Watched<'_, W> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         let result = self.out.seek(to);
         self.remember(result)

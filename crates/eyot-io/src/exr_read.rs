@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::exr_write::ATTRIBUTE;
 use crate::fill::Missing;
+use crate::input::Opened;
 use crate::raster::{Raster, ReadOptions, check_compression, check_size};
 use crate::sidecar::{Channel, Sidecar};
 use exr::block::UncompressedBlock;
@@ -14,11 +15,11 @@ use exr::meta::header::Header;
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
 use eyot_core::{Field, Limits};
-use std::fs::File;
 use std::io::{BufReader, Seek};
 use std::path::Path;
 
-pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+pub(crate) fn read(opened: &mut Opened<'_>, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+    let (path, file, bytes) = (&*opened.at.place, &mut opened.input, opened.bytes);
     file.rewind().map_err(Error::io(path, "read"))?;
     let failed = |e| as_error(path, e);
     let reader = exr::block::read(BufReader::with_capacity(1 << 18, file), false).map_err(failed)?;
@@ -75,7 +76,8 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
 }
 
 /// The names of the channels if there are several.
-pub(crate) fn names(path: &Path, mut file: File) -> Result<Vec<String>> {
+pub(crate) fn names(opened: &mut Opened<'_>) -> Result<Vec<String>> {
+    let (path, file) = (&*opened.at.place, &mut opened.input);
     file.rewind().map_err(Error::io(path, "read"))?;
     let reader = exr::block::read(BufReader::with_capacity(1 << 18, file), false).map_err(|e| as_error(path, e))?;
     let all: Vec<String> = channels(reader.headers()).into_iter().map(|c| c.0).collect();

@@ -4,10 +4,11 @@
 //! place stands as JSON in the attribute `eyot`.
 
 use crate::about::About;
-use crate::atomic::{watched, write_atomically};
+use crate::atomic::watched;
 use crate::error::{Error, Result};
 use crate::rows::{Rows, read_band};
 use crate::sidecar::{Channel, Sidecar};
+use crate::target::Target;
 use exr::block::chunk::Chunk;
 use exr::block::writer::ChunksWriter;
 use exr::block::{BlockIndex, UncompressedBlock};
@@ -32,7 +33,9 @@ const BAND_BYTES: usize = 16 << 20;
 /// # Errors
 /// If there is no layer, if layers differ in size, if a name has letters beyond Latin-1, if `rows` fail or give a value
 /// that is not finite, or if the file cannot be written.
-pub fn write_exr(path: &Path, layers: &mut [(&About, &mut dyn Rows)]) -> Result<()> {
+pub fn write_exr<'a>(to: impl Into<Target<'a>>, layers: &mut [(&About, &mut dyn Rows)]) -> Result<()> {
+    let to = to.into();
+    let path = to.place();
     // Channels stand in the order of their names.
     layers.sort_by(|a, b| a.0.name.cmp(&b.0.name));
     let Some((width, height)) = layers.first().map(|(_, rows)| rows.size()) else {
@@ -47,7 +50,7 @@ pub fn write_exr(path: &Path, layers: &mut [(&About, &mut dyn Rows)]) -> Result<
     }
     let header = header(path, layers, (width, height))?;
     let mut failure = None;
-    write_atomically(path, |file| {
+    to.write_seeking(|file| {
         watched(file, path, |out| {
             let result = exr::block::write(out, [header].into_iter().collect(), true, |meta, writer| {
                 let blocks: Vec<(usize, BlockIndex)> =

@@ -6,9 +6,9 @@ use crate::options::WriteOptions;
 use crate::raster::SCALE_TAG;
 use crate::rows::Rows;
 use crate::sample::Sample;
+use crate::target::Target;
 use crate::{exr_write, geotiff, npy, png_write, raw, zarr};
 use eyot_core::{Layer, World};
-use std::path::Path;
 
 /// Formats that a layer can be written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -78,7 +78,8 @@ impl RasterFormat {
 ///
 /// # Errors
 /// If the layer has another size than the world's grid, and as [`write_rows`].
-pub fn write_layer(path: &Path, world: &World, layer: &Layer, format: RasterFormat) -> Result<()> {
+pub fn write_layer<'a>(to: impl Into<Target<'a>>, world: &World, layer: &Layer, format: RasterFormat) -> Result<()> {
+    let to = to.into();
     let (grid, field) = (&world.grid, &layer.field);
     if (field.width(), field.height()) != (grid.width, grid.height) || grid.cells() == 0 {
         let problem = format!(
@@ -89,9 +90,9 @@ pub fn write_layer(path: &Path, world: &World, layer: &Layer, format: RasterForm
             grid.width,
             grid.height
         );
-        return Err(Error::format(path, problem, "write layers of this world only"));
+        return Err(Error::format(to.place(), problem, "write layers of this world only"));
     }
-    write_rows(path, &mut &layer.field, &About::of(world, layer), format, &WriteOptions::default())
+    write_rows(to, &mut &layer.field, &About::of(world, layer), format, &WriteOptions::default())
 }
 
 /// Writes a raster band by band: a grid of any size needs a few dozen megabytes beside what `rows` holds itself.
@@ -102,17 +103,18 @@ pub fn write_layer(path: &Path, world: &World, layer: &Layer, format: RasterForm
 /// # Errors
 /// If `rows` fails or gives a value that is not finite, if values leave the given scale, if the raster is too large for
 /// the format, or if the file cannot be written. A file that was there before is then unharmed.
-pub fn write_rows(
-    path: &Path,
+pub fn write_rows<'a>(
+    to: impl Into<Target<'a>>,
     rows: &mut dyn Rows,
     about: &About,
     format: RasterFormat,
     options: &WriteOptions,
 ) -> Result<()> {
+    let to = to.into();
     let (width, height) = rows.size();
     if width == 0 || height == 0 {
         return Err(Error::format(
-            path,
+            to.place(),
             format!("a raster of {width}x{height} cells"),
             "both sides must be at least 1",
         ));
@@ -122,13 +124,13 @@ pub fn write_rows(
     own.tags.retain(|key, _| key != SCALE_TAG || !format.is_quantised());
     let about = &own;
     match format {
-        RasterFormat::Png16 => png_write::write_png16(path, rows, about, options),
-        RasterFormat::GeoTiff => geotiff::write(path, rows, about, options),
-        RasterFormat::R32 => raw::write(path, rows, about, Sample::F32, options),
-        RasterFormat::R16 => raw::write(path, rows, about, Sample::U16, options),
-        RasterFormat::Npy => npy::write(path, rows, about),
-        RasterFormat::Exr => exr_write::write_exr(path, &mut [(about, rows)]),
-        RasterFormat::Zarr => zarr::write_store(path, &mut [(about, rows)], &serde_json::Map::new()),
+        RasterFormat::Png16 => png_write::write_png16(&to, rows, about, options),
+        RasterFormat::GeoTiff => geotiff::write(&to, rows, about, options),
+        RasterFormat::R32 => raw::write(&to, rows, about, Sample::F32, options),
+        RasterFormat::R16 => raw::write(&to, rows, about, Sample::U16, options),
+        RasterFormat::Npy => npy::write(&to, rows, about),
+        RasterFormat::Exr => exr_write::write_exr(to, &mut [(about, rows)]),
+        RasterFormat::Zarr => zarr::write_store(to, &mut [(about, rows)], &serde_json::Map::new()),
     }
 }
 

@@ -5,11 +5,13 @@ use crate::fill::fill;
 use crate::georef::{cell_size_m, face_north, is_nowhere, is_sound};
 use crate::geotiff::metadata::{GDAL_METADATA, Metadata, TEXTS};
 use crate::geotiff::{USUAL_NODATA, keys};
+use crate::input::{At, Opened};
 use crate::raster::{Raster, ReadOptions, check_compression, check_size};
 use crate::sample::{Narrowed, Sample};
 use eyot_core::{Field, Georeference, Limits};
 use geotiff_reader::crs::ModelType;
 use geotiff_reader::{Error as GeoError, GeoTiffFile};
+use std::io::{Read, Seek};
 use std::path::Path;
 use tiff_reader::{Ifd, OpenOptions, ParseBudgets, RasterLayout, TagValue, TiffFile};
 
@@ -26,16 +28,22 @@ const VERTICAL_UNITS: u16 = 4099;
 const FOOT: u16 = 9002;
 const SURVEY_FOOT: u16 = 9003;
 
-pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+pub(crate) fn read(opened: Opened<'_>, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+    let Opened { at, mut input, bytes: file_bytes } = opened;
+    let path = &*at.place;
     let open = open_options(limits);
-    let geo = match GeoTiffFile::open_with_options(path, open) {
+    let of_geo = match at.path() {
+        Some(path) => GeoTiffFile::open_with_options(path, open),
+        None => GeoTiffFile::from_bytes_with_options(hold(path, &mut input, limits)?, open),
+    };
+    let geo = match of_geo {
         Ok(geo) => Some(geo),
         Err(GeoError::NotGeoTiff) => None,
         Err(e) => return Err(broken(path, e)),
     };
     let plain = match &geo {
         Some(_) => None,
-        None => Some(TiffFile::open_with_options(path, open).map_err(|e| broken(path, e))?),
+        None => Some(open_plain(&at, path, input, limits)?),
     };
     let (tiff, ifd) = match (&geo, &plain) {
         (Some(g), _) => (g.tiff(), g.tiff().ifd(g.base_ifd_index())),
@@ -50,7 +58,7 @@ pub(crate) fn read(path: &Path, file_bytes: u64, options: &ReadOptions, limits: 
     let Metadata { name, mut unit, meaning, tags, scale, offset } = metadata(ifd);
     let (mut field, mut missing, rounded_by) = decode(path, tiff, ifd, &layout, nodata, options.band.unwrap_or(1) - 1)?;
     mark_masked(path, tiff, &layout, &mut missing)?;
-    mark_masked_beside(path, &layout, options.band, limits, &mut missing)?;
+    mark_masked_beside(&at, &layout, options.band, limits, &mut missing)?;
     let (factor, offset) = (scale.unwrap_or(1.0), offset.unwrap_or(0.0));
     if (factor, offset) != (1.0, 0.0) {
         // Missing cells, too: they are filled from the others.
@@ -100,6 +108,26 @@ fn metadata(ifd: &Ifd) -> Metadata {
     // How values lie in cells, which the transform says already.
     found.tags.remove("AREA_OR_POINT");
     found
+}
+
+/// The bytes of what is no file: the decoder reads files where they lie, and others in memory.
+fn hold(path: &Path, mut input: impl Read + Seek, limits: &Limits) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    input.rewind().map_err(Error::io(path, "read"))?;
+    let most = limits.max_bytes.saturating_add(1);
+    input.take(most).read_to_end(&mut bytes).map_err(Error::io(path, "read"))?;
+    limits.check_bytes("the file", bytes.len() as u128).map_err(Error::beyond(path))?;
+    Ok(bytes)
+}
+
+/// A TIFF that lies at `path` if the image does at one, too; else in `input`.
+fn open_plain(at: &At<'_>, path: &Path, input: impl Read + Seek, limits: &Limits) -> Result<TiffFile> {
+    let open = open_options(limits);
+    match at.path() {
+        Some(_) => TiffFile::open_with_options(path, open),
+        None => TiffFile::from_bytes_with_options(hold(path, input, limits)?, open),
+    }
+    .map_err(|e| broken(path, e))
 }
 
 fn open_options(limits: &Limits) -> OpenOptions {
@@ -270,19 +298,16 @@ fn mark_masked(path: &Path, tiff: &TiffFile, layout: &RasterLayout, missing: &mu
 /// Marks the cells that a mask beside the file leaves out: GDAL's `NAME.tif.msk`, a TIFF of the image's size with one band for all of its
 /// bands, or one for each.
 fn mark_masked_beside(
-    path: &Path,
+    at: &At<'_>,
     layout: &RasterLayout,
     band: Option<usize>,
     limits: &Limits,
     missing: &mut Option<Vec<bool>>,
 ) -> Result<()> {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".msk");
-    let path = Path::new(&name);
-    if !path.is_file() {
-        return Ok(());
-    }
-    let tiff = TiffFile::open_with_options(path, open_options(limits)).map_err(|e| broken(path, e))?;
+    let Some((storage, name)) = at.beside(".msk") else { return Ok(()) };
+    let path = &*storage.place(&name);
+    let blob = storage.open(&name).map_err(Error::io(path, "read"))?;
+    let tiff = open_plain(at, path, blob.input, limits)?;
     let mask = tiff.ifd(0).map_err(|e| broken(path, e))?;
     let m = mask.raster_layout().map_err(|e| broken(path, e))?;
     let bands = m.samples_per_pixel;

@@ -1,11 +1,11 @@
 //! Binary glTF 2.0 (GLB), out: a terrain with its levels of detail, or a scene of bodies.
 
-use crate::atomic::{put, write_atomically};
+use crate::atomic::put;
 use crate::error::{Error, Result};
 use crate::scene::{Scene, SceneNode};
+use crate::target::Target;
 use eyot_mesh::{Lod, TerrainMesh};
 use serde_json::{Value, json};
-use std::path::Path;
 
 // Numbers of the glTF specification.
 const FLOAT: u32 = 5126;
@@ -52,10 +52,11 @@ impl TerrainParts<'_> {
 /// # Errors
 /// If there is no level or one without triangles, if the file would exceed 4 GiB (the format's bound), or if it cannot
 /// be written.
-pub fn write_terrain_glb(path: &Path, parts: &TerrainParts<'_>) -> Result<()> {
+pub fn write_terrain_glb<'a>(to: impl Into<Target<'a>>, parts: &TerrainParts<'_>) -> Result<()> {
+    let to = to.into();
     if !parts.sound() {
         let remedy = "make the levels with eyot_mesh::levels_of_detail";
-        return Err(Error::format(path, "a terrain needs at least one level, each with triangles", remedy));
+        return Err(Error::format(to.place(), "a terrain needs at least one level, each with triangles", remedy));
     }
     let (levels, name) = (parts.levels, parts.name);
     let mut document = Document::default();
@@ -80,7 +81,7 @@ pub fn write_terrain_glb(path: &Path, parts: &TerrainParts<'_>) -> Result<()> {
         document.nodes[0]["extras"] = json!({"MSFT_screencoverage": coverage});
         document.root["extensionsUsed"] = json!(["MSFT_lod"]);
     }
-    document.write(path, "lower max_vertices or write fewer levels")
+    document.write(&to, "lower max_vertices or write fewer levels")
 }
 
 /// Writes bodies as GLB: a mesh for each, nodes that show them at their places, names, materials, vertex colours and, where there
@@ -88,8 +89,9 @@ pub fn write_terrain_glb(path: &Path, parts: &TerrainParts<'_>) -> Result<()> {
 ///
 /// # Errors
 /// If the scene contradicts itself, if the file would exceed 4 GiB (the format's bound), or if it cannot be written.
-pub fn write_scene_glb(path: &Path, scene: &Scene<'_>) -> Result<()> {
-    scene.check(path)?;
+pub fn write_scene_glb<'a>(to: impl Into<Target<'a>>, scene: &Scene<'_>) -> Result<()> {
+    let to = to.into();
+    scene.check(to.place())?;
     let mut document = Document::default();
     for mesh in &scene.meshes {
         let mut attributes = document.attributes(mesh.positions, mesh.normals, mesh.colours, &[]);
@@ -103,7 +105,7 @@ pub fn write_scene_glb(path: &Path, scene: &Scene<'_>) -> Result<()> {
     let all: Vec<usize> = (0..scene.nodes.len()).collect();
     document.root["scenes"] = json!([{"name": scene.name, "nodes": all, "extras": {"kind": "bodies"}}]);
     document.root["materials"] = scene.materials.iter().map(|m| material(m.name, m.colour)).collect();
-    document.write(path, "write fewer bodies or choose longer voxels")
+    document.write(&to, "write fewer bodies or choose longer voxels")
 }
 
 fn material(name: &str, [r, g, b]: [f32; 3]) -> Value {
@@ -296,7 +298,8 @@ impl<'a> Document<'a> {
         self.accessors.len() - 1
     }
 
-    fn write(mut self, path: &Path, remedy: &'static str) -> Result<()> {
+    fn write(mut self, to: &Target<'_>, remedy: &'static str) -> Result<()> {
+        let path = to.place();
         self.root["nodes"] = self.nodes.into();
         self.root["meshes"] = self.meshes.into();
         self.root["accessors"] = self.accessors.into();
@@ -307,7 +310,7 @@ impl<'a> Document<'a> {
         let total = 12 + 8 + text.len() as u64 + 8 + self.offset;
         let too_large = || Error::format(path, format!("{total} bytes are needed, GLB holds at most 4 GiB"), remedy);
         let total = u32::try_from(total).map_err(|_| too_large())?;
-        write_atomically(path, |file| {
+        to.write(|file| {
             let word = |v: u32| v.to_le_bytes();
             put(file, path, &[*b"glTF", word(2), word(total), word(text.len() as u32), *b"JSON"].concat())?;
             put(file, path, &text)?;
@@ -338,7 +341,7 @@ mod tests {
         levels_of_detail(&t, ratios)
     }
 
-    fn write(path: &Path, levels: &[Lod], name: &str) -> Result<()> {
+    fn write(path: &std::path::Path, levels: &[Lod], name: &str) -> Result<()> {
         write_terrain_glb(path, &TerrainParts { levels, name, ..TerrainParts::default() })
     }
 

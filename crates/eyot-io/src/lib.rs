@@ -10,7 +10,8 @@
 //! Formats that need much code are features, on by default; see `Cargo.toml`. A program that is built without one refuses its
 //! files with an [`Error`] that says so.
 //!
-//! Writers take their values from [`Rows`], band by band, so that a raster need not fit in memory.
+//! Writers take their values from [`Rows`], band by band, so that a raster need not fit in memory. Files go to a [`Target`] and come from an
+//! [`Input`]: a path, a [`storage`], or any writer and reader.
 //!
 //! ```
 //! use eyot_core::{ComponentKinds, Field, Grid, Limits, Boundary, World, layer::known};
@@ -53,6 +54,7 @@ mod geotiff;
 mod geotiff_read;
 mod glb;
 mod head;
+mod input;
 mod masks;
 mod npy;
 mod obj;
@@ -74,6 +76,7 @@ mod sidecar;
 mod source;
 pub mod storage;
 mod table;
+mod target;
 pub mod timeline;
 mod zarr;
 
@@ -92,6 +95,7 @@ pub use exr_write::write_exr;
 pub use format::{RasterFormat, write_layer, write_rows};
 pub use georef::lossy_georef;
 pub use glb::{TerrainParts, write_scene_glb, write_terrain_glb};
+pub use input::Input;
 pub use masks::{Weights, shares, write_mask, write_splat};
 pub use obj::{write_scene_obj, write_terrain_obj};
 pub use options::WriteOptions;
@@ -106,4 +110,5 @@ pub use sample::{ByteOrder, RowOrder, Sample};
 pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};
 pub use source::Source;
 pub use table::{Column, Table};
+pub use target::{Target, write_text};
 pub use zarr::{SECONDS, store_attributes, write_store};

@@ -1,21 +1,21 @@
 //! Masks and weights of ground materials as 8-bit pictures for game engines and renderers.
 
-use crate::atomic::{put, write_atomically};
 use crate::error::{Error, Result};
 use crate::png_write::write_data_png;
 use crate::rows::{Rows, read_band};
-use crate::sidecar::sidecar_path;
+use crate::target::Target;
 use serde_json::json;
-use std::path::Path;
 
 /// Writes a mask as grey PNG, one byte a cell: 0 for 0 and 255 for 1.
 ///
 /// # Errors
 /// If `rows` fail or give a value that is not from 0 to 1, or if the file cannot be written.
-pub fn write_mask(path: &Path, rows: &mut dyn Rows) -> Result<()> {
+pub fn write_mask<'a>(to: impl Into<Target<'a>>, rows: &mut dyn Rows) -> Result<()> {
+    let to = to.into();
+    let path = to.place();
     let size = rows.size();
     let mut values = Vec::new();
-    write_data_png::<1>(path, size, &mut |first, out| {
+    write_data_png::<1>(&to, size, &mut |first, out| {
         values.resize(out.len(), 0.0);
         read_band(path, rows, first, &mut values)?;
         if let Some(i) = values.iter().position(|v| !(0.0..=1.0).contains(v)) {
@@ -36,17 +36,19 @@ pub type Weights<'a> = dyn FnMut(usize, &mut [[u8; 4]]) -> eyot_core::Result<()>
 /// # Errors
 /// If a side is 0, if `weights` fail or do not sum to 255 in a cell, if there are no or more than four names, or if a file
 /// cannot be written.
-pub fn write_splat(
-    path: &Path,
+pub fn write_splat<'a>(
+    to: impl Into<Target<'a>>,
     (width, height): (usize, usize),
     materials: &[&str],
     weights: &mut Weights<'_>,
 ) -> Result<()> {
+    let to = to.into();
+    let path = to.place();
     if materials.is_empty() || materials.len() > 4 {
         let problem = format!("{} materials are to be written", materials.len());
         return Err(Error::format(path, problem, "a picture holds one to four"));
     }
-    write_data_png::<4>(path, (width, height), &mut |first, out| {
+    write_data_png::<4>(&to, (width, height), &mut |first, out| {
         weights(first, out).map_err(Error::core(path))?;
         match out.iter().find(|w| w.iter().map(|&v| u32::from(v)).sum::<u32>() != 255) {
             None => Ok(()),
@@ -66,8 +68,7 @@ pub fn write_splat(
         "channels": channels,
         "sum": 255,
     });
-    let beside = sidecar_path(path);
-    write_atomically(&beside, |file| put(file, &beside, format!("{legend:#}\n").as_bytes()))
+    to.write_beside(&format!("{legend:#}\n"))
 }
 
 /// Weights as bytes that sum to exactly 255, by the largest remainder: each differs from its exact share by less than one.

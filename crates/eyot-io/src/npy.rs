@@ -4,15 +4,16 @@
 //! beside the array.
 
 use crate::about::About;
-use crate::atomic::{put, write_atomically};
+use crate::atomic::put;
 use crate::error::{Error, Result};
 use crate::fill::Missing;
+use crate::input::Opened;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::rows::{Rows, band_rows, each_band};
 use crate::sample::{ByteOrder, Narrowed, Sample};
 use crate::sidecar::Sidecar;
+use crate::target::Target;
 use eyot_core::{Field, Limits};
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
@@ -22,7 +23,8 @@ const MAX_HEADER_BYTES: usize = 1 << 16;
 const FORMAT: &str = "npy";
 
 /// Writes an array of (rows, columns), then the JSON file.
-pub(crate) fn write(path: &Path, rows: &mut dyn Rows, about: &About) -> Result<()> {
+pub(crate) fn write(to: &Target<'_>, rows: &mut dyn Rows, about: &About) -> Result<()> {
+    let path = to.place();
     let (width, height) = rows.size();
     let mut text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
     // The numbers start at a multiple of 64 bytes; the last byte of the header is a line break.
@@ -30,7 +32,7 @@ pub(crate) fn write(path: &Path, rows: &mut dyn Rows, about: &About) -> Result<(
     text = format!("{text:<padded$}\n");
     let mut crc = crc32fast::Hasher::new();
     let mut range = (f32::INFINITY, f32::NEG_INFINITY);
-    write_atomically(path, |file| {
+    to.write(|file| {
         let head = [MAGIC, &[1, 0][..], &(text.len() as u16).to_le_bytes(), text.as_bytes()].concat();
         crc.update(&head);
         put(file, path, &head)?;
@@ -49,11 +51,12 @@ pub(crate) fn write(path: &Path, rows: &mut dyn Rows, about: &About) -> Result<(
         crc32: Some(format!("{:08x}", crc.finalize())),
         ..Sidecar::of(FORMAT, (width, height), about)
     };
-    sidecar.write(path)
+    sidecar.write(to)
 }
 
 /// Reads an array of two dimensions and of any real number type.
-pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+pub(crate) fn read(opened: &mut Opened<'_>, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+    let (path, file, bytes) = (&*opened.at.place, &mut opened.input, opened.bytes);
     let io = || Error::io(path, "read");
     file.rewind().map_err(io())?;
     let mut input = BufReader::with_capacity(1 << 18, file);
@@ -83,7 +86,8 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
         }
     }
     let missing = missing.fill(path, &mut field)?;
-    let s = Sidecar::beside(path, &[FORMAT])?.filter(|s| (s.width, s.height) == (width, height)).unwrap_or_default();
+    let s =
+        Sidecar::beside(&opened.at, &[FORMAT])?.filter(|s| (s.width, s.height) == (width, height)).unwrap_or_default();
     Ok(s.describe(Raster { missing, scale: header.kind.scale(), rounded_by: narrowed.by(), ..Raster::of(field) }))
 }
 

@@ -1,12 +1,12 @@
 //! Wavefront OBJ, out: meshes as text, for programs that read nothing better.
 
-use crate::atomic::{put, write_atomically};
+use crate::atomic::put;
 use crate::error::{Error, Result};
 use crate::scene::{Scene, SceneNode};
+use crate::target::Target;
 use eyot_mesh::TerrainMesh;
 use std::fmt::Write;
-use std::fs::File;
-use std::io::BufWriter;
+use std::io;
 use std::path::Path;
 
 /// Lines that are put together before they are written.
@@ -19,12 +19,19 @@ const WATER: [u8; 4] = [3, 19, 27, 255];
 ///
 /// # Errors
 /// If the mesh has no triangles or its arrays differ in length, or if the file cannot be written.
-pub fn write_terrain_obj(path: &Path, mesh: &TerrainMesh, water: Option<&TerrainMesh>, name: &str) -> Result<()> {
+pub fn write_terrain_obj<'a>(
+    to: impl Into<Target<'a>>,
+    mesh: &TerrainMesh,
+    water: Option<&TerrainMesh>,
+    name: &str,
+) -> Result<()> {
+    let to = to.into();
+    let path = to.place();
     let n = mesh.positions.len();
     if mesh.indices.is_empty() || [mesh.normals.len(), mesh.colours.len(), mesh.texture.len()] != [n; 3] {
         return Err(Error::format(path, "the mesh has no triangles", "make it with eyot_mesh::terrain"));
     }
-    write_atomically(path, |file| {
+    to.write(|file| {
         put(file, path, b"# Eyot, metres, y up\n")?;
         let mut object = |name, m: &TerrainMesh, colours: &[[u8; 4]], first| {
             let (positions, normals, texture, indices) = (&m.positions, &m.normals, &m.texture, &m.indices);
@@ -42,9 +49,11 @@ pub fn write_terrain_obj(path: &Path, mesh: &TerrainMesh, water: Option<&Terrain
 ///
 /// # Errors
 /// If the scene contradicts itself, or if the file cannot be written.
-pub fn write_scene_obj(path: &Path, scene: &Scene<'_>) -> Result<()> {
+pub fn write_scene_obj<'a>(to: impl Into<Target<'a>>, scene: &Scene<'_>) -> Result<()> {
+    let to = to.into();
+    let path = to.place();
     scene.check(path)?;
-    write_atomically(path, |file| {
+    to.write(|file| {
         put(file, path, b"# Eyot, bodies, metres, y up\n")?;
         let mut first = 1;
         for node in &scene.nodes {
@@ -81,7 +90,7 @@ struct Object<'a> {
 }
 
 impl Object<'_> {
-    fn write(&self, path: &Path, file: &mut BufWriter<File>) -> Result<()> {
+    fn write(&self, path: &Path, file: &mut dyn io::Write) -> Result<()> {
         // Line breaks end names.
         let name: String =
             self.name.chars().map(|c| if c.is_alphanumeric() || "_-".contains(c) { c } else { '_' }).collect();

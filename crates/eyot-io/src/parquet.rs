@@ -1,8 +1,9 @@
 //! Tables as Apache Parquet.
 
-use crate::atomic::write_atomically;
+use crate::atomic::put;
 use crate::error::{Error, Result};
 use crate::table::{Column, Table};
+use crate::target::Target;
 use ::parquet::basic::{Compression, Repetition, Type as Physical, ZstdLevel};
 use ::parquet::data_type::{DoubleType, Int64Type};
 use ::parquet::file::metadata::KeyValue;
@@ -10,8 +11,6 @@ use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::Type;
 use serde_json::{Map, Value, json};
-use std::io::Write;
-use std::path::Path;
 use std::sync::Arc;
 
 /// Writes a table as Apache Parquet: one group of rows, compressed with Zstandard. The file's metadata `eyot` is JSON: what
@@ -19,7 +18,9 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// If columns differ in length or a name stands there twice; if the file cannot be written.
-pub fn write_parquet(path: &Path, table: &Table) -> Result<()> {
+pub fn write_parquet<'a>(to: impl Into<Target<'a>>, table: &Table) -> Result<()> {
+    let to = to.into();
+    let path = to.place();
     let rows = table.rows();
     let twice = |c: &Column| table.columns.iter().filter(|o| o.name == c.name).count() > 1;
     if let Some(c) = table.columns.iter().find(|c| c.values.len() != rows || twice(c)) {
@@ -28,7 +29,7 @@ pub fn write_parquet(path: &Path, table: &Table) -> Result<()> {
     }
     let bytes =
         encode(table).map_err(|e| Error::format(path, format!("the table cannot be encoded: {e}"), "use CSV"))?;
-    write_atomically(path, |file| file.write_all(&bytes).map_err(Error::io(path, "write")))
+    to.write(|file| put(file, path, &bytes))
 }
 
 fn encode(table: &Table) -> ::parquet::errors::Result<Vec<u8>> {

@@ -1,9 +1,9 @@
 //! Stanford PLY, out: bodies as one binary mesh, for programs that measure and print.
 
-use crate::atomic::{put, write_atomically};
+use crate::atomic::put;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
-use std::path::Path;
+use crate::target::Target;
 
 /// Vertices or triangles that are put together before they are written.
 const PART: usize = 1 << 14;
@@ -12,7 +12,9 @@ const PART: usize = 1 << 14;
 ///
 /// # Errors
 /// If the scene contradicts itself, if it has more vertices than 32-bit numbers can count, or if the file cannot be written.
-pub fn write_scene_ply(path: &Path, scene: &Scene<'_>) -> Result<()> {
+pub fn write_scene_ply<'a>(to: impl Into<Target<'a>>, scene: &Scene<'_>) -> Result<()> {
+    let to = to.into();
+    let path = to.place();
     scene.check(path)?;
     let count =
         |f: fn(&crate::scene::SceneMesh<'_>) -> usize| scene.nodes.iter().map(|n| f(&scene.meshes[n.mesh])).sum();
@@ -32,7 +34,7 @@ pub fn write_scene_ply(path: &Path, scene: &Scene<'_>) -> Result<()> {
     }
     header += &format!("element face {triangles}\nproperty list uchar int vertex_indices\nend_header\n");
     let to_srgb: Vec<u8> = (0..=255).map(srgb).collect();
-    write_atomically(path, |file| {
+    to.write(|file| {
         put(file, path, header.as_bytes())?;
         let mut bytes = Vec::new();
         for node in &scene.nodes {

@@ -2,23 +2,24 @@
 
 use crate::error::{Error, Result};
 use crate::fill::Missing;
+use crate::input::{Input, Opened};
 use crate::png_write::key;
 use crate::raster::{Raster, ReadOptions, check_compression, check_size};
 use crate::scale::Meaning;
 use eyot_core::{Field, Limits};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
-use std::fs::File;
-use std::io::{BufReader, Seek};
+use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
 
 /// Reads a colour picture of 8 bits, as [`crate::write_rgb_png`] writes them: columns, rows and pixels.
 ///
 /// # Errors
 /// If it cannot be read, is another kind of picture, or exceeds the limits.
-pub fn read_rgb_png(path: &Path, limits: &Limits) -> Result<(usize, usize, Vec<[u8; 3]>)> {
-    let file = File::open(path).map_err(Error::io(path, "read"))?;
+pub fn read_rgb_png<'a>(from: impl Into<Input<'a>>, limits: &Limits) -> Result<(usize, usize, Vec<[u8; 3]>)> {
+    let Opened { at, input, .. } = from.into().open()?;
+    let path = &*at.place;
     let failed = |e| as_error(path, e);
-    let decoder = Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: METADATA_BYTES });
+    let decoder = Decoder::new_with_limits(BufReader::new(input), png::Limits { bytes: METADATA_BYTES });
     let mut reader = decoder.read_info().map_err(failed)?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     if reader.output_color_type() != (ColorType::Rgb, BitDepth::Eight) || reader.info().interlaced {
@@ -33,7 +34,8 @@ pub fn read_rgb_png(path: &Path, limits: &Limits) -> Result<(usize, usize, Vec<[
 /// Text and colour profiles may use this much; images meet the limits of the caller.
 const METADATA_BYTES: usize = 16 << 20;
 
-pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+pub(crate) fn read(opened: &mut Opened<'_>, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+    let (path, file, bytes) = (&*opened.at.place, &mut opened.input, opened.bytes);
     file.rewind().map_err(Error::io(path, "read"))?;
     let failed = |e| as_error(path, e);
     let mut decoder = Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: METADATA_BYTES });
@@ -112,14 +114,14 @@ pub(crate) fn read(path: &Path, mut file: File, bytes: u64, options: &ReadOption
     Ok(raster)
 }
 
-fn text(reader: &png::Reader<BufReader<File>>, keyword: &str) -> Option<String> {
+fn text(reader: &png::Reader<impl BufRead + Seek>, keyword: &str) -> Option<String> {
     let info = reader.info();
     let plain = info.uncompressed_latin1_text.iter().find(|t| t.keyword == keyword).map(|t| t.text.clone());
     // Compressed text could be a bomb, and this crate writes none.
     plain.or_else(|| info.utf8_text.iter().find(|t| t.keyword == keyword && !t.compressed)?.get_text().ok())
 }
 
-fn number(reader: &png::Reader<BufReader<File>>, keyword: &str) -> Option<f64> {
+fn number(reader: &png::Reader<impl BufRead + Seek>, keyword: &str) -> Option<f64> {
     text(reader, keyword)?.trim().parse().ok().filter(|v: &f64| v.is_finite())
 }
 

@@ -1,11 +1,12 @@
 //! PNG, out: 16-bit grey for layers, 8-bit RGB for pictures, 8-bit grey and RGBA for masks and weights.
 
 use crate::about::About;
-use crate::atomic::{Watched, watched, write_atomically};
+use crate::atomic::watched;
 use crate::error::{Error, Result};
 use crate::options::{WriteOptions, size_u32};
 use crate::rows::{Rows, band_rows, each_band};
 use crate::scale::Scale;
+use crate::target::Target;
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 use std::io::Write;
 use std::path::Path;
@@ -24,7 +25,8 @@ pub(crate) mod key {
 }
 
 /// Writes the values as numbers from 0 to 65535.
-pub(crate) fn write_png16(path: &Path, rows: &mut dyn Rows, about: &About, options: &WriteOptions) -> Result<()> {
+pub(crate) fn write_png16(to: &Target<'_>, rows: &mut dyn Rows, about: &About, options: &WriteOptions) -> Result<()> {
+    let path = to.place();
     let (width, height) = rows.size();
     let (w, h) = size_u32(path, width, height)?;
     let scale = Scale::of(path, rows, about, options)?;
@@ -43,7 +45,7 @@ pub(crate) fn write_png16(path: &Path, rows: &mut dyn Rows, about: &About, optio
         (key::GEOREFERENCE, georeference.unwrap_or_default()),
         (key::TAGS, tags.unwrap_or_default()),
     ];
-    let encode = |out: Watched<'_>| {
+    let encode = |out: &mut dyn Write| {
         let failed = |e| as_error(path, e);
         let mut encoder = Encoder::new(out, w, h);
         encoder.set_color(ColorType::Grayscale);
@@ -66,7 +68,7 @@ pub(crate) fn write_png16(path: &Path, rows: &mut dyn Rows, about: &About, optio
         stream.finish().map_err(failed)?;
         writer.finish().map_err(failed)
     };
-    write_atomically(path, |file| watched(file, path, encode))
+    to.write(|file| watched(file, path, |mut out| encode(&mut out)))
 }
 
 /// Writes an 8-bit picture; `pixels` are sRGB, row by row from the top.
@@ -74,12 +76,13 @@ pub(crate) fn write_png16(path: &Path, rows: &mut dyn Rows, about: &About, optio
 /// # Errors
 /// If there are not `width * height` pixels, if a side is 0 or beyond what PNG allows, or if the file cannot be
 /// written.
-pub fn write_rgb_png(path: &Path, width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<()> {
+pub fn write_rgb_png<'a>(to: impl Into<Target<'a>>, width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<()> {
+    let to = to.into();
     if width == 0 || height == 0 || width.checked_mul(height) != Some(pixels.len()) {
         let problem = format!("{} pixels do not make a picture of {width}x{height}", pixels.len());
-        return Err(Error::format(path, problem, "give width times height pixels"));
+        return Err(Error::format(to.place(), problem, "give width times height pixels"));
     }
-    write_bytes(path, (width, height), ColorType::Rgb, &mut |first, out: &mut [[u8; 3]]| {
+    write_bytes(&to, (width, height), ColorType::Rgb, &mut |first, out: &mut [[u8; 3]]| {
         out.copy_from_slice(&pixels[first * width..][..out.len()]);
         Ok(())
     })
@@ -90,21 +93,22 @@ pub(crate) type Pixels<'a, const N: usize> = dyn FnMut(usize, &mut [[u8; N]]) ->
 
 /// Writes bytes that are no colours, such as masks: one channel or four, without any gamma.
 pub(crate) fn write_data_png<const N: usize>(
-    path: &Path,
+    to: &Target<'_>,
     size: (usize, usize),
     pixels: &mut Pixels<'_, N>,
 ) -> Result<()> {
-    write_bytes(path, size, if N == 1 { ColorType::Grayscale } else { ColorType::Rgba }, pixels)
+    write_bytes(to, size, if N == 1 { ColorType::Grayscale } else { ColorType::Rgba }, pixels)
 }
 
 fn write_bytes<const N: usize>(
-    path: &Path,
+    to: &Target<'_>,
     (width, height): (usize, usize),
     colour: ColorType,
     pixels: &mut Pixels<'_, N>,
 ) -> Result<()> {
+    let path = to.place();
     let (w, h) = size_u32(path, width, height)?;
-    let encode = |out: Watched<'_>| {
+    let mut encode = |out: &mut dyn Write| {
         let failed = |e| as_error(path, e);
         let mut encoder = Encoder::new(out, w, h);
         encoder.set_color(colour);
@@ -124,7 +128,7 @@ fn write_bytes<const N: usize>(
         stream.finish().map_err(failed)?;
         writer.finish().map_err(failed)
     };
-    write_atomically(path, |file| watched(file, path, encode))
+    to.write(|file| watched(file, path, |mut out| encode(&mut out)))
 }
 
 fn as_error(path: &Path, e: EncodingError) -> Error {

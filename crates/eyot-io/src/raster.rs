@@ -3,6 +3,7 @@
 use crate::about::About;
 use crate::error::{Error, Result};
 use crate::georef::is_sound;
+use crate::input::Input;
 use crate::rows::Rows;
 use crate::sample::{ByteOrder, RowOrder, Sample};
 use crate::{exr_read, geotiff_read, npy, png_read, raw, zarr};
@@ -10,7 +11,7 @@ use eyot_core::remedy;
 use eyot_core::remedy::{Action, Remedy, Setting};
 use eyot_core::{Field, Georeference, Limits};
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs;
 use std::io::Read;
 use std::path::Path;
 
@@ -28,6 +29,7 @@ pub const BEYOND_ALL: f32 = 1e30;
 
 /// What the numbers in a file are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Numbers {
     /// The values themselves.
     #[default]
@@ -207,20 +209,21 @@ pub fn is_zarr(folder: &Path) -> bool {
 ///
 /// # Errors
 /// If the file cannot be read.
-pub fn layer_names(path: &Path) -> Result<Vec<String>> {
-    if path.is_dir() {
+pub fn layer_names<'a>(from: impl Into<Input<'a>>) -> Result<Vec<String>> {
+    let from = from.into();
+    if let Some(path) = from.path().filter(|p| p.is_dir()) {
         return if zarr::is_node(path) { zarr::names(path) } else { Ok(Vec::new()) };
     }
     let mut start = [0; 4];
-    let mut file = open_ordinary(path)?;
-    match file.read_exact(&mut start) {
-        Ok(()) if start == EXR => exr_read::names(path, file),
+    let mut opened = from.open()?;
+    match opened.input.read_exact(&mut start) {
+        Ok(()) if start == EXR => exr_read::names(&mut opened),
         _ => Ok(Vec::new()),
     }
 }
 
 /// Reads a raster. The format is told from the content: TIFF and GeoTIFF (one band, or `options.band`, of any integer or floating type), grey
-/// PNG of up to 16 bits, OpenEXR, NPY and Zarr v3 (a folder); and, as they have nothing that could tell, headerless files
+/// PNG of up to 16 bits, OpenEXR, NPY and Zarr v3 (a folder, by its path alone); and, as they have nothing that could tell, headerless files
 /// by the JSON file beside them, by their extension (`.r32`, `.r16`, `.raw`) or by `options.sample`.
 ///
 /// Missing cells (the file's nodata value or `options.nodata`, and what the mask inside a TIFF leaves out) are filled smoothly from their neighbours and counted.
@@ -230,48 +233,44 @@ pub fn layer_names(path: &Path) -> Result<Vec<String>> {
 /// If the file cannot be read, is of no known format, broken, truncated, larger than `limits`, has several bands or
 /// colours and none is chosen, no valid cell at all, or a value that is not finite and not marked as missing; the message names the file,
 /// the problem and the remedy. Sizes are checked before anything of that size is allocated.
-pub fn read_raster(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
-    let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
-    if metadata.is_dir() {
-        if zarr::is_node(path) {
-            return checked(path, zarr::read(path, options, limits)?);
-        }
-        if is_zarr(path) {
-            let problem = "this is a Zarr store of version 2, this program reads version 3";
-            return Err(Error::format(path, problem, "write it again with zarr_format=3"));
-        }
-        return Err(Error::format(path, "this is a folder", "give the name of a file in it"));
+pub fn read_raster<'a>(from: impl Into<Input<'a>>, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+    let from = from.into();
+    if let Some(path) = from.path()
+        && fs::metadata(path).map_err(Error::io(path, "read"))?.is_dir()
+    {
+        return read_folder(path, options, limits);
     }
-    let mut file = open_ordinary(path)?;
-    if metadata.len() == 0 {
+    let mut opened = from.open()?;
+    let path = &*opened.at.place.clone();
+    if opened.bytes == 0 {
         return Err(Error::format(path, "the file is empty", "copy, download or export it again"));
     }
     // Before the signatures: raw numbers can look like anything.
-    if let Some(raster) = raw::read_if_known(path, &mut file, metadata.len(), options, limits)? {
+    if let Some(raster) = raw::read_if_known(&mut opened, options, limits)? {
         return checked(path, raster);
     }
     let mut start = Vec::with_capacity(8);
-    Read::by_ref(&mut file).take(8).read_to_end(&mut start).map_err(Error::io(path, "read"))?;
+    Read::by_ref(&mut opened.input).take(8).read_to_end(&mut start).map_err(Error::io(path, "read"))?;
     let raster = match start.as_slice() {
-        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
-            drop(file);
-            geotiff_read::read(path, metadata.len(), options, limits)
-        }
-        b"\x89PNG\r\n\x1a\n" => png_read::read(path, file, metadata.len(), options, limits),
-        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(path, file, metadata.len(), options, limits),
-        start if start.starts_with(&EXR) => exr_read::read(path, file, metadata.len(), options, limits),
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => geotiff_read::read(opened, options, limits),
+        b"\x89PNG\r\n\x1a\n" => png_read::read(&mut opened, options, limits),
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(&mut opened, options, limits),
+        start if start.starts_with(&EXR) => exr_read::read(&mut opened, options, limits),
         _ => Err(unknown(path, &start)),
     }?;
     checked(path, raster)
 }
 
-/// Opens a file, and nothing else: a pipe could wait for ever, a device give bytes without end.
-fn open_ordinary(path: &Path) -> Result<File> {
-    let metadata = fs::metadata(path).map_err(Error::io(path, "read"))?;
-    if !metadata.is_file() {
-        return Err(Error::format(path, "this is no ordinary file", "copy its content to a file first"));
+/// Reads a Zarr store, the only raster that is a folder.
+fn read_folder(path: &Path, options: &ReadOptions, limits: &Limits) -> Result<Raster> {
+    if zarr::is_node(path) {
+        return checked(path, zarr::read(path, options, limits)?);
     }
-    File::open(path).map_err(Error::io(path, "read"))
+    if is_zarr(path) {
+        let problem = "this is a Zarr store of version 2, this program reads version 3";
+        return Err(Error::format(path, problem, "write it again with zarr_format=3"));
+    }
+    Err(Error::format(path, "this is a folder", "give the name of a file in it"))
 }
 
 /// Checks the size of a field before it is made. Rows are padded for the engine, by up to 80 values each, which is what

@@ -1,19 +1,20 @@
 //! Headerless rasters: R32 (`f32`), R16 (`u16`) and their relatives, with a JSON file beside them.
 
 use crate::about::About;
-use crate::atomic::{put, write_atomically};
+use crate::atomic::put;
 use crate::error::{Error, Result};
 use crate::fill::Missing;
+use crate::input::Opened;
 use crate::options::WriteOptions;
 use crate::raster::{Raster, ReadOptions, check_size};
 use crate::rows::{Rows, band_rows, each_band, each_band_from_south};
 use crate::sample::{ByteOrder, Narrowed, RowOrder, Sample};
 use crate::scale::{Meaning, Scale};
 use crate::sidecar::{Sidecar, sidecar_path};
+use crate::target::Target;
 use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_core::{Field, Limits};
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
@@ -22,17 +23,18 @@ const FORMATS: [(&str, Sample); 2] = [("r32", Sample::F32), ("r16", Sample::U16)
 
 /// Writes the data, then the sidecar; a crash in between leaves a checksum that does not fit.
 pub(crate) fn write(
-    path: &Path,
+    to: &Target<'_>,
     rows: &mut dyn Rows,
     about: &About,
     sample: Sample,
     options: &WriteOptions,
 ) -> Result<()> {
+    let path = to.place();
     let scale = if sample == Sample::U16 { Some(Scale::of(path, rows, about, options)?) } else { None };
     let (size, per_band) = (rows.size(), band_rows(rows.size().0, 1));
     let mut crc = crc32fast::Hasher::new();
     let mut range = (f32::INFINITY, f32::NEG_INFINITY);
-    write_atomically(path, |file| {
+    to.write(|file| {
         let (mut bytes, mut numbers) = (Vec::new(), Vec::new());
         let mut take = |band: &[f32]| {
             range = band.iter().fold(range, |(lo, hi), &v| (lo.min(v), hi.max(v)));
@@ -63,18 +65,13 @@ pub(crate) fn write(
         crc32: Some(format!("{:08x}", crc.finalize())),
         ..Sidecar::of(format, size, about)
     };
-    sidecar.write(path)
+    sidecar.write(to)
 }
 
-/// Reads `path` if a sidecar lies beside it, or if its extension or the options say what it holds; else `None`.
-pub(crate) fn read_if_known(
-    path: &Path,
-    file: &mut File,
-    bytes: u64,
-    options: &ReadOptions,
-    limits: &Limits,
-) -> Result<Option<Raster>> {
-    let sidecar = Sidecar::beside(path, &FORMATS.map(|(name, _)| name))?;
+/// Reads an input if a sidecar lies beside it, or if its extension or the options say what it holds; else `None`.
+pub(crate) fn read_if_known(opened: &mut Opened<'_>, options: &ReadOptions, limits: &Limits) -> Result<Option<Raster>> {
+    let (path, file, bytes) = (&*opened.at.place, &mut opened.input, opened.bytes);
+    let sidecar = Sidecar::beside(&opened.at, &FORMATS.map(|(name, _)| name))?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let named = |name: &str| FORMATS.iter().find(|(n, _)| *n == name).map(|(_, s)| *s);
     let sample = match (&options.sample, &sidecar) {

@@ -28,6 +28,7 @@ pub enum RowOrder {
 
 /// A kind of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Sample {
     /// Whole numbers without sign, of 1, 2, 4 or 8 bytes.
     Unsigned(usize),

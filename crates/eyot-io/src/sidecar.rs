@@ -1,14 +1,15 @@
 //! The JSON file beside headerless data that says what they are. `height.r32` has its description in `height.r32.json`.
 
 use crate::about::About;
-use crate::atomic::{put, write_atomically};
 use crate::error::{Error, Result};
+use crate::input::At;
 use crate::raster::Raster;
 use crate::sample::{ByteOrder, RowOrder};
+use crate::storage::read_bytes;
+use crate::target::Target;
 use eyot_core::Georeference;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Sidecars are a few hundred bytes; anything far larger is something else.
@@ -105,23 +106,22 @@ impl Sidecar {
         self.cell_x_m.zip(self.cell_y_m).filter(|&(x, y)| x > 0.0 && y > 0.0)
     }
 
-    /// Writes it beside `path`.
-    pub(crate) fn write(&self, path: &Path) -> Result<()> {
-        let beside = sidecar_path(path);
+    /// Writes it beside the data.
+    pub(crate) fn write(&self, to: &Target<'_>) -> Result<()> {
         let text = serde_json::to_string_pretty(self)
-            .map_err(|e| Error::format(&beside, e.to_string(), "this is a fault in eyot-io"))?;
-        write_atomically(&beside, |file| put(file, &beside, format!("{text}\n").as_bytes()))
+            .map_err(|e| Error::format(&sidecar_path(to.place()), e.to_string(), "this is a fault in eyot-io"))?;
+        to.write_beside(&format!("{text}\n"))
     }
 
-    /// The description beside `path` if there is one that says a format of `formats`, or no format at all while the
-    /// extension of `path` is one of them.
-    pub(crate) fn beside(path: &Path, formats: &[&str]) -> Result<Option<Self>> {
-        let beside = sidecar_path(path);
-        match fs::metadata(&beside) {
-            Ok(m) if m.is_file() && m.len() <= MAX_BYTES => {}
-            _ => return Ok(None),
+    /// The description beside an input if there is one that says a format of `formats`, or no format at all while the
+    /// input's extension is one of them.
+    pub(crate) fn beside(at: &At<'_>, formats: &[&str]) -> Result<Option<Self>> {
+        let Some((storage, name)) = at.beside(".json") else { return Ok(None) };
+        if storage.bytes(&name).is_none_or(|bytes| bytes > MAX_BYTES) {
+            return Ok(None);
         }
-        let text = fs::read(&beside).map_err(Error::io(&beside, "read"))?;
+        let text = read_bytes(storage, &name, MAX_BYTES)?;
+        let (path, beside) = (&at.place, sidecar_path(&at.place));
         // Other programs put JSON beside their files, too: only one that names a format of ours counts.
         let value: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
         let named = value.get("format").and_then(|f| f.as_str()).is_some_and(|f| formats.contains(&f));

@@ -7,6 +7,7 @@ use std::hash::BuildHasher;
 
 /// Who may give orders. Everybody who connects may watch.
 #[derive(Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Control {
     /// Nobody.
     #[default]

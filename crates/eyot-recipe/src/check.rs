@@ -5,6 +5,9 @@ use crate::node::{Kind, Node};
 use eyot_core::process::LIKE;
 use serde_json::Value;
 
+/// What the table of everything is called in messages.
+pub(crate) const ROOT: &str = "recipe";
+
 /// Checks a table against the schema of a parameter struct.
 ///
 /// `owner` is whose parameters these are. Keys that `elsewhere` lists are not looked at: something else checks them, they
@@ -18,6 +21,8 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
         return;
     }
     let properties = schema["properties"].as_object();
+    // Keys of the recipe itself stand alone.
+    let path_of = |key: &str| if owner == ROOT { key.to_owned() } else { format!("{owner}.{key}") };
     for (key, value) in node.entries() {
         if elsewhere.contains(&key.name.as_str()) {
             continue;
@@ -26,9 +31,9 @@ pub(crate) fn table(schema: &Value, node: &Node, owner: &str, elsewhere: &[&str]
             return;
         }
         match properties.and_then(|p| p.get(&key.name)) {
-            Some(property) => check(property, value, &format!("{owner}.{}", key.name), property, out),
+            Some(property) => check(property, value, &path_of(&key.name), property, out),
             None if schema["additionalProperties"].is_object() && value.get(LIKE).is_some() => {
-                check(&schema["additionalProperties"], value, &format!("{owner}.{}", key.name), schema, out);
+                check(&schema["additionalProperties"], value, &path_of(&key.name), schema, out);
             }
             None => {
                 let known =
@@ -142,7 +147,7 @@ fn range(schema: &Value, node: &Node, path: &str, whole: &Value, out: &mut Vec<D
         _ => return,
     };
     let mut complain = |what: String| {
-        let value = if let Kind::Int(i) = node.kind { i.to_string() } else { value.to_string() };
+        let value = if let Kind::Int(i) = node.kind { i.to_string() } else { number(value) };
         let message = format!("`{path}` is {value}: {what}");
         out.push(Diagnostic::at(node.span.clone(), message, "out of range").help(meaning_line(whole)));
     };

@@ -2,7 +2,8 @@
 
 use crate::recipe::{Actor, ProcessUse, Recipe, Step, Work};
 use eyot_core::layer::known;
-use eyot_core::process::Access;
+use eyot_core::plan::Plan;
+use eyot_core::process::{Access, Moment, Process};
 use eyot_core::remedy;
 use eyot_core::remedy::Remedy;
 
@@ -11,6 +12,7 @@ impl Recipe {
     pub fn doubts(&self) -> Vec<Remedy> {
         let mut all: Vec<Remedy> = no_ground(&self.steps).map(Remedy::from).into_iter().collect();
         all.extend(blind_to_rock(&self.steps).into_iter().map(Remedy::from));
+        all.extend(before_its_maker(self).into_iter().map(Remedy::from));
         for step in self.enabled_steps() {
             let Work::Generate(g) = &step.work else { continue };
             let of_step = |d| remedy![format!("step {} ({}): ", step.number, step.name), d];
@@ -74,6 +76,48 @@ fn blind_to_rock(steps: &[Step]) -> Vec<String> {
                      loose; simulate `strata` in the same step, or make the layer with a generate step before it"
                 )),
                 _ => {}
+            }
+        }
+    }
+    all
+}
+
+/// Processes that begin with a constant layer, because they come before the one that gives it its first values.
+fn before_its_maker(recipe: &Recipe) -> Vec<String> {
+    let moment = Moment::whole(recipe.grid, 0, recipe.sea_level_m);
+    let gives = |process: &dyn Process, layer: &str| {
+        let mut plan = Plan::default();
+        process.start(layer, &moment, &mut plan);
+        !plan.passes().is_empty()
+    };
+    let (mut there, mut all): (Vec<String>, Vec<String>) = Default::default();
+    for step in recipe.steps.iter().filter(|s| s.enabled) {
+        let work = match &step.work {
+            Work::Generate(g) => {
+                there.push(g.layer.clone());
+                continue;
+            }
+            Work::Simulate(work) => work,
+        };
+        let acting = work.processes.iter().filter(|u| u.enabled);
+        let acting: Vec<_> = acting.filter_map(|u| Some((u.actor.name(), u.make().ok()?))).collect();
+        for (i, (name, process)) in acting.iter().enumerate() {
+            let mut said = false;
+            for layer in process.layers().into_iter().map(|l| l.spec.name) {
+                if there.iter().any(|l| *l == layer) {
+                    continue;
+                }
+                let makes = |p: &dyn Process| p.layers().iter().any(|l| l.spec.name == layer) && gives(p, &layer);
+                let maker = acting[i + 1..].iter().find(|(_, p)| !gives(&**process, &layer) && makes(&**p));
+                if let Some((maker, _)) = maker.filter(|_| !said) {
+                    said = true;
+                    all.push(format!(
+                        "step {} ({}): `{name}` comes before `{maker}`, which makes the layer `{layer}`, and so begins with the same value \
+                         everywhere; list `{maker}` before it",
+                        step.number, step.name
+                    ));
+                }
+                there.push(layer.into_owned());
             }
         }
     }

@@ -56,6 +56,7 @@ fn level_schema(_: &mut SchemaGenerator) -> Schema {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+#[non_exhaustive]
 pub enum Cells {
     One(#[schemars(range(min = 1))] u32),
     Two(#[schemars(inner(range(min = 1)))] [u32; 2]),
@@ -65,6 +66,7 @@ pub enum Cells {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+#[non_exhaustive]
 pub enum Lengths {
     One(#[schemars(range(min = 1e-6, max = 1e10))] f64),
     Two(#[schemars(inner(range(min = 1e-6, max = 1e10)))] [f64; 2]),
@@ -74,6 +76,7 @@ pub enum Lengths {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+#[non_exhaustive]
 pub enum Edges {
     One(BoundaryCondition),
     Two([BoundaryCondition; 2]),
@@ -145,6 +148,7 @@ impl Default for Generate {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+#[non_exhaustive]
 pub enum Names {
     One(String),
     Many(#[schemars(length(min = 1))] Vec<String>),
@@ -194,6 +198,7 @@ impl Default for Schedule {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[allow(missing_docs, reason = "texts on variants would stand in the schema")]
+#[non_exhaustive]
 pub enum Amount {
     Number(#[schemars(range(min = -3e38, max = 3e38))] f64),
     Text(String),

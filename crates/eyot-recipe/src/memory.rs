@@ -103,6 +103,7 @@ pub fn check_bytes(what: &str, bytes: u128, limits: &Limits, remedy: Remedy) -> 
 
 /// Where in a recipe something stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Place {
     /// The step of this number, from 1.
     Step(usize),

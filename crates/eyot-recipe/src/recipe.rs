@@ -148,6 +148,7 @@ pub struct SimulateStep {
 
 /// What acts in a step.
 #[derive(Clone)]
+#[non_exhaustive]
 pub enum Actor {
     /// A process that comes with Eyot.
     Process(&'static Entry<dyn Process>),

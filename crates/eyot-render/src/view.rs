@@ -4,6 +4,7 @@ use crate::cover::Looks;
 
 /// What stands around the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Setting {
     /// Open sea around islands; a block for everything else.
     #[default]

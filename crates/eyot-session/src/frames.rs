@@ -53,6 +53,7 @@ impl std::fmt::Display for Damaged {
 
 /// Which frame is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Moment {
     /// The last one that has at most so many steps of simulation done.
     Step(u64),

@@ -108,8 +108,8 @@ pub struct Results<'a> {
     pub source: &'a dyn Source,
     /// What the run remembers.
     pub state: &'a State,
-    /// Where the session's own files lie.
-    pub folder: Option<PathBuf>,
+    /// Where the session's own files lie, and the results are to go.
+    pub storage: Option<&'a dyn Storage>,
     /// Fails if something else is in that place by now: what was written is then not there.
     pub in_place: &'a dyn Fn() -> Result<(), RunError>,
     /// Upper bounds on what writing may use.

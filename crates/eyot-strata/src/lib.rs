@@ -2,18 +2,20 @@
 //!
 //! [`Strata`] keeps, for every cell, where the bedrock's surface lies and how its beds are displaced; what lies on the bedrock is
 //! loose. Other processes change the height, as ever: what they take is taken from the loose ground first, what they lay down is
-//! loose. [`Rockfall`] lets every material slide at its own angle.
+//! loose. [`Rockfall`] lets every material slide at its own angle, [`Soak`] softens what lies under standing water.
 //!
-//! Both are rules of single cells and their neighbours, and run on every engine.
+//! All are rules of single cells and their neighbours, and run on every engine.
 
 pub mod materials;
 pub mod rock_cycle;
 pub mod rockfall;
+pub mod soak;
 pub mod strata;
 
 pub use materials::{Material, classes, standard};
 pub use rock_cycle::RockCycle;
 pub use rockfall::Rockfall;
+pub use soak::{SOAK_WATER, Soak};
 pub use strata::{
     BED_DATUM, BED_SHIFT, BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, NEW_ROCK, ROCK_SLOPE, Strata,
     Surfaces,
@@ -31,4 +33,5 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     ),
     Entry::<dyn Process>::process::<RockCycle>("rock_cycle", about!("rock_cycle.rs"), &[]),
     Entry::<dyn Process>::process::<Rockfall>("rockfall", about!("rockfall.rs"), &["musgrave1989", "benes2001"]),
+    Entry::<dyn Process>::process::<Soak>("soak", about!("soak.rs"), &["stava2008"]),
 ];

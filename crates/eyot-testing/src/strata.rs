@@ -2,7 +2,7 @@
 
 use crate::one;
 use eyot_core::process::Scheduled;
-use eyot_strata::{Fault, Fold, RockCycle, Rockfall, Strata, Surfaces};
+use eyot_strata::{Fault, Fold, RockCycle, Rockfall, Soak, Strata, Surfaces};
 
 /// Name and processes of each.
 pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
@@ -40,7 +40,8 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
             ],
         ),
         ("rockfall", vec![one(Rockfall::default())]),
-        ("beds and rockfall", vec![one(bent), one(Rockfall { talus: 20.0, rate: 1.0 })]),
+        ("beds and rockfall", vec![one(bent), one(Rockfall { talus: 20.0, rate: 1.0, ..Rockfall::default() })]),
+        ("soak", vec![one(Soak { change: 20.0, slope: 5.0, rate: 0.1, ..Soak::default() })]),
     ]
 }
 
@@ -50,6 +51,9 @@ pub fn start(layer: &str, u: f32) -> f32 {
         "height" => 40.0 * u - 10.0,
         "bedrock" => 40.0 * u - 11.0,
         "bed_datum" => 60.0 * u,
+        "water" => (20.0 * u - 8.0).max(0.0),
+        "soak_water" => 10.0 * u,
+        "bed_left" => 20.0 * u,
         "bed_1" | "bed_2" | "bed_3" | "bed_4" => 20.0 * u - 10.0,
         // Half of the slots are empty.
         "new_rock_1" | "new_rock_2" | "new_rock_3" | "new_rock_4" | "new_rock_5" | "new_rock_6" => (u - 0.5).max(0.0),

@@ -67,8 +67,8 @@ pub mod analyse {
 pub mod formats {
     pub use crate::convert::{ConvertOptions, Converted, convert};
     pub use eyot_io::{
-        ByteOrder, Error, Raster, RasterFormat, ReadOptions, RowOrder, Sample, WriteOptions, checkpoint, layer_names,
-        read_raster, write_layer, write_rgb_png,
+        ByteOrder, Error, Input, Raster, RasterFormat, ReadOptions, RowOrder, Sample, Target, WriteOptions, checkpoint,
+        layer_names, read_raster, write_layer, write_rgb_png,
     };
 }
 
@@ -96,6 +96,7 @@ pub mod remedy {
 
 /// Recipes being carried out by a program's own loop, with storage of its own.
 pub mod session {
+    pub use eyot_export::RunFiles;
     pub use eyot_io::storage::{Folder, Memory, Storage};
     pub use eyot_session::{
         Branches, Budget, Clock, Engines, Events, Host, NewBranch, OpenEngine, Opened, Outputs, Results, Session,

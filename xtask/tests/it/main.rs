@@ -3,6 +3,7 @@
 mod architecture;
 mod circles;
 mod crates;
+mod enums;
 mod gallery;
 mod how_to;
 mod verification;

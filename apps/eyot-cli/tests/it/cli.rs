@@ -88,6 +88,10 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
     std::fs::write(f.join("noise.r32"), [7; 100]).unwrap();
     std::fs::write(f.join("empty.png"), []).unwrap();
     std::fs::write(f.join("bad.eyot"), b"EYOTCKPT\x01").unwrap();
+    std::fs::write(f.join("empty.json"), "{}").unwrap();
+    // What a run leaves that is killed at once: the lock, by the number of a process that is no more.
+    std::fs::create_dir(f.join("killed")).unwrap();
+    std::fs::write(f.join("killed/eyot.lock"), "4194304\n").unwrap();
     let cases: &[(&[&str], &str)] = &[
         (&["run", "typo.toml"], "did you mean `height`?"),
         (&["check", "typo.toml"], "typo.toml:8:1"),
@@ -108,6 +112,14 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["run", "small.toml", "--max-memory", "lots"], "8G"),
         (&["run", "small.toml", "--checkpoint-seconds", "-1"], "seconds"),
         (&["run", "small.toml", "--replay", "nothere.json"], "run.json"),
+        (&["run", "small.toml", "--replay", "noise.tif"], "cannot replay"),
+        (&["run", "small.toml", "--replay", "small.toml"], "it is no JSON"),
+        (&["run", "small.toml", "--replay", "empty.json"], "it lists no commands"),
+        (&["run", "small.toml", "--record", "-1"], "-1 is not in 1.."),
+        (&["run", "small.toml", "--set", "seed=-1"], "`seed` is -1: it must be at least 0"),
+        (&["check", "small.toml", "--set", "hill.height=1e308"], "`cone.height` is 1e308"),
+        (&["resume", "killed"], "was killed before it began"),
+        (&["resume", "killed"], "holds no stopped run"),
         (&["resume", "nothere"], "--out"),
         (&["resume", "."], "stopped run"),
         (&["new", "a", "--from", "iland"], "did you mean --from island?"),
@@ -142,6 +154,25 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         said(f, args, 2, &[answer]);
     }
     assert!(!f.join("small").exists(), "a refused run leaves nothing");
+}
+
+/// What messages say to do, the command that says it can do.
+#[test]
+fn commands_that_read_height_maps_take_the_flags_that_they_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    let values: Vec<u8> = (0..24u8).flat_map(|i| f32::from(i * 10 % 70).to_le_bytes()).collect();
+    std::fs::write(f.join("odd.raw"), &values).unwrap();
+    for verb in ["stats", "render", "film"] {
+        said(f, &[verb, "odd.raw"], 2, &["--from-size"]);
+        let described = ["odd.raw", "--from-size", "6x4", "--from-type", "f32le", "--max-memory"];
+        let with = |memory: &'static str| [&[verb][..], &described[..], &[memory]].concat();
+        said(f, &with("1K"), 2, &["8G"]);
+        if verb == "stats" {
+            said(f, &with("1G"), 0, &["6 x 4 cells"]);
+        }
+    }
+    said(f, &["stats", "odd.raw", "--from-size", "6x4", "--from-type", "f32le", "--nodata", "10"], 0, &["missing"]);
 }
 
 /// Without graphics hardware the processor is measured instead, and so is what only the processor does.

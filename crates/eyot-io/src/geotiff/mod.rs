@@ -9,10 +9,11 @@ pub(crate) mod metadata;
 mod pyramid;
 
 use crate::about::About;
-use crate::atomic::{put, watched, write_atomically};
+use crate::atomic::{put, watched};
 use crate::error::{Error, Result};
 use crate::options::{WriteOptions, size_u32};
 use crate::rows::{Rows, band_rows, each_band, each_marked_band};
+use crate::target::Target;
 use directory::{Tagged, directory, header, header_bytes};
 use metadata::{GDAL_METADATA, TEXTS};
 use pyramid::{Level, Pyramid, TILE};
@@ -30,17 +31,17 @@ KNOWN_INCOMPATIBLE_EDITION=NO\n ";
 
 /// Writes the values. The nodata value must be one that does not occur: the caller's, or the source file's, -9999, or the
 /// lowest `f32`, whichever is free first.
-pub(crate) fn write(path: &Path, rows: &mut dyn Rows, about: &About, options: &WriteOptions) -> Result<()> {
+pub(crate) fn write(to: &Target<'_>, rows: &mut dyn Rows, about: &About, options: &WriteOptions) -> Result<()> {
+    let path = to.place();
     let (width, height) = rows.size();
     size_u32(path, width, height)?;
     let nodata = free_nodata(path, rows, about, options)?;
     let mut more = place(about, height);
     more.extend(words(about));
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let spool = |e| Error::io(folder, "write temporary data to")(e);
+    let spool = |e| Error::io(to.folder(), "write temporary data to")(e);
     let holes = nodata.filter(|_| rows.missing().is_some());
-    write_atomically(path, |file| {
-        let mut pyramid = Pyramid::new(width, height, holes, folder).map_err(spool)?;
+    to.write(|file| {
+        let mut pyramid = Pyramid::new(width, height, holes, to)?;
         each_marked_band(path, rows, TILE, holes, |_, band| pyramid.push(band).map_err(spool))?;
         let head = head(&pyramid.levels, nodata, &more);
         watched(file, path, |mut out| {

@@ -4,11 +4,12 @@
 //! levels. Compressed tiles wait in temporary files, since in the finished file the coarsest ones come first.
 
 use crate::error::{Error, Result};
+use crate::storage::Spool;
+use crate::target::Target;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use rayon::prelude::*;
-use std::fs::File;
-use std::io::{self, Seek, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Columns and rows of a tile.
@@ -31,7 +32,7 @@ pub(super) struct Level {
     /// Tiles row by row from the north.
     pub(super) tiles: Vec<Tile>,
     /// The tiles as they will lie in the file, with GDAL's leaders and trailers.
-    spool: File,
+    spool: Box<dyn Spool>,
     pub(super) spooled: u64,
     /// Rows that do not fill a band of tiles yet.
     pending: Vec<f32>,
@@ -46,8 +47,8 @@ pub(super) struct Pyramid {
 }
 
 impl Pyramid {
-    /// An empty pyramid. Its temporary files lie in `folder`, where the result will need the same space again.
-    pub(super) fn new(width: usize, height: usize, holes: Option<f32>, folder: &Path) -> io::Result<Self> {
+    /// An empty pyramid. Its tiles wait beside the file, where the result will need the same space again.
+    pub(super) fn new(width: usize, height: usize, holes: Option<f32>, to: &Target<'_>) -> Result<Self> {
         let sizes = std::iter::successors(Some((width, height)), |&(w, h)| {
             (w.max(h) > TILE).then(|| (w.div_ceil(2), h.div_ceil(2)))
         });
@@ -56,13 +57,13 @@ impl Pyramid {
                 width,
                 height,
                 tiles: Vec::new(),
-                spool: tempfile::tempfile_in(folder)?,
+                spool: to.spool()?,
                 spooled: 0,
                 pending: Vec::new(),
                 rows_done: 0,
             })
         };
-        Ok(Self { levels: sizes.map(level).collect::<io::Result<_>>()?, holes })
+        Ok(Self { levels: sizes.map(level).collect::<Result<_>>()?, holes })
     }
 
     /// Takes the next rows of the full resolution.
@@ -168,7 +169,7 @@ mod tests {
     use super::*;
 
     fn sizes(width: usize, height: usize) -> Vec<(usize, usize)> {
-        let p = Pyramid::new(width, height, None, &std::env::temp_dir()).unwrap();
+        let p = Pyramid::new(width, height, None, &Target::from(&mut Vec::<u8>::new())).unwrap();
         p.levels.iter().map(|l| (l.width, l.height)).collect()
     }
 
@@ -192,7 +193,7 @@ mod tests {
         let (w, h) = (300, 700);
         let values: Vec<f32> = (0..w * h).map(|i| (i % 977) as f32 * 0.1).collect();
         let spooled = |portion: usize| {
-            let mut p = Pyramid::new(w, h, None, &std::env::temp_dir()).unwrap();
+            let mut p = Pyramid::new(w, h, None, &Target::from(&mut Vec::<u8>::new())).unwrap();
             values.chunks(portion * w).for_each(|rows| p.push(rows).unwrap());
             p.levels
                 .iter_mut()

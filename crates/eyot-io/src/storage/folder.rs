@@ -1,7 +1,7 @@
 //! Blobs as files.
 
-use super::{Blob, Entry, Fill, Keep, Storage};
-use crate::atomic::{remove_leftovers, write_atomically};
+use super::{Blob, Entry, Fill, FillGroup, Keep, Spool, Storage};
+use crate::atomic::{remove_leftovers, write_atomically, write_folder_atomically};
 use crate::error::{Error, Result};
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, ErrorKind, Write};
@@ -119,6 +119,18 @@ impl Storage for Folder {
         }
     }
 
+    fn write_group(&self, name: &str, mark: &str, fill: &mut FillGroup<'_>) -> Result<()> {
+        self.check()?;
+        write_folder_atomically(&self.path(name), mark, |folder| {
+            fill(&|piece, bytes| write_piece(&folder.join(piece), bytes))
+        })
+    }
+
+    fn spool(&self) -> io::Result<Box<dyn Spool>> {
+        let path = if self.path.as_os_str().is_empty() { Path::new(".") } else { &self.path };
+        Ok(Box::new(tempfile::tempfile_in(path)?))
+    }
+
     fn rename(&self, from: &str, to: &str) -> Result<()> {
         self.check()?;
         let (from, to) = (self.path(from), self.path(to));
@@ -203,6 +215,19 @@ fn is_at(held: &File, path: &Path) -> bool {
 #[cfg(not(unix))]
 fn is_at(_held: &File, path: &Path) -> bool {
     path.is_dir()
+}
+
+/// Writes a file of a folder that is to be whole, through to the disk.
+fn write_piece(path: &Path, bytes: &[u8]) -> Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
+    }
+    let write = || -> io::Result<()> {
+        let mut file = File::create(path)?;
+        file.write_all(bytes)?;
+        file.sync_all()
+    };
+    write().map_err(Error::io(path, "write"))
 }
 
 fn write_file(path: &Path, fill: &mut Fill<'_>) -> Result<()> {

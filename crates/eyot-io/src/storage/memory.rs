@@ -1,6 +1,6 @@
 //! Blobs in memory: for hosts without files, and for tests.
 
-use super::{Blob, Entry, Fill, Keep, Storage};
+use super::{Blob, Entry, Fill, FillGroup, Keep, Storage, within};
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -83,9 +83,29 @@ impl Storage for Memory {
     }
 
     fn write(&self, name: &str, _: Keep, fill: &mut Fill<'_>) -> Result<()> {
-        let mut bytes = Vec::new();
+        let mut bytes = Cursor::new(Vec::new());
         fill(&mut bytes)?;
-        self.blobs().insert(name.to_owned(), Bytes(Arc::new(bytes)));
+        self.blobs().insert(name.to_owned(), Bytes(Arc::new(bytes.into_inner())));
+        Ok(())
+    }
+
+    fn write_group(&self, name: &str, mark: &str, fill: &mut FillGroup<'_>) -> Result<()> {
+        let former = self.bytes(name).is_some() || self.is_group(name);
+        if former && self.bytes(&within(name, mark)).is_none() {
+            let problem = format!("something else is there already, which holds no {mark}");
+            return Err(Error::format(&self.place(name), problem, "choose another name, or remove it first"));
+        }
+        let new = Mutex::new(Blobs::new());
+        fill(&|piece, bytes| {
+            let mut new = new.lock().unwrap_or_else(PoisonError::into_inner);
+            new.insert(within(name, piece), Bytes(Arc::new(bytes.to_vec())));
+            Ok(())
+        })?;
+        let mut blobs = self.blobs();
+        for name in names_in(&blobs, name) {
+            blobs.remove(&name);
+        }
+        blobs.append(&mut new.into_inner().unwrap_or_else(PoisonError::into_inner));
         Ok(())
     }
 

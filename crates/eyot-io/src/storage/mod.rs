@@ -1,4 +1,4 @@
-//! Where checkpoints and recordings lie: blobs with names, in a folder or in memory.
+//! Where checkpoints, recordings and results lie: blobs with names, in a folder or in memory.
 //!
 //! Names are relative, with `/` between their parts; what shares the parts before a `/` is a *group*, as a folder is.
 
@@ -10,7 +10,7 @@ pub use memory::Memory;
 
 use crate::error::{Error, Result};
 use std::fmt;
-use std::io::{self, Read, Seek, Write};
+use std::io::{self, Cursor, Read, Seek, Write};
 use std::path::PathBuf;
 
 /// What survives when a blob is written.
@@ -31,6 +31,16 @@ pub trait ReadSeek: Read + Seek + Send {}
 
 impl<T: Read + Seek + Send> ReadSeek for T {}
 
+/// What can be written anywhere.
+pub trait WriteSeek: Write + Seek {}
+
+impl<T: Write + Seek + ?Sized> WriteSeek for T {}
+
+/// What is written and read again.
+pub trait Spool: Read + Write + Seek {}
+
+impl<T: Read + Write + Seek> Spool for T {}
+
 /// A blob to read.
 pub struct Blob {
     /// Its bytes.
@@ -49,7 +59,13 @@ pub struct Entry {
 }
 
 /// What fills a blob.
-pub type Fill<'a> = dyn FnMut(&mut dyn Write) -> Result<()> + 'a;
+pub type Fill<'a> = dyn FnMut(&mut dyn WriteSeek) -> Result<()> + 'a;
+
+/// Writes a blob of a group by its name there; several threads may.
+pub type Put<'a> = dyn Fn(&str, &[u8]) -> Result<()> + Sync + 'a;
+
+/// What fills a group.
+pub type FillGroup<'a> = dyn FnMut(&Put<'_>) -> Result<()> + 'a;
 
 /// Blobs with names. One session writes to it at a time; several threads may.
 pub trait Storage: Send + Sync + fmt::Debug {
@@ -87,6 +103,20 @@ pub trait Storage: Send + Sync + fmt::Debug {
     /// # Errors
     /// What `fill` returns, and if the system refuses. A former blob is then as before, unless it was to be kept loosely.
     fn write(&self, name: &str, keep: Keep, fill: &mut Fill<'_>) -> Result<()>;
+
+    /// Writes a group in the place of a former one, which must hold the blob `mark`; a kill leaves the former group or the whole new one.
+    ///
+    /// # Errors
+    /// What `fill` returns, if the system refuses, and if something else has that name. What was there is then as before.
+    fn write_group(&self, name: &str, mark: &str, fill: &mut FillGroup<'_>) -> Result<()>;
+
+    /// Room for what must wait until it is written, gone when it is dropped; in memory unless the storage has a better place.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    fn spool(&self) -> io::Result<Box<dyn Spool>> {
+        Ok(Box::new(Cursor::new(Vec::new())))
+    }
 
     /// Gives a blob or a group another name. What has that name goes if it is a blob.
     ///

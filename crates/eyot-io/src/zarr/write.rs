@@ -3,29 +3,38 @@
 use super::metadata::Axis;
 use super::{CHUNK, METADATA, PLACE, SHARD, STEPS, TIME, metadata, pack};
 use crate::about::About;
-use crate::atomic::write_folder_atomically;
 use crate::error::{Error, Result};
 use crate::rows::{Rows, each_marked_band};
+use crate::storage::Put;
+use crate::target::Target;
 use eyot_core::LayerSpec;
 use rayon::prelude::*;
 use serde_json::{Map, Value};
-use std::fs::{self, File};
-use std::io::Write;
 use std::path::Path;
 
 /// Offset and length of a chunk that a shard leaves out.
 const ABSENT: [u8; 16] = [0xff; 16];
 
-/// Writes layers of the same size and place as the arrays of one Zarr v3 store at the folder `path`.
+/// Writes layers of the same size and place as the arrays of one Zarr v3 store: a folder, or a group of a storage.
 ///
 /// Beside the layers stand their coordinates `time` (one: the attribute `steps_done`, or 0), `y` and `x` (metres, or degrees
 /// for geographic places) and, if they have a place on Earth, `spatial_ref` with its code and transform. `attributes` go to
-/// the root, beside those of CF. The store appears whole or not at all; a former store at `path` is replaced.
+/// the root, beside those of CF. The store appears whole or not at all; a former store there is replaced.
 ///
 /// # Errors
 /// If there is no layer, if layers differ in size, have the same name or one that cannot name a folder, if `rows` fail or
-/// give a value that is not finite, if something else than a store is at `path`, or if it cannot be written.
-pub fn write_store(path: &Path, layers: &mut [(&About, &mut dyn Rows)], attributes: &Map<String, Value>) -> Result<()> {
+/// give a value that is not finite, if something else than a store is there, if the target is a writer, or if it cannot be
+/// written.
+pub fn write_store<'a>(
+    to: impl Into<Target<'a>>,
+    layers: &mut [(&About, &mut dyn Rows)],
+    attributes: &Map<String, Value>,
+) -> Result<()> {
+    let to = to.into();
+    let path = to.place();
+    let Some((storage, group)) = to.storage() else {
+        return Err(Error::format(path, "a Zarr store is more than one file", "write it to a folder or a storage"));
+    };
     let Some((width, height)) = layers.first().map(|(_, rows)| rows.size()) else {
         return Err(Error::format(path, "no layer is to be written", "name at least one"));
     };
@@ -40,23 +49,22 @@ pub fn write_store(path: &Path, layers: &mut [(&About, &mut dyn Rows)], attribut
         check_name(path, name)?;
     }
     let place = layers[0].0.clone();
-    write_folder_atomically(path, METADATA, |folder| {
+    storage.write_group(group, METADATA, &mut |put| {
         let mut known = Map::new();
         for (about, rows) in layers.iter_mut() {
             let name = name_of(about);
             let metadata = metadata::layer(about, 1, Axis::of_cells((width, height)), rows.missing().is_some());
-            write_layer(path, 0, *rows, &|piece, bytes| write_piece(&folder.join(name).join(piece), bytes))?;
+            write_layer(path, 0, *rows, &|piece, bytes| put(&format!("{name}/{piece}"), bytes))?;
             known.insert(name.to_owned(), metadata);
         }
-        let put = |piece: &str, bytes: &[u8]| write_piece(&folder.join(piece), bytes);
-        write_coordinates(folder, &place, height, Axis::of_cells((width, height)), &mut known, &put)?;
+        write_coordinates(path, &place, height, Axis::of_cells((width, height)), &mut known, put)?;
         let step = attributes.get(STEPS).and_then(Value::as_i64).unwrap_or(0);
-        write_piece(&folder.join(TIME).join("c/0"), &step.to_le_bytes())?;
+        put(&format!("{TIME}/c/0"), &step.to_le_bytes())?;
         known.insert(TIME.to_owned(), metadata::time(1, 1, attributes));
         for (name, metadata) in &known {
-            write_metadata(&folder.join(name), metadata)?;
+            put(&format!("{name}/{METADATA}"), format!("{metadata:#}\n").as_bytes())?;
         }
-        write_metadata(folder, &metadata::group(attributes, &known))
+        put(METADATA, format!("{:#}\n", metadata::group(attributes, &known)).as_bytes())
     })
 }
 
@@ -77,9 +85,6 @@ fn bad_name(path: &Path, name: &str) -> Error {
     let problem = format!("`{name}` cannot name an array here");
     Error::format(path, problem, "use different names of letters, digits and underscores")
 }
-
-/// Writes a piece by its name in the store, or in the array.
-pub(crate) type Put<'a> = dyn Fn(&str, &[u8]) -> Result<()> + Sync + 'a;
 
 /// Writes coordinates and place, without their metadata, which go to `known`; those that are there already stay. `folder` is
 /// for messages.
@@ -150,22 +155,6 @@ fn shard(path: &Path, band: &[f32], width: usize, left: usize) -> Result<Vec<u8>
 
 fn packed(path: &Path, bytes: &[u8]) -> Result<Vec<u8>> {
     pack::pack(bytes).map_err(Error::io(path, "compress"))
-}
-
-fn write_piece(path: &Path, bytes: &[u8]) -> Result<()> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(Error::io(folder, "make the folder"))?;
-    }
-    let write = || -> std::io::Result<()> {
-        let mut file = File::create(path)?;
-        file.write_all(bytes)?;
-        file.sync_all()
-    };
-    write().map_err(Error::io(path, "write"))
-}
-
-fn write_metadata(folder: &Path, value: &Value) -> Result<()> {
-    write_piece(&folder.join(METADATA), format!("{value:#}\n").as_bytes())
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! What is written comes back: exactly for formats of floats, within half a step for those of 16 bits.
 
 use eyot_core::{Boundary, Field, Georeference, Grid, LayerSpec, Limits, World, layer::known};
-use eyot_io::{Raster, RasterFormat, ReadOptions, read_raster, write_layer};
+use eyot_io::storage::{Keep, Memory, write_bytes};
+use eyot_io::{Raster, RasterFormat, ReadOptions, Sample, read_raster, write_layer};
 use proptest::prelude::*;
+use std::io::Cursor;
 use std::path::Path;
 
 fn world(width: usize, height: usize, values: &[f32]) -> World {
@@ -166,4 +168,44 @@ fn words_beyond_ascii_do_not_stop_an_export() {
     for format in RasterFormat::ALL {
         there_and_back(&world, format);
     }
+}
+
+#[test]
+fn writers_and_readers_take_the_bytes_of_files() {
+    let values: Vec<f32> = (0..300 * 20).map(|i| (i % 97) as f32).collect();
+    let world = world(300, 20, &values);
+    let folder = tempfile::tempdir().unwrap();
+    for format in RasterFormat::ALL.into_iter().filter(|f| *f != RasterFormat::Zarr) {
+        let path = folder.path().join(format!("height.{}", format.extension()));
+        write_layer(&path, &world, &world.layers()[0], format).unwrap();
+        let mut bytes = Vec::new();
+        write_layer(&mut bytes, &world, &world.layers()[0], format).unwrap();
+        assert!(std::fs::read(&path).unwrap() == bytes, "{format:?}");
+        // What only a description beside it says of a file, nothing says of a stream.
+        let size = (format.is_quantised() || format == RasterFormat::R32).then_some((300, 20));
+        let sample = match format {
+            RasterFormat::R32 => Some(Sample::Float(4)),
+            RasterFormat::R16 => Some(Sample::Unsigned(2)),
+            _ => None,
+        };
+        let options = ReadOptions { size, sample, low_m: Some(0.0), high_m: Some(96.0), ..ReadOptions::default() };
+        let raster = read_raster(&mut Cursor::new(bytes), &options, &Limits::default()).unwrap();
+        assert_eq!(bits(&raster.field), bits(&read_raster(&path, &options, &Limits::default()).unwrap().field));
+        assert!(raster.field.iter().zip(&values).all(|(a, b)| (a - b).abs() < 0.01), "{format:?}");
+    }
+    let store = write_layer(&mut Vec::new(), &world, &world.layers()[0], RasterFormat::Zarr).unwrap_err().to_string();
+    assert!(store.contains("more than one file"), "{store}");
+    let empty = read_raster(&mut Cursor::new(Vec::new()), &ReadOptions::default(), &Limits::default()).unwrap_err();
+    assert!(empty.to_string().contains("is empty"), "{empty}");
+}
+
+#[test]
+fn masks_beside_images_are_found_in_storages_too() {
+    let memory = Memory::new();
+    let world = world(20, 10, &vec![5.0; 200]);
+    write_layer((&memory, "a.tif"), &world, &world.layers()[0], RasterFormat::GeoTiff).unwrap();
+    let read = || read_raster((&memory, "a.tif"), &ReadOptions::default(), &Limits::default());
+    assert_eq!(read().unwrap().missing, None);
+    write_bytes(&memory, "a.tif.msk", Keep::Whole, b"no mask").unwrap();
+    assert!(read().unwrap_err().to_string().contains("a.tif.msk"));
 }

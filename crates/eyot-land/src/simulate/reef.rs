@@ -103,6 +103,7 @@ pub struct Reef {
 /// What limits the growth of corals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Limit {
     /// Light, and the carbon that reaches them.
     #[default]
@@ -114,6 +115,7 @@ pub enum Limit {
 /// How light becomes growth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Light {
     /// Growth falls exponentially with depth.
     #[default]

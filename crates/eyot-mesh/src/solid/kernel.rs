@@ -15,6 +15,7 @@ const BLOBBINESS: f32 = 4.0;
 
 /// A kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Kernel {
     /// A bell curve, cut off smoothly.
     Blinn,

@@ -51,7 +51,7 @@ pub(crate) fn recipe(
         grid: None,
         texts,
     };
-    let document: keys::Document = v.keys_of(&doc, "recipe", &["grid", "layer", "rule", "step", "export", "view"]);
+    let document: keys::Document = v.keys_of(&doc, check::ROOT, &["grid", "layer", "rule", "step", "export", "view"]);
     let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
     v.grid = grid;
     v.declare(&doc);

@@ -8,7 +8,7 @@ use crate::event::{Command, Event};
 use crate::files::{REPORT_FILE, TIMELINE_STORE, check_free, unfinished};
 use crate::frames::{self, stopped};
 use crate::host::{Branches, Events, Host, NewBranch};
-use crate::lock::FolderLock;
+use crate::lock::{FolderLock, LOCK_FILE};
 use crate::session::{self, Budget, Outcome, Session, Status};
 use crate::state::State;
 use crate::stream::Stream;
@@ -148,10 +148,14 @@ impl Run {
         if !folder.is_dir() {
             return Err(nothing(false));
         }
+        let was_locked = folder.join(LOCK_FILE).is_file();
         // Before looking: what a run at work leaves is not for others to continue.
         let lock = prepare_folder(folder)?;
         let storage = storage_of(folder);
-        let name = unfinished(&*storage).ok_or_else(|| nothing(folder.join(REPORT_FILE).exists()))?;
+        let Some(name) = unfinished(&*storage) else {
+            let finished = folder.join(REPORT_FILE).exists();
+            return Err(if was_locked && !finished { killed_at_once(folder) } else { nothing(finished) });
+        };
         let mut warnings = Vec::new();
         let (recipe, world, state) = stopped(&storage, name, &options.limits, &host.registry, &mut warnings)?;
         if state.streamed && options.watch.is_some() {
@@ -168,6 +172,14 @@ impl Run {
         }
         launch(recipe, options, host, world, state, Some(lock), warnings)
     }
+}
+
+/// What a run left that was killed before it could write its recipe.
+fn killed_at_once(folder: &Path) -> RunError {
+    RunError::refused(
+        format!("the run in `{}` was killed before it began, and left nothing to continue", folder.display()),
+        remedy!["start it again with ", Action::Run],
+    )
 }
 
 /// Removes the recording of an earlier run, whose frames are none of the new one's. Says so.

@@ -129,7 +129,7 @@ impl Streamed {
                 fingerprint,
                 clock: None,
                 state: &state,
-                folder: self.out.clone(),
+                storage: host.storage.as_deref(),
                 in_place: &|| host.in_place(),
                 limits: &limits,
                 control: &control,

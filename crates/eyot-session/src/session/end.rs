@@ -66,7 +66,7 @@ impl Session {
             fingerprint,
             clock: clock::of_run(&self.recipe, &self.state.journal, &self.host.registry),
             state: &state,
-            folder: self.host.storage.as_ref().map(|s| s.place("")),
+            storage: self.host.storage.as_deref(),
             in_place: &|| self.host.in_place(),
             limits: &self.options.limits,
             control: &Control::new(self.cancel.clone(), &|_, _| {}),

@@ -1,9 +1,11 @@
 //! Strata and what comes down from them.
 
+mod cliffs;
 mod columns;
 mod conformance;
 mod rock_cycle;
 mod rockfall;
+mod soak;
 mod strata;
 
 use eyot_core::engine::CpuEngine;

@@ -27,6 +27,7 @@ mod runs;
 mod scale;
 mod serving;
 mod sessions;
+mod stored;
 mod streaming;
 mod stubs;
 mod terms;

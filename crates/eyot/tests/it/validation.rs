@@ -47,7 +47,7 @@ fn values_of_the_wrong_type_or_size_say_unit_and_range() {
     assert!(complaints("cell = 5.0", "cell = -5.0").contains("`grid.cell` is -5: it must be at least"));
     assert!(complaints("size = [16, 12]", "size = [16, 12, 3]").contains("`grid.size` needs 2 values, not 3"));
     let said = complaints("seed = 5", "seed = -1");
-    assert!(said.contains("`recipe.seed` is -1: it must be at least 0"), "{said}");
+    assert!(said.contains("`seed` is -1: it must be at least 0"), "{said}");
     assert!(complaints("seed = 5", "seed = 99999999999999999999").contains("seed"));
 }
 
@@ -389,6 +389,10 @@ fn what_is_blind_to_rock_is_doubted() {
     assert!(doubts("[\"hydraulic\"]", "").is_empty());
     let rockless = doubts("[\"hydraulic\"]", "hydraulic.by_rock = true");
     assert!(rockless.len() == 1 && rockless[0].contains("needs the layer `erodibility`"), "{rockless:?}");
+    // Who needs the bedrock comes after who makes it.
+    assert!(doubts("[\"strata\", \"rockfall\"]", "").is_empty());
+    let early = doubts("[\"rockfall\", \"strata\"]", "");
+    assert!(early.len() == 1 && early[0].contains("list `strata` before it"), "{early:?}");
 }
 
 #[test]

@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 /// What stands out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Shape {
     /// Ridges and peaks.
     #[default]

@@ -1,6 +1,7 @@
 //! Height at a place: equations (1) to (6).
 
 use super::draw::{Cone, Island, Trough, Volcano};
+use eyot_core::math::smoothstep;
 use eyot_core::math64::exp;
 
 /// Metres over which a volcano's own forms are joined without an edge.
@@ -29,12 +30,6 @@ fn lower(a: f64, b: f64, k: f64) -> f64 {
 /// The larger number, rounded off where they differ by less than `k`.
 fn higher(a: f64, b: f64, k: f64) -> f64 {
     -lower(-a, -b, k)
-}
-
-/// 0 below `low`, 1 above `high`, and a smooth way between them.
-fn step(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -118,10 +113,10 @@ impl Island {
         z = lower(z, -beyond_m, 4.0 * JOIN_M);
         shelf = lower(shelf, -self.shelf_depth_m - beyond_m, 4.0 * JOIN_M);
         // Equation (5).
-        let exposed = 0.25 + 0.75 * step(-0.4, 0.8, dot(p, self.windward) / far);
+        let exposed = 0.25 + 0.75 * smoothstep(-0.4, 0.8, dot(p, self.windward) / far);
         let cut = self.cliffs_m * exposed * (0.6 + 0.8 * chance.coast).clamp(0.0, 1.0);
         let platform = -2.0 - 0.1 * (cut - z);
-        let standing = step(0.5 * cut - 2.0, cut + 2.0, z);
+        let standing = smoothstep(0.5 * cut - 2.0, cut + 2.0, z);
         let z = if z > -self.shelf_depth_m { platform + (z - platform) * standing } else { z.min(platform.max(z)) };
         higher(z, shelf.min(-self.shelf_depth_m), 2.0).max(-self.depth_m)
     }
