@@ -1,5 +1,5 @@
 //! The recipe `alps` makes land that drains as mountains do: targets between measured mountains, and far from any noise. The
-//! recipe `canyon` makes cliffs and flats with little between them.
+//! recipes `canyon` and `mesa` make cliffs and benches, because their beds differ.
 //!
 //! Reference of `alps`: five measured mountain maps with cells of 30 to 93 m, and the shares of landforms of the Jacksboro map.
 
