@@ -157,7 +157,7 @@ pub(crate) struct Work {
     #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) checkpoint_seconds: f64,
     /// Record the run: a frame of everything each so many steps, in timeline.zarr in the folder for the results
-    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = |s: &str| whole(s, 1))]
     pub(crate) record: Option<u64>,
     /// Bytes that the recording may take, such as 2GiB or 500M; old frames thin out
     #[arg(long, value_name = "BYTES", requires = "record", default_value = "2GiB", value_parser = bytes)]
@@ -311,17 +311,17 @@ pub(crate) struct Branch {
 #[group(required = true, multiple = false)]
 pub(crate) struct Moment {
     /// The last frame that has at most so many steps of simulation done
-    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
+    #[arg(long, value_name = "STEP", allow_negative_numbers = true, value_parser = |s: &str| whole(s, 0))]
     to: Option<u64>,
     /// The frame of this number, as `eyot timeline` lists them
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    frame: Option<usize>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = |s: &str| whole(s, 0))]
+    frame: Option<u64>,
 }
 
 impl Moment {
     pub(crate) fn get(&self) -> eyot::timeline::Moment {
         match self.frame {
-            Some(n) => eyot::timeline::Moment::Frame(n),
+            Some(n) => eyot::timeline::Moment::Frame(usize::try_from(n).unwrap_or(usize::MAX)),
             // One of both is there.
             None => eyot::timeline::Moment::Step(self.to.unwrap_or_default()),
         }
@@ -676,6 +676,10 @@ pub(crate) struct Bench {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+fn whole(text: &str, least: u64) -> Result<u64, String> {
+    text.parse().ok().filter(|n| *n >= least).ok_or_else(|| format!("write a whole number of at least {least}"))
 }
 
 fn seed(text: &str) -> Result<u64, String> {

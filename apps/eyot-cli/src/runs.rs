@@ -65,8 +65,8 @@ fn journal(path: &Path) -> Result<Vec<JournalEntry>, Failure> {
     if std::fs::metadata(path).is_ok_and(|m| !m.is_file()) {
         return Err(fail("it is not a file".into()));
     }
-    let text = std::fs::read_to_string(path).map_err(|e| fail(e.to_string()))?;
-    let report: serde_json::Value = serde_json::from_str(&text).map_err(|_| fail("it is no JSON".into()))?;
+    let bytes = std::fs::read(path).map_err(|e| fail(e.to_string()))?;
+    let report: serde_json::Value = serde_json::from_slice(&bytes).map_err(|_| fail("it is no JSON".into()))?;
     let Some(journal) = report.get("journal") else { return Err(fail("it lists no commands".into())) };
     serde_json::from_value(journal.clone()).map_err(|e| fail(format!("its list of commands is damaged: {e}")))
 }

@@ -112,10 +112,11 @@ fn every_wrong_thing_is_answered_with_place_and_remedy() {
         (&["run", "small.toml", "--max-memory", "lots"], "8G"),
         (&["run", "small.toml", "--checkpoint-seconds", "-1"], "seconds"),
         (&["run", "small.toml", "--replay", "nothere.json"], "run.json"),
-        (&["run", "small.toml", "--replay", "noise.tif"], "cannot replay"),
+        (&["run", "small.toml", "--replay", "binary.toml"], "it is no JSON"),
         (&["run", "small.toml", "--replay", "small.toml"], "it is no JSON"),
         (&["run", "small.toml", "--replay", "empty.json"], "it lists no commands"),
-        (&["run", "small.toml", "--record", "-1"], "-1 is not in 1.."),
+        (&["run", "small.toml", "--record", "-1"], "write a whole number of at least 1"),
+        (&["rewind", "killed", "--to", "-1"], "write a whole number of at least 0"),
         (&["run", "small.toml", "--set", "seed=-1"], "`seed` is -1: it must be at least 0"),
         (&["check", "small.toml", "--set", "hill.height=1e308"], "`cone.height` is 1e308"),
         (&["resume", "killed"], "was killed before it began"),
@@ -167,12 +168,17 @@ fn commands_that_read_height_maps_take_the_flags_that_they_name() {
         said(f, &[verb, "odd.raw"], 2, &["--from-size"]);
         let described = ["odd.raw", "--from-size", "6x4", "--from-type", "f32le", "--max-memory"];
         let with = |memory: &'static str| [&[verb][..], &described[..], &[memory]].concat();
-        said(f, &with("1K"), 2, &["8G"]);
+        said(f, &with("1K"), 2, &["the limit is 1.0 KiB", "--max-memory"]);
         if verb == "stats" {
             said(f, &with("1G"), 0, &["6 x 4 cells"]);
         }
     }
-    said(f, &["stats", "odd.raw", "--from-size", "6x4", "--from-type", "f32le", "--nodata", "10"], 0, &["missing"]);
+    said(
+        f,
+        &["stats", "odd.raw", "--from-size", "6x4", "--from-type", "f32le", "--nodata", "10"],
+        0,
+        &["cells without a value"],
+    );
 }
 
 /// Without graphics hardware the processor is measured instead, and so is what only the processor does.
