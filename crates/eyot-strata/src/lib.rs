@@ -4,23 +4,31 @@
 //! loose. Other processes change the height, as ever: what they take is taken from the loose ground first, what they lay down is
 //! loose. [`Rockfall`] lets every material slide at its own angle, [`Soak`] softens what lies under standing water.
 //!
-//! All are rules of single cells and their neighbours, and run on every engine.
+//! All are rules of single cells and their neighbours, and run on every engine. [`Subsurface`] says what lies below a place,
+//! [`Section`] what a line across the land cuts through.
 
 pub mod materials;
 pub mod rock_cycle;
 pub mod rockfall;
+pub mod section;
+pub mod sequence;
 pub mod soak;
 pub mod strata;
+pub mod subsurface;
 
-pub use materials::{Material, classes, standard};
+pub use materials::{Material, classes, classes_of, standard};
 pub use rock_cycle::RockCycle;
 pub use rockfall::Rockfall;
+pub use section::{Piece, Section};
+pub use sequence::{Layered, SEQUENCE, STRATA, Sequence};
 pub use soak::{SOAK_WATER, Soak};
 pub use strata::{
     BED_DATUM, BED_SHIFT, BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, NEW_ROCK, ROCK_SLOPE, Strata,
     Surfaces,
 };
+pub use subsurface::{Kind, Run, Subsurface};
 
+use eyot_core::ComponentKind;
 use eyot_core::about;
 use eyot_core::process::{Entry, Process};
 
@@ -35,3 +43,6 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[
     Entry::<dyn Process>::process::<Rockfall>("rockfall", about!("rockfall.rs"), &["musgrave1989", "benes2001"]),
     Entry::<dyn Process>::process::<Soak>("soak", about!("soak.rs"), &["stava2008"]),
 ];
+
+/// Every kind of components that the processes of this crate keep in worlds.
+pub const COMPONENTS: [&ComponentKind; 1] = [&sequence::SEQUENCE];

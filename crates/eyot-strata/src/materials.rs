@@ -1,6 +1,8 @@
 //! Materials of which beds are made, and what is known of them.
 
+use crate::sequence::Sequence;
 use eyot_core::layer::{Class, class};
+use eyot_core::{World, intern};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -54,20 +56,38 @@ const CLASSES: &[Class] = &[
     class("schist", [104, 116, 116]),
     class("marble", [236, 232, 224]),
     class("granite", [168, 130, 128]),
-    class("material 8", [134, 98, 74]),
-    class("material 9", [142, 138, 112]),
-    class("material 10", [222, 196, 152]),
-    class("material 11", [176, 104, 74]),
-    class("material 12", [158, 92, 70]),
-    class("material 13", [190, 120, 92]),
-    class("material 14", [204, 190, 164]),
-    class("material 15", [150, 140, 130]),
+    class("material 8", [120, 92, 70]),
+    class("material 9", [92, 108, 140]),
+    class("material 10", [150, 140, 84]),
+    class("material 11", [130, 70, 72]),
+    class("material 12", [84, 120, 90]),
+    class("material 13", [70, 70, 78]),
+    class("material 14", [196, 170, 186]),
+    class("material 15", [148, 168, 178]),
     class("material 16", [206, 150, 96]),
 ];
 
 /// The classes of the layer `material`, by the numbers of the usual materials; `None` for all other layers.
 pub fn classes(layer: &str) -> Option<&'static [Class]> {
     (layer == "material").then_some(CLASSES)
+}
+
+/// The colour of a material by its number, sRGB: those beyond the list begin again after the usual ones.
+pub fn colour(number: usize) -> [u8; 3] {
+    let usual = 7;
+    let n = if number < CLASSES.len() { number } else { usual + (number - usual) % (CLASSES.len() - usual) };
+    CLASSES[n].colour
+}
+
+/// As [`classes`], with the materials of a world that has strata: those that its recipe made, too.
+pub fn classes_of(world: &World, layer: &str) -> Option<Vec<Class>> {
+    let sequence = Sequence::of(world).ok().flatten().filter(|_| layer == "material")?;
+    let named = |(n, m): (usize, &Material)| {
+        // Too many names end in those of the list.
+        let name = intern(&m.name).unwrap_or(CLASSES[n.min(CLASSES.len() - 1)].name);
+        Class { name, colour: colour(n) }
+    };
+    Some(sequence.materials.iter().enumerate().map(named).collect())
 }
 
 #[cfg(test)]

@@ -52,5 +52,6 @@ impl DerefMut for Registry {
 
 /// Every kind of components that the processes of this program keep in worlds.
 pub fn component_kinds() -> ComponentKinds {
-    ComponentKinds::core().with(eyot_plates::COMPONENTS).with(eyot_reef::COMPONENTS)
+    let own = ComponentKinds::core().with(eyot_plates::COMPONENTS).with(eyot_reef::COMPONENTS);
+    own.with(eyot_strata::COMPONENTS)
 }

@@ -2,6 +2,7 @@
 
 use super::new_rock::SLOTS;
 use super::{MOST_BENDS, Strata, Surfaces};
+use crate::sequence::{Layered, Sequence};
 use eyot_core::math64::{cos_degrees, sin_degrees};
 use eyot_core::{Error, Result};
 use schemars::JsonSchema;
@@ -10,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Beds above the one without a bottom.
 pub const MOST_BEDS: usize = 12;
 /// Beds whose bottoms can be layers of their own.
-pub(super) const SURFACES: usize = 4;
+pub(crate) const SURFACES: usize = 4;
 
 /// A bed of one material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -87,6 +88,26 @@ impl Strata {
         self.materials.iter().position(|m| m.name == name).ok_or_else(|| {
             let names: Vec<&str> = self.materials.iter().map(|m| m.name.as_str()).collect();
             bad(field, format!("there is no material `{name}`; there are {}", names.join(", ")))
+        })
+    }
+
+    /// What a world keeps of its beds.
+    ///
+    /// # Errors
+    /// If there is no material of a name.
+    pub fn sequence(&self) -> Result<Sequence> {
+        let number = |field: &str, name: &String| self.number(field, name).map(|n| n as u8);
+        let bed =
+            |bed: &Bed| Ok(Layered { material: number("beds.material", &bed.material)?, thickness_m: bed.thickness });
+        let stages = self.stages.iter().filter(|_| self.new_rock).map(|name| number("stages", name));
+        Ok(Sequence {
+            materials: self.materials.clone(),
+            loose: number("loose", &self.loose)?,
+            beds: self.beds.iter().map(bed).collect::<Result<_>>()?,
+            repeat: self.repeat,
+            surfaces: self.surfaces,
+            top_m: self.top,
+            stages: stages.collect::<Result<_>>()?,
         })
     }
 

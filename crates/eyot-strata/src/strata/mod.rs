@@ -48,18 +48,20 @@ mod expose;
 mod lie;
 mod new_rock;
 
+use beds::Profile;
+pub(crate) use beds::SURFACES;
 pub use beds::{Bed, Fault, Fold, MOST_BEDS};
-use beds::{Profile, SURFACES};
 pub use expose::{Expose, ExposeParams};
 pub use lie::{Bury, BuryParams, Lie, LieParams, Lift, LiftParams};
 pub use new_rock::{NewRockParams, Overlay, SLOTS, Take};
 
 use crate::materials::{Material, standard};
+use crate::sequence::STRATA;
 use eyot_core::given::Given;
 use eyot_core::layer::known::{HEIGHT, SEDIMENT};
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, SECONDS_PER_YEAR};
-use eyot_core::{Grid, LayerSpec, Result, given};
+use eyot_core::{Grid, LayerSpec, Result, World, given};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -239,6 +241,11 @@ impl Process for Strata {
     fn check(&self, _grid: &Grid) -> Result<()> {
         self.fits()?;
         self.profile().map(|_| ())
+    }
+
+    fn prepare(&self, world: &mut World) -> Result<()> {
+        world.components.insert(STRATA, self.sequence()?);
+        Ok(())
     }
 
     fn seconds_per_step(&self, _grid: &Grid) -> Option<f64> {

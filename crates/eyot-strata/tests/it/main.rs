@@ -5,6 +5,7 @@ mod columns;
 mod conformance;
 mod rock_cycle;
 mod rockfall;
+mod section;
 mod soak;
 mod strata;
 
