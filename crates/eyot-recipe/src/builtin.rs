@@ -16,6 +16,8 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "real", text: include_str!("../recipes/real.toml") },
     BuiltIn { name: "alps", text: include_str!("../recipes/alps.toml") },
     BuiltIn { name: "canyon", text: include_str!("../recipes/canyon.toml") },
+    BuiltIn { name: "mesa", text: include_str!("../recipes/mesa.toml") },
+    BuiltIn { name: "cuesta", text: include_str!("../recipes/cuesta.toml") },
     BuiltIn { name: "reef", text: include_str!("../recipes/reef.toml") },
     BuiltIn { name: "reef-slope", text: include_str!("../recipes/reef-slope.toml") },
     BuiltIn { name: "bleaching", text: include_str!("../recipes/bleaching.toml") },

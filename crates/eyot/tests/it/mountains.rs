@@ -1,5 +1,5 @@
 //! The recipe `alps` makes land that drains as mountains do: targets between measured mountains, and far from any noise. The
-//! recipe `canyon` makes cliffs and flats with little between them.
+//! recipes `canyon` and `mesa` make cliffs and benches, because their beds differ.
 //!
 //! Reference of `alps`: five measured mountain maps with cells of 30 to 93 m, and the shares of landforms of the Jacksboro map.
 
@@ -85,11 +85,32 @@ fn slope_shares(world: &World) -> [f64; 3] {
 
 /// A quarter of the cells of the full map.
 #[test]
-fn canyons_are_steps_and_flat_floors() {
+fn canyons_are_cliffs_and_benches_because_their_beds_differ() {
     let [flat, between, steep] = slope_shares(&world("canyon", 256, &[]));
-    // Measured: 0.48, 0.12 and 0.24.
-    assert!(flat > 0.4 && between < 0.18 && steep > 0.15, "flat {flat}, between {between}, steep {steep}");
-    // It is inverted thermal erosion that makes them; measured without it: 0.20 and 0.27.
-    let [flat, between, _] = slope_shares(&world("canyon", 256, &["benches.enabled=false"]));
-    assert!(flat < 0.3 && between > 0.2, "without inverted erosion: flat {flat}, between {between}");
+    println!("flat {flat}, between {between}, steep {steep}");
+    // Measured: 0.17, 0.37 and 0.22.
+    assert!(flat > 0.12 && steep > 0.16, "flat {flat}, between {between}, steep {steep}");
+    // One bed of all kinds' middle: measured.
+    let one = "valleys.strata.beds=[{ material = \"red shale\", thickness = 1000.0 }]";
+    let [flat, between, steep] = slope_shares(&world("canyon", 256, &[one]));
+    println!("flat {flat}, between {between}, steep {steep}");
+    assert!(steep < 0.05, "of one bed: flat {flat}, between {between}, steep {steep}");
+}
+
+/// Share of the cells whose rock lies within 2 m below the top of a hard bed, which is where table mountains and ledges end.
+fn on_hard_tops(world: &World, tops: &[f32]) -> f64 {
+    let (rock, datum) = (world.get("bedrock").unwrap(), world.get("bed_datum").unwrap());
+    let on =
+        rock.iter().zip(datum.iter()).filter(|(r, d)| tops.iter().any(|t| (0.0..2.0).contains(&(d - r - t)))).count();
+    on as f64 / world.grid.cells() as f64
+}
+
+#[test]
+fn mesas_end_at_the_tops_of_hard_beds() {
+    let tops = [0.0, 230.0, 400.0];
+    let mesa = on_hard_tops(&world("mesa", 256, &[]), &tops);
+    let one = "rivers.strata.beds=[{ material = \"shale\", thickness = 1000.0 }]";
+    let uniform = on_hard_tops(&world("mesa", 256, &[one]), &tops);
+    println!("{mesa} of the cells, {uniform} in uniform rock");
+    assert!(mesa > 2.0 * uniform && mesa > 0.02, "{mesa} of the cells, {uniform} in uniform rock");
 }
