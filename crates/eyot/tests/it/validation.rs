@@ -380,7 +380,9 @@ fn what_is_blind_to_rock_is_doubted() {
             "[grid]\nsize = [64, 64]\ncell = 10.0\n[[step]]\ngenerate = \"fbm\"\n[[step]]\nname = \"age\"\nsimulate = {processes}\n\
              steps = 5\n{more}"
         );
-        parse(&text, &[]).unwrap().doubts().iter().map(ToString::to_string).collect()
+        let source = RecipeSource { name: "age.toml".into(), text, folder: ".".into() };
+        let recipe = Recipe::parse(source, Overrides::default(), &Registry::standard(), &Limits::default()).unwrap();
+        recipe.doubts().iter().map(ToString::to_string).collect()
     };
     let blind = doubts("[\"hydraulic\", \"strata\"]", "");
     assert_eq!(blind.len(), 1);
