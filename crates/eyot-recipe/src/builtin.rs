@@ -18,6 +18,7 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "canyon", text: include_str!("../recipes/canyon.toml") },
     BuiltIn { name: "mesa", text: include_str!("../recipes/mesa.toml") },
     BuiltIn { name: "cuesta", text: include_str!("../recipes/cuesta.toml") },
+    BuiltIn { name: "strata", text: include_str!("../recipes/strata.toml") },
     BuiltIn { name: "reef", text: include_str!("../recipes/reef.toml") },
     BuiltIn { name: "reef-slope", text: include_str!("../recipes/reef-slope.toml") },
     BuiltIn { name: "bleaching", text: include_str!("../recipes/bleaching.toml") },

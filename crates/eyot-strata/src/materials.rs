@@ -54,7 +54,7 @@ const CLASSES: &[Class] = &[
     class("sandstone", [190, 112, 70]),
     class("limestone", [208, 200, 172]),
     class("schist", [104, 116, 116]),
-    class("marble", [236, 232, 224]),
+    class("marble", [208, 202, 196]),
     class("granite", [168, 130, 128]),
     class("material 8", [120, 92, 70]),
     class("material 9", [92, 108, 140]),

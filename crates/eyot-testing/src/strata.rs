@@ -29,9 +29,10 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         ("uneven beds", vec![one(Strata { new_rock: false, ..uneven.clone() })]),
         ("uneven beds under new rock", vec![one(uneven)]),
         (
-            "few beds under new rock, of given height",
-            vec![one(Strata { beds: thick[..4].into(), surfaces: Surfaces::Height, ..new })],
+            "few beds of given height under new rock",
+            vec![one(Strata { beds: thick[..4].into(), surfaces: Surfaces::Height, ..new.clone() })],
         ),
+        ("few beds under new rock", vec![one(Strata { beds: thick[..4].into(), ..new })]),
         (
             "rock cycle",
             vec![

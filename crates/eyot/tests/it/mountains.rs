@@ -4,7 +4,7 @@
 //! Reference of `alps`: five measured mountain maps with cells of 30 to 93 m, and the shares of landforms of the Jacksboro map.
 
 use eyot::{Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World};
-use eyot_land::analyse::{TerrainOptions, TerrainStats, terrain_stats};
+use eyot_land::analyse::{TerrainOptions, TerrainStats, erosion_score, terrain_stats};
 
 /// Shares of flat, peak, ridge, shoulder, spur, slope, hollow, footslope, valley and pit on the Jacksboro map.
 const JACKSBORO: [f64; 10] = [0.0, 0.032, 0.148, 0.004, 0.174, 0.313, 0.132, 0.008, 0.151, 0.038];
@@ -113,4 +113,44 @@ fn mesas_end_at_the_tops_of_hard_beds() {
     let uniform = on_hard_tops(&world("mesa", 256, &[one]), &tops);
     println!("{mesa} of the cells, {uniform} in uniform rock");
     assert!(mesa > 2.0 * uniform && mesa > 0.02, "{mesa} of the cells, {uniform} in uniform rock");
+}
+
+/// The three grounds of the source: nearly a plain, rough, and very rough.
+#[test]
+fn rough_ground_ages_to_connected_valleys() {
+    for (amplitude, scale) in [(27, 0.12), (300, 0.12), (300, 0.04)] {
+        let more = format!("{amplitude} m in waves of {scale}");
+        let set = [format!("hills.amplitude={amplitude}"), format!("hills.scale={scale}"), "rain.steps=60".into()];
+        let world = world("strata", 256, &set.each_ref().map(String::as_str));
+        let height = &world.layer("height").unwrap().field;
+        let s = terrain_stats(height, &world.grid, None, &TerrainOptions::default(), &Limits::default()).unwrap();
+        println!(
+            "{more}: order {}, depressions {:?}, fill {:?} m",
+            s.strahler_max, s.depression_fraction, s.fill_mean_m
+        );
+        assert!(s.strahler_max >= 3, "{more}: rivers of order {}", s.strahler_max);
+        assert!(s.depression_fraction.unwrap() < 0.1, "{more}: {:?} of the land is hollows", s.depression_fraction);
+    }
+}
+
+/// Failing slopes alone, as the source tried it: a plain stays as it is, steeper ground loses more of its score.
+#[test]
+fn rockfall_lowers_the_score_of_steep_ground() {
+    let score = |more: &[&str], steps: &str| {
+        let steps = format!("ageing.steps={steps}");
+        let alone = "ageing.simulate=[\"strata\", \"rockfall\"]";
+        let set: Vec<&str> = ["outlets.enabled=false", "rain.enabled=false", alone, "ageing.rockfall.every=1", &steps]
+            .into_iter()
+            .chain(more.iter().copied())
+            .collect();
+        let world = world("strata", 256, &set);
+        let height = &world.layer("height").unwrap().field;
+        erosion_score(height, &world.grid, |_| true).unwrap().unwrap()
+    };
+    let lost = |more: &[&str]| 1.0 - score(more, "100") / score(more, "1");
+    let [plain, hills, peaks] =
+        [lost(&["hills.amplitude=27", "hills.scale=0.12"]), lost(&["hills.scale=0.12"]), lost(&["hills.scale=0.04"])];
+    println!("lost {plain}, {hills}, {peaks}");
+    // The source: 0, 0.057 and 0.305.
+    assert!(plain.abs() < 0.01 && hills > 0.02 && peaks > 2.0 * hills, "lost {plain}, {hills}, {peaks}");
 }
