@@ -522,7 +522,7 @@ mod tests {
         let rise = (all[1] - all[0]) / marks(1);
         let way = (all[all.len() - 1] - all[all.len() - 2]) / marks(0);
         assert!((way / rise - 2.0).abs() < 1e-2, "{way} {rise}");
-        let tall = SectionOptions { size: (1000, Some(500)), exaggeration: Some(200.0), ..wide() };
+        let tall = SectionOptions { size: (1000, Some(700)), exaggeration: Some(200.0), ..wide() };
         assert!(section(&island(false), &tall).unwrap_err().to_string().contains("do not fit"));
         let beyond = SectionOptions { line: vec![[0.0, 0.0], [2000.0, 0.0]], ..wide() };
         assert!(section(&island(false), &beyond).unwrap_err().to_string().contains("outside the land"));
