@@ -12,8 +12,8 @@ const WIDTH: u32 = 2000;
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  eyot section canyon                                      from west to east through the highest place
-  eyot section canyon --line 0,0.5,1,0.5                   through the middle, in shares of width and height
+  eyot section canyon                       from west to east through the highest place
+  eyot section canyon --line 0,0.5,1,0.5    through the middle, in shares of width and height
   eyot section canyon --line 0m,2500m,4000m,2500m,8000m,0m --out bend.svg
   eyot section canyon --exaggeration 3 --size 2400x900
 

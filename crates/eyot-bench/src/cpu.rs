@@ -353,8 +353,8 @@ fn ageing() -> Vec<Scheduled> {
     vec![
         scheduled("hydraulic", Box::new(Hydraulic::default()) as Box<dyn Process>, 1),
         scheduled("strata", Box::new(strata), 1),
-        scheduled("rockfall", Box::new(Rockfall::default()), 20),
-        scheduled("rock_cycle", Box::new(RockCycle::default()), 2),
+        scheduled("rockfall", Box::<Rockfall>::default(), 20),
+        scheduled("rock_cycle", Box::<RockCycle>::default(), 2),
     ]
 }
 

@@ -164,16 +164,16 @@ pub fn section(world: &World, o: &SectionOptions) -> Result<Drawn, ExportError> 
     for (colour, name, level) in
         [(SEA, "sea", (|s: &Sample| s.sea) as fn(&Sample) -> Option<f64>), (FRESH, "fresh water", |s: &Sample| s.water)]
     {
-        let wet: Vec<(usize, f64, f64)> =
+        let wet: Vec<Slice> =
             samples.iter().enumerate().filter_map(|(k, s)| level(s).map(|z| (k, z, s.ground))).collect();
         for part in parts(&wet) {
             shapes.push(area(&part, &at, colour, name));
         }
     }
     // Ground below everything, so that no paper shines through between two beds.
-    let ground: Vec<(usize, f64, f64)> = samples.iter().enumerate().map(|(k, s)| (k, s.ground, floor_m)).collect();
+    let ground: Vec<Slice> = samples.iter().enumerate().map(|(k, s)| (k, s.ground, floor_m)).collect();
     shapes.push(area(&ground, &at, [110, 100, 90], ""));
-    let mut runs: BTreeMap<(Option<i32>, usize), Vec<(usize, f64, f64)>> = BTreeMap::new();
+    let mut runs: BTreeMap<(Option<i32>, usize), Vec<Slice>> = BTreeMap::new();
     for (k, s) in samples.iter().enumerate() {
         s.runs.iter().for_each(|r| runs.entry((r.bed, r.kind)).or_default().push((k, r.top_m, r.bottom_m)));
     }
@@ -183,7 +183,7 @@ pub fn section(world: &World, o: &SectionOptions) -> Result<Drawn, ExportError> 
     }
     let contact = Stroke { ink: Ink { colour: [40, 30, 24], opacity: 0.55 }, width: 0.7 };
     for ((bed, _), list) in &runs {
-        let covered = |(k, top, _): &&(usize, f64, f64)| bed.is_some() && *top < samples[*k].runs[0].top_m;
+        let covered = |(k, top, _): &&Slice| bed.is_some() && *top < samples[*k].runs[0].top_m;
         let tops: Vec<_> = list.iter().filter(covered).copied().collect();
         for part in parts(&tops) {
             let points = part.iter().map(|(k, top, _)| at(*k, *top)).collect();
@@ -206,6 +206,9 @@ pub fn section(world: &World, o: &SectionOptions) -> Result<Drawn, ExportError> 
     let drawing = Drawing { width, height: bottom + foot, background: PAPER, shapes };
     Ok(Drawn { drawing, line, length_m, exaggeration, floor_m, areas_m2: names.collect() })
 }
+
+/// Number of a sample, top and bottom, m.
+type Slice = (usize, f64, f64);
 
 /// From west to east through the highest cell.
 fn through_the_top(world: &World, height: &Field) -> Vec<[f64; 2]> {
@@ -270,14 +273,14 @@ fn legend(below: &Subsurface<'_>, world: &World, samples: &[Sample]) -> Vec<(Str
 }
 
 /// Cuts a list of samples where some are missing.
-fn parts(list: &[(usize, f64, f64)]) -> Vec<Vec<(usize, f64, f64)>> {
+fn parts(list: &[Slice]) -> Vec<Vec<Slice>> {
     list.chunk_by(|a, b| a.0 + 1 == b.0).map(<[_]>::to_vec).collect()
 }
 
 /// The area between the tops and bottoms of samples that follow each other; it reaches halfway to those on both sides.
-fn area(part: &[(usize, f64, f64)], at: &impl Fn(usize, f64) -> Place, colour: [u8; 3], title: &str) -> Shape {
+fn area(part: &[Slice], at: &impl Fn(usize, f64) -> Place, colour: [u8; 3], title: &str) -> Shape {
     let step = at(1, 0.0)[0] - at(0, 0.0)[0];
-    let side = |z: fn(&(usize, f64, f64)) -> f64| {
+    let side = |z: fn(&Slice) -> f64| {
         let mut points: Vec<Place> = part.iter().map(|s| at(s.0, z(s))).collect();
         let (first, last) = (points[0], points[points.len() - 1]);
         points.insert(0, [first[0] - 0.5 * step, first[1]]);

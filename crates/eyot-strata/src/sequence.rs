@@ -5,10 +5,28 @@
 //! have changed. So a checkpoint, a frame of a recording and a world from any program know their beds, too.
 
 use crate::materials::Material;
-use crate::strata::{SLOTS, Surfaces};
 use eyot_core::component::{Decoder, Encoder};
 use eyot_core::{Component, ComponentKind, Fingerprint, Result, World};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// Slots of new rock: the layers `new_rock_1` to `new_rock_6`.
+pub const SLOTS: usize = 6;
+
+/// What the layers `bed_1` to `bed_4` say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Surfaces {
+    /// Nothing: beds are as thick everywhere.
+    #[default]
+    Flat,
+    /// How much lower the bottom of the bed lies here than its thickness says, m: what a generator with amplitude makes.
+    Lower,
+    /// The height of the bottom of the bed, m, before dip, folds and faults: what is imported.
+    Height,
+}
 
 /// Name of the component.
 pub const STRATA: &str = "strata";

@@ -38,7 +38,17 @@ const ABOVE: &[(&str, &[&str])] = &[
     ("eyot-cli", &["eyot", "eyot-bench"]),
     (
         "eyot-bench",
-        &["eyot", "eyot-climate", "eyot-core", "eyot-gpu", "eyot-land", "eyot-plates", "eyot-reef", "eyot-expr"],
+        &[
+            "eyot",
+            "eyot-climate",
+            "eyot-core",
+            "eyot-gpu",
+            "eyot-land",
+            "eyot-plates",
+            "eyot-reef",
+            "eyot-strata",
+            "eyot-expr",
+        ],
     ),
     ("eyot-wasm", &["eyot"]),
     ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-strata"]),

@@ -1,8 +1,7 @@
 //! What beds are made of and how they lie, as recipes say it, and as the rules need it.
 
-use super::new_rock::SLOTS;
 use super::{MOST_BENDS, Strata, Surfaces};
-use crate::sequence::{Layered, Sequence};
+use crate::sequence::{Layered, SLOTS, Sequence};
 use eyot_core::math64::{cos_degrees, sin_degrees};
 use eyot_core::{Error, Result};
 use schemars::JsonSchema;

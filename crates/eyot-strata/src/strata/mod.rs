@@ -53,10 +53,11 @@ pub(crate) use beds::SURFACES;
 pub use beds::{Bed, Fault, Fold, MOST_BEDS};
 pub use expose::{Expose, ExposeParams};
 pub use lie::{Bury, BuryParams, Lie, LieParams, Lift, LiftParams};
-pub use new_rock::{NewRockParams, Overlay, SLOTS, Take};
+pub use new_rock::{NewRockParams, Overlay, Take};
 
 use crate::materials::{Material, standard};
 use crate::sequence::STRATA;
+pub use crate::sequence::{SLOTS, Surfaces};
 use eyot_core::given::Given;
 use eyot_core::layer::known::{HEIGHT, SEDIMENT};
 use eyot_core::plan::Plan;
@@ -103,20 +104,6 @@ pub const NEW_ROCK: [LayerSpec; SLOTS] = [
 ];
 const CUT_TIME: LayerSpec = LayerSpec::new("cut_time", "m", "What is left of the time to cut beds", (-1.0, 1e12));
 const CUT_TOP: LayerSpec = LayerSpec::new("cut_top", "m", "Top of what is left of new rock", (-12000.0, 12000.0));
-
-/// What the layers `bed_1` to `bed_4` say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-#[non_exhaustive]
-pub enum Surfaces {
-    /// Nothing: beds are as thick everywhere.
-    #[default]
-    Flat,
-    /// How much lower the bottom of the bed lies here than its thickness says, m: what a generator with amplitude makes.
-    Lower,
-    /// The height of the bottom of the bed, m, before dip, folds and faults: what is imported.
-    Height,
-}
 
 /// What lies at the surface.
 pub const MATERIAL: LayerSpec =

@@ -4,11 +4,9 @@
 //! the column, and equal neighbours are one slot.
 
 use super::expose::covered;
+use crate::sequence::SLOTS;
 use eyot_core::real::Real;
 use eyot_core::rule::{Cell, ParamSet, Read, Rule, Tally, TallyUnit, read};
-
-/// Slots of new rock.
-pub const SLOTS: usize = 6;
 
 /// Parameters of [`Take`] and [`Overlay`].
 #[derive(Clone, Copy, Debug)]

@@ -136,21 +136,27 @@ fn rough_ground_ages_to_connected_valleys() {
 /// Failing slopes alone, as the source tried it: a plain stays as it is, steeper ground loses more of its score.
 #[test]
 fn rockfall_lowers_the_score_of_steep_ground() {
-    let score = |more: &[&str], steps: &str| {
-        let steps = format!("ageing.steps={steps}");
-        let alone = "ageing.simulate=[\"strata\", \"rockfall\"]";
-        let set: Vec<&str> = ["outlets.enabled=false", "rain.enabled=false", alone, "ageing.rockfall.every=1", &steps]
-            .into_iter()
-            .chain(more.iter().copied())
-            .collect();
+    let score = |amplitude: u32, scale: f32, ages: bool| {
+        let hills =
+            [format!("hills.amplitude={amplitude}"), format!("hills.scale={scale}"), format!("ageing.enabled={ages}")];
+        let alone = [
+            "outlets.enabled=false",
+            "rain.enabled=false",
+            "ageing.streampower.enabled=false",
+            "ageing.rock_cycle.enabled=false",
+            "ageing.rockfall.every=1",
+            "ageing.steps=100",
+        ];
+        let set: Vec<&str> = alone.into_iter().chain(hills.iter().map(String::as_str)).collect();
         let world = world("strata", 256, &set);
-        let height = &world.layer("height").unwrap().field;
-        erosion_score(height, &world.grid, |_| true).unwrap().unwrap()
+        erosion_score(&world.layer("height").unwrap().field, &world.grid, |_| true).unwrap().unwrap()
     };
-    let lost = |more: &[&str]| 1.0 - score(more, "100") / score(more, "1");
-    let [plain, hills, peaks] =
-        [lost(&["hills.amplitude=27", "hills.scale=0.12"]), lost(&["hills.scale=0.12"]), lost(&["hills.scale=0.04"])];
+    let lost = |amplitude, scale| 1.0 - score(amplitude, scale, true) / score(amplitude, scale, false);
+    let [plain, hills, peaks] = [lost(41, 0.12), lost(450, 0.12), lost(450, 0.039)];
     println!("lost {plain}, {hills}, {peaks}");
-    // The source: 0, 0.057 and 0.305.
-    assert!(plain.abs() < 0.01 && hills > 0.02 && peaks > 2.0 * hills, "lost {plain}, {hills}, {peaks}");
+    // Measured: 0, 0.046 and 0.21; the source: 0, 0.057 and 0.305.
+    assert!(
+        plain.abs() < 0.001 && (0.01..0.15).contains(&hills) && peaks > 1.5 * hills,
+        "lost {plain}, {hills}, {peaks}"
+    );
 }
