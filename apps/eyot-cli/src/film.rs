@@ -25,7 +25,7 @@ Examples:
   eyot film island --drape water --frames 60
   eyot film island --run --frames 100                      how it came to be, step by step
   eyot film island --recording --path orbit                its recording, a picture for each frame
-  eyot film canyon --recording --drape material            which rock comes to light as the land ages
+  eyot film canyon --recording --drape material   which rock comes to light as the land ages
   eyot film world --run --size 1920x1080                   a planet's history, as a map
 
 A file of key frames:
