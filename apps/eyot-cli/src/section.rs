@@ -9,6 +9,9 @@ use std::path::PathBuf;
 /// Width of the picture unless something else is asked for, pixels.
 const WIDTH: u32 = 2000;
 
+/// Points of a line: more are no section that somebody could read.
+const MOST_POINTS: usize = 100;
+
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -55,6 +58,9 @@ fn line(text: &str) -> Result<Line, String> {
         value.map(|v| (v, metres)).ok_or_else(|| help.to_owned())
     };
     let all = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    if all.len() > 2 * MOST_POINTS {
+        return Err(format!("a line has at most {MOST_POINTS} points, this one has {}", all.len() / 2));
+    }
     if all.len() < 4 || all.len() % 2 != 0 {
         return Err(help.to_owned());
     }
@@ -68,7 +74,7 @@ pub(crate) fn section(args: &Section) -> Result<(), Failure> {
     let (w, h) = args.size.unwrap_or((WIDTH, None));
     if !(500..=16384).contains(&w) || h.is_some_and(|h| !(300..=16384).contains(&h)) {
         return Err(report::usage(
-            "a section of this size",
+            "a picture of this size",
             "choose 500 to 16384 pixels for the width, 300 to 16384 for the height",
         ));
     }

@@ -99,6 +99,11 @@ impl Process for RockCycle {
         layers
     }
 
+    fn needs(&self) -> Vec<&'static str> {
+        // Without new rock what hardens would be lost in the beds.
+        vec!["new_rock_1"]
+    }
+
     fn check(&self, _grid: &Grid) -> Result<()> {
         check_ranges("rock_cycle", self)
     }

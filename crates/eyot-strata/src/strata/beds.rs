@@ -180,6 +180,10 @@ impl Strata {
         let [_, material, erodibility, slope, wear] = last;
         let mut beds = [[-1e30, material, erodibility, slope, wear]; MOST_BEDS];
         beds[..all.len()].copy_from_slice(&all);
+        // The last bed ends below everything, and its wear has an account as that of the others has.
+        if let Some(bed) = beds.get_mut(all.len()) {
+            bed[0] = 1e30;
+        }
         let mut slots = [[0.0; 4]; SLOTS];
         if self.new_rock {
             if self.stages.len() != SLOTS {

@@ -255,7 +255,7 @@ impl Process for Strata {
             [&CUT_TIME, &CUT_TOP].into_iter().for_each(|s| plan.scratch(s));
             plan.push_given::<Take>(new_rock);
         }
-        match (self.beds.len() <= 5, self.new_rock, self.surfaces != Surfaces::Flat) {
+        match (self.beds.len() <= 4, self.new_rock, self.surfaces != Surfaces::Flat) {
             (true, false, false) => self.expose::<4, false, false>(&profile, plan),
             (true, true, false) => self.expose::<4, true, false>(&profile, plan),
             (false, false, false) => self.expose::<12, false, false>(&profile, plan),

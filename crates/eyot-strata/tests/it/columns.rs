@@ -78,7 +78,7 @@ fn a_step_that_cuts_through_beds_takes_each_for_as_long_as_it_lasts() {
     let of = |top: f64, bottom: f64| -> f64 {
         cuts.iter().map(|&c| (budget(f64::from(c), &column).min(bottom) - top).max(0.0)).sum()
     };
-    for (name, top, bottom) in [("bed_1", 0.0, 2.0), ("bed_2", 2.0, 3.0), ("bed_3", 3.0, 6.0)] {
+    for (name, top, bottom) in [("bed_1", 0.0, 2.0), ("bed_2", 2.0, 3.0), ("bed_3", 3.0, 6.0), ("bed_4", 6.0, 1e9)] {
         let got = account(&format!("rock.worn_{name}"));
         assert!((got - of(top, bottom)).abs() < 1e-3, "{name}: {got}, not {}", of(top, bottom));
     }
