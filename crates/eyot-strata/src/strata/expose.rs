@@ -246,11 +246,13 @@ impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Rule for Expose<BED
         let depth = fold(top);
         let mut left = time.positive();
         let mut reached = depth;
+        let mut bottoms = [zero; BEDS];
         let mut above = R::of(-1e30);
         let mut i = 0;
         while i < BEDS {
             let bed = p.beds[i];
             above = Self::bottom(p, c, i, above);
+            bottoms[i] = above;
             let there = (above - reached).positive();
             let worn = there.min(bed[2] * left);
             left = worn.lt(there).pick(zero, left - worn * bed[4]).positive();
@@ -270,14 +272,6 @@ impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Rule for Expose<BED
         let rock = (bare - soil).named("(2) bedrock");
         // (3) From below, so that the uppermost bed that reaches down to here is the last to be chosen.
         let depth = fold(rock);
-        let mut bottoms = [zero; BEDS];
-        let mut above = R::of(-1e30);
-        let mut i = 0;
-        while i < BEDS {
-            above = Self::bottom(p, c, i, above);
-            bottoms[i] = above;
-            i += 1;
-        }
         let mut here = p.last;
         let (mut bottom, mut below) = (R::of(1e6) + depth, p.last[2]);
         let mut sums = [zero; 10];

@@ -245,34 +245,41 @@ impl Process for Strata {
             plan.push::<Lift>(LiftParams { risen: self.uplift * self.years_per_step });
         }
         let given = |v: f32| Given::from(v);
-        let per_cover = 1.0 / given!(plan, self.cover);
-        let soil = given!(plan, self.soil) * self.years_per_step;
-        let per_soil_depth = 1.0 / given!(plan, self.soil_depth);
-        let loose = profile.loose.map(given);
-        let slots = profile.slots.map(|slot| slot.map(given));
-        let new_rock = NewRockParams::<Given> { slots, loose, per_cover, soil, per_soil_depth };
+        // What the rules for beds and for new rock have in common.
+        let shared = NewRockParams::<Given> {
+            slots: profile.slots.map(|slot| slot.map(given)),
+            loose: profile.loose.map(given),
+            per_cover: 1.0 / given!(plan, self.cover),
+            soil: given!(plan, self.soil) * self.years_per_step,
+            per_soil_depth: 1.0 / given!(plan, self.soil_depth),
+        };
         if self.new_rock {
             [&CUT_TIME, &CUT_TOP].into_iter().for_each(|s| plan.scratch(s));
-            plan.push_given::<Take>(new_rock);
+            plan.push_given::<Take>(shared);
         }
         match (self.beds.len() <= 4, self.new_rock, self.surfaces != Surfaces::Flat) {
-            (true, false, false) => self.expose::<4, false, false>(&profile, plan),
-            (true, true, false) => self.expose::<4, true, false>(&profile, plan),
-            (false, false, false) => self.expose::<12, false, false>(&profile, plan),
-            (_, false, true) => self.expose::<12, false, true>(&profile, plan),
-            (false, true, false) => self.expose::<12, true, false>(&profile, plan),
-            (_, true, true) => self.expose::<12, true, true>(&profile, plan),
+            (true, false, false) => self.expose::<4, false, false>(&profile, &shared, plan),
+            (true, true, false) => self.expose::<4, true, false>(&profile, &shared, plan),
+            (false, false, false) => self.expose::<12, false, false>(&profile, &shared, plan),
+            (_, false, true) => self.expose::<12, false, true>(&profile, &shared, plan),
+            (false, true, false) => self.expose::<12, true, false>(&profile, &shared, plan),
+            (_, true, true) => self.expose::<12, true, true>(&profile, &shared, plan),
         }
         if self.new_rock {
-            plan.push_given::<Overlay<false>>(new_rock);
-            plan.push_given::<Overlay<true>>(new_rock);
+            plan.push_given::<Overlay<false>>(shared);
+            plan.push_given::<Overlay<true>>(shared);
         }
     }
 }
 
 impl Strata {
     /// Plans the rule for up to `BEDS` beds above the last one.
-    fn expose<const BEDS: usize, const UNDER: bool, const BENT: bool>(&self, profile: &Profile<f32>, plan: &mut Plan) {
+    fn expose<const BEDS: usize, const UNDER: bool, const BENT: bool>(
+        &self,
+        profile: &Profile<f32>,
+        shared: &NewRockParams<Given>,
+        plan: &mut Plan,
+    ) {
         let given = |v: f32| Given::from(v);
         let sequence = if self.repeat { self.sequence_m() } else { 0.0 };
         let surface = |i: usize| match self.surfaces {
@@ -289,12 +296,12 @@ impl Strata {
         plan.push_given::<Expose<BEDS, UNDER, BENT>>(ExposeParams {
             beds,
             last: profile.last.map(given),
-            loose: profile.loose.map(given),
+            loose: shared.loose,
             sequence: sequence.into(),
             per_sequence: if self.repeat { 1.0 / sequence } else { 0.0 }.into(),
-            per_cover: 1.0 / given!(plan, self.cover),
-            soil: given!(plan, self.soil) * self.years_per_step,
-            per_soil_depth: 1.0 / given!(plan, self.soil_depth),
+            per_cover: shared.per_cover,
+            soil: shared.soil,
+            per_soil_depth: shared.per_soil_depth,
             surfaces: std::array::from_fn(|i| surface(i).into()),
         });
     }
