@@ -142,7 +142,16 @@ fn no_process_imports_another_one() {
 
 #[test]
 fn processes_do_no_io() {
-    for krate in ["eyot-land", "eyot-climate", "eyot-noise", "eyot-plates", "eyot-reef", "eyot-strata", "eyot-expr"] {
+    for krate in [
+        "eyot-land",
+        "eyot-climate",
+        "eyot-noise",
+        "eyot-plates",
+        "eyot-reef",
+        "eyot-strata",
+        "eyot-plants",
+        "eyot-expr",
+    ] {
         assert_absent(&format!("crates/{krate}/src"), &["std::fs", "std::net", "File::"], &[]);
     }
 }
