@@ -12,7 +12,7 @@ use eyot_core::process::{Action as _, Generator, Moment, Process, Scheduled, Sit
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
 use eyot_core::{Boundary, BoundaryCondition, Cancel, Control, Error, Field, Grid, LayerSpec, Limits, Result, World};
-use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
+use eyot_drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};

@@ -48,6 +48,7 @@ fn numbers(view: &View<'_>) -> usize {
         View::Table(t) => t.len() * t.columns().len(),
         View::Points(p) => p.len() * (3 + p.attributes().columns().len()),
         View::Lines(g) => g.edges().len() * (2 + g.edge_attributes().columns().len()),
+        View::Features(f) => f.len() * f.attributes().columns().len(),
         _ => 0,
     }
 }

@@ -32,7 +32,7 @@ impl Table {
     }
 
     /// What a component shows of itself, and what is to be said about it: of points a row for each with `x`, `y` and `z` first, of lines
-    /// a row for each with the numbers of the nodes `from` and `to` first. `None` for what has no rows.
+    /// a row for each with the numbers of the nodes `from` and `to` first, of features their attributes. `None` for what has no rows.
     pub fn of_view(view: &View<'_>, about: Map<String, Value>) -> Option<Self> {
         let columns = match view {
             View::Table(table) => columns(table).collect(),
@@ -46,6 +46,7 @@ impl Table {
                 let node = |(i, name): (usize, &str)| column(name, "1", true, end(i));
                 ["from", "to"].into_iter().enumerate().map(node).chain(columns(graph.edge_attributes())).collect()
             }
+            View::Features(features) => columns(features.attributes()).collect(),
             _ => return None,
         };
         Some(Self { columns, about })

@@ -9,10 +9,11 @@ use std::process::Command;
 const BELOW: &[(&str, &[&str])] = &[
     ("eyot-core", &[]),
     ("eyot-noise", &["core"]),
+    ("eyot-drainage", &["core"]),
     // Engines.
     ("eyot-gpu", &["core"]),
     // Processes and generators; they never name each other.
-    ("eyot-land", &["core", "noise"]),
+    ("eyot-land", &["core", "drainage", "noise"]),
     ("eyot-climate", &["core", "noise"]),
     ("eyot-plates", &["core", "noise"]),
     ("eyot-reef", &["core", "mesh"]),
@@ -29,7 +30,10 @@ const BELOW: &[(&str, &[&str])] = &[
     // Cut sides show beds.
     ("eyot-render", &["core", "noise", "strata"]),
     ("eyot-view", &["core", "gpu", "noise", "render"]),
-    ("eyot-export", &["climate", "core", "io", "land", "mesh", "recipe", "reef", "render", "session", "strata"]),
+    (
+        "eyot-export",
+        &["climate", "core", "drainage", "io", "land", "mesh", "recipe", "reef", "render", "session", "strata"],
+    ),
     ("eyot-film", &["core", "export", "gpu", "io", "recipe", "render", "session", "view"]),
     ("eyot-live", &["core", "recipe", "reef", "session"]),
 ];
@@ -43,6 +47,7 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot",
             "eyot-climate",
             "eyot-core",
+            "eyot-drainage",
             "eyot-gpu",
             "eyot-land",
             "eyot-plates",

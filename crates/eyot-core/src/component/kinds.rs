@@ -1,6 +1,6 @@
 //! The kinds of components that a program knows.
 
-use super::{Component, Decoder, columns, graph, numbers, points, table};
+use super::{Component, Decoder, columns, features, graph, numbers, points, table};
 use crate::error::{Error, Result};
 use std::sync::Arc;
 
@@ -18,7 +18,8 @@ pub struct ComponentKind {
 }
 
 /// Those of this crate.
-const CORE: [&ComponentKind; 5] = [&numbers::KIND, &table::KIND, &points::KIND, &graph::KIND, &columns::KIND];
+const CORE: [&ComponentKind; 6] =
+    [&numbers::KIND, &table::KIND, &points::KIND, &graph::KIND, &features::KIND, &columns::KIND];
 
 /// All kinds that a program can read.
 ///
@@ -34,7 +35,7 @@ impl Default for ComponentKinds {
 }
 
 impl ComponentKinds {
-    /// Tables, points, graphs, columns and lists of numbers.
+    /// Tables, points, graphs, features, columns and lists of numbers.
     pub fn core() -> Self {
         Self(CORE.to_vec())
     }

@@ -1,4 +1,4 @@
-//! Typed state of a world that is no raster: tables, points, graphs, strata, and whatever a process brings along.
+//! Typed state of a world that is no raster: tables, points, graphs, lines and polygons, strata, and whatever a process brings along.
 //!
 //! A [`Component`] encodes itself, has its share of the world's fingerprint and says how much memory it holds. Its
 //! [`ComponentKind`] names it and decodes it again, from bytes that anybody may have written. [`Components`] are those of one world,
@@ -13,6 +13,7 @@
 mod attributes;
 mod code;
 mod columns;
+mod features;
 mod graph;
 mod kinds;
 mod numbers;
@@ -23,6 +24,7 @@ mod table;
 pub use attributes::{Attribute, Attributes, Type, Values};
 pub use code::{Decoder, Encoder};
 pub use columns::{Columns, Run};
+pub use features::{Features, Form, signed_double_area};
 pub use graph::Graph;
 pub use kinds::{ComponentKind, ComponentKinds};
 pub use numbers::Numbers;
@@ -72,6 +74,8 @@ pub enum Shape {
     Points,
     /// Places and the lines between them.
     Lines,
+    /// Lines or polygons with attributes.
+    Features,
 }
 
 /// A component, or a part of it, as those see it who do not know its type. Points of a component that does not know the ground have
@@ -85,6 +89,8 @@ pub enum View<'a> {
     Points(Cow<'a, Points>),
     /// Places and the lines between them.
     Lines(Cow<'a, Graph>),
+    /// Lines or polygons with attributes.
+    Features(Cow<'a, Features>),
 }
 
 /// What [`Components`] do with a component whose type they do not know. Every component that can be cloned and compared has it.

@@ -1,6 +1,9 @@
 //! Components: what they keep, and what becomes of bytes that nobody of theirs wrote.
 
-use eyot_core::component::{Columns, Decoder, Encoder, Graph, Numbers, Points, Run, Shape, Table, Type, View};
+use eyot_core::component::{
+    Columns, Decoder, Encoder, Features, Form, Graph, Numbers, Points, Run, Shape, Table, Type, View,
+    signed_double_area,
+};
 use eyot_core::{Boundary, Component, ComponentKinds, Components, Fingerprint, Grid, Limits, Result, World};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -41,9 +44,32 @@ fn columns() -> Columns {
     columns
 }
 
+/// A lake with an island beside a pond, and a tarn.
+fn features() -> Features {
+    let square = |x: f32, y: f32, a: f32, turn: bool| {
+        let mut ring = [[x, y, 3.0], [x, y + a, 3.0], [x + a, y + a, 3.0], [x + a, y, 3.0], [x, y, 3.0]];
+        if turn {
+            ring.reverse();
+        }
+        ring
+    };
+    let mut lakes = Features::new(Form::Polygons, [("id", "1", Type::U32), ("area", "m2", Type::F32)]);
+    let lake = [square(0.0, 0.0, 10.0, false), square(2.0, 2.0, 3.0, true), square(20.0, 0.0, 4.0, false)];
+    lakes.push(&lake.each_ref().map(|ring| &ring[..]), &[1.0, 107.0]).unwrap();
+    lakes.push(&[&square(30.0, 0.0, 1.0, false)], &[2.0, 1.0]).unwrap();
+    lakes
+}
+
 fn each() -> Vec<Arc<dyn Component>> {
     let numbers = Numbers(vec![1.5, -0.0, f64::INFINITY]);
-    vec![Arc::new(numbers), Arc::new(table()), Arc::new(points()), Arc::new(graph()), Arc::new(columns())]
+    vec![
+        Arc::new(numbers),
+        Arc::new(table()),
+        Arc::new(points()),
+        Arc::new(graph()),
+        Arc::new(columns()),
+        Arc::new(features()),
+    ]
 }
 
 fn encoded(component: &dyn Component) -> Vec<u8> {
@@ -110,7 +136,7 @@ fn kinds_and_versions_that_nobody_knows_are_named() {
 #[test]
 fn counts_and_numbers_that_no_component_has_are_refused() {
     let huge = u64::MAX.to_le_bytes();
-    for kind in ["table", "points", "graph", "columns"] {
+    for kind in ["table", "points", "graph", "columns", "features"] {
         for count in [huge, (1u64 << 40).to_le_bytes()] {
             assert!(decoded(kind, 1, &[&count[..], &[0; 64]].concat()).is_err(), "{kind}");
         }
@@ -295,4 +321,37 @@ fn columns_are_seen_as_a_table_of_their_runs() {
     }
     assert!(row > 3 && row == table.len());
     assert!(columns.view("other").is_none());
+}
+
+#[test]
+fn features_are_lines_or_polygons_with_holes() {
+    let lakes = features();
+    let polygons: Vec<Vec<usize>> =
+        (0..2).flat_map(|i| lakes.polygons(i)).map(|p| p.iter().map(|r| r.len()).collect()).collect();
+    assert_eq!(polygons, [vec![5, 5], vec![5], vec![5]], "a lake of two polygons, the first with a hole, and a tarn");
+    let area: f64 = lakes.parts(0).map(|ring| signed_double_area(ring) / 2.0).sum();
+    assert_eq!(area, 100.0 - 9.0 + 16.0);
+    assert_eq!(lakes.attributes().row(1).collect::<Vec<_>>(), [2.0, 1.0]);
+    assert!(matches!(lakes.view(""), Some(View::Features(f)) if f.len() == 2) && lakes.view("x").is_none());
+
+    let (mut lakes, before) = (lakes.clone(), lakes);
+    let ring: Vec<[f32; 3]> = before.parts(1).next().unwrap().to_vec();
+    let hole: Vec<[f32; 3]> = ring.iter().rev().copied().collect();
+    let open = [&ring[..4], &[[9.0; 3]]].concat();
+    let nowhere = [&[[f32::NAN, 0.0, 0.0]], &ring[1..4], &[[f32::NAN, 0.0, 0.0]]].concat();
+    for (parts, words) in [
+        (vec![], "without parts"),
+        (vec![&ring[..3]], "3 vertices, 4 are the least"),
+        (vec![&open[..]], "not closed"),
+        (vec![&hole[..], &ring[..]], "hole comes before"),
+        (vec![&ring[..], &nowhere[..]], "a vertex at"),
+    ] {
+        let e = lakes.push(&parts, &[3.0, 1.0]).unwrap_err().to_string();
+        assert!(e.contains(words), "{e}");
+        assert_eq!(lakes, before);
+    }
+    assert!(lakes.push(&[&ring], &[3.0]).is_err() && lakes == before, "a row that does not fit");
+    let mut lines = Features::new(Form::Lines, []);
+    assert!(lines.push(&[&ring[..1]], &[]).is_err() && lines.push(&[&hole[..2]], &[]).is_ok());
+    assert!(lines.polygons(0).is_empty());
 }
