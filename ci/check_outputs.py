@@ -345,9 +345,33 @@ def inspect_glb_bodies(path, document):
     return sum(len(g.faces) for g in scene.geometry.values())
 
 
+def inspect_glb_instances(path, document, binary):
+    """Copies of bodies by EXT_mesh_gpu_instancing: returns how many there are."""
+
+    def numbers(accessor):
+        a = document["accessors"][accessor]
+        view = document["bufferViews"][a["bufferView"]]
+        width = {"VEC3": 3, "VEC4": 4}[a["type"]]
+        return np.frombuffer(binary, "<f4", a["count"] * width, view["byteOffset"]).reshape(a["count"], width)
+
+    copies = 0
+    for node in document["nodes"]:
+        attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]
+        places, turns, sizes = (numbers(attributes[name]) for name in ("TRANSLATION", "ROTATION", "SCALE"))
+        check(path, f"every {node['name']} has a place, a turn and a size", len(places) == len(turns) == len(sizes) > 0)
+        check(path, f"every {node['name']} has a finite place", bool(np.isfinite(places).all()))
+        check(path, f"every {node['name']} has a size", bool((sizes > 0).all()), sizes.min())
+        check(path, "turns are unit quaternions", bool((abs((turns**2).sum(axis=1) - 1) < 1e-5).all()))
+        copies += len(places)
+    return copies
+
+
 def inspect_glb(path):
     data = path.read_bytes()
-    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    length = int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20 : 20 + length])
+    if document["scenes"][0].get("extras", {}).get("kind") == "instances":
+        return inspect_glb_instances(path, document, data[28 + length :])
     if document["scenes"][0].get("extras", {}).get("kind") == "bodies":
         return inspect_glb_bodies(path, document)
     scene = trimesh.load(path)

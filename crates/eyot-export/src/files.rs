@@ -7,7 +7,7 @@ use eyot_core::{Control, Limits, World};
 use eyot_io::{self as io, About, ByteOrder, RasterFormat, RowOrder, Rows, WriteOptions};
 
 use crate::materials::{self, Ground, Materials};
-use crate::{corals, masks, preset, terrain, views};
+use crate::{corals, masks, preset, terrain, trees, views};
 use eyot_io::storage::Storage;
 use eyot_io::{Source, Target};
 use eyot_recipe::{Bytes, Export, ExportFormat, MATERIALS, What};
@@ -124,6 +124,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             let path = job.file(&files[0])?;
             write_splat(job, path, export)
         }
+        What::Trees => trees::write(job, &files, format, export),
         What::View(name) => views::write(job, &name, format, &files[0]),
         what if what.is_of_corals() => {
             let Some(reef) = job.corals.clone() else {

@@ -27,6 +27,8 @@ mod preset;
 pub mod section;
 mod terrain;
 mod terrain_plots;
+mod tree_bodies;
+mod trees;
 mod views;
 
 /// Sheets of small pictures.

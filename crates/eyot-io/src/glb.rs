@@ -7,6 +7,10 @@ use crate::target::Target;
 use eyot_mesh::{Lod, TerrainMesh};
 use serde_json::{Value, json};
 
+mod instances;
+
+pub use instances::{Instances, write_instances_glb};
+
 // Numbers of the glTF specification.
 const FLOAT: u32 = 5126;
 const UNSIGNED_BYTE: u32 = 5121;
@@ -152,6 +156,7 @@ fn consistent(m: &TerrainMesh) -> bool {
 enum Data<'a> {
     Vectors(&'a [[f32; 3]]),
     Pairs(&'a [[f32; 2]]),
+    Fours(&'a [[f32; 4]]),
     Colours(&'a [[u8; 4]]),
     Scalars(&'a [f32]),
     /// Shares of 65535.
@@ -166,6 +171,7 @@ impl Data<'_> {
         match self {
             Self::Vectors(v) => size_of_val(v),
             Self::Pairs(v) => size_of_val(v),
+            Self::Fours(v) => size_of_val(v),
             Self::Colours(v) => size_of_val(v),
             Self::Scalars(v) => size_of_val(v),
             Self::Shares(v) => size_of_val(v),
@@ -180,6 +186,7 @@ impl Data<'_> {
         let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
         match self {
             Self::Vectors(v) => v.chunks(PART).try_for_each(|part| put(&floats(part.as_flattened()))),
+            Self::Fours(v) => v.chunks(PART).try_for_each(|part| put(&floats(part.as_flattened()))),
             Self::Pairs(v) => v.chunks(PART).try_for_each(|part| put(&floats(part.as_flattened()))),
             Self::Scalars(v) => v.chunks(PART).try_for_each(|part| put(&floats(part))),
             Self::Colours(v) => put(v.as_flattened()),

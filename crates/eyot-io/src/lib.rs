@@ -94,7 +94,7 @@ pub use error::{Error, Result};
 pub use exr_write::write_exr;
 pub use format::{RasterFormat, write_layer, write_rows};
 pub use georef::lossy_georef;
-pub use glb::{TerrainParts, write_scene_glb, write_terrain_glb};
+pub use glb::{Instances, TerrainParts, write_instances_glb, write_scene_glb, write_terrain_glb};
 pub use input::Input;
 pub use masks::{Weights, shares, write_mask, write_splat};
 pub use obj::{write_scene_obj, write_terrain_obj};

@@ -2,9 +2,12 @@
 //!
 //! [`Forest`] makes groves by a cellular automaton between two tree lines: cheap, and good enough for pictures.
 //!
-//! All are rules of single cells and their neighbours, and run on every engine.
+//! [`trees`] makes single trees of the layers that it leaves, each at its own place, for files and pictures.
+//!
+//! Processes are rules of single cells and their neighbours, and run on every engine.
 
 pub mod forest;
+pub mod trees;
 
 pub use forest::{FOREST, Forest, GROVE, TREE_SIZE};
 

@@ -68,9 +68,11 @@ impl Export {
     pub(crate) fn mesh_keys(&self) -> [(&'static str, bool, &'static str); 4] {
         let terrain = self.shows() == What::Terrain;
         let glb = self.preset.is_none() && terrain && self.formats().first() == Some(&ExportFormat::Glb);
+        let trees =
+            self.preset.is_none() && self.shows() == What::Trees && self.formats().first() == Some(&ExportFormat::Glb);
         let mesh = (terrain && self.preset.is_none()) || self.preset == Some(Preset::Blender);
         [
-            ("tiles", glb, "a terrain as `glb`"),
+            ("tiles", glb || trees, "a terrain or trees as `glb`"),
             ("skirt", glb && self.tiles != [1, 1], "a terrain in `tiles`"),
             ("water", mesh, "a terrain"),
             ("vertices", mesh, "a terrain"),
@@ -160,6 +162,8 @@ impl Export {
             (What::Census, _) => all(&["census"]),
             (What::Plots, _) => all(&["cover", "plot"]),
             (What::Corals, _) => all(&["corals"]),
+            (What::Trees, ExportFormat::Glb) if self.tiles != [1, 1] => self.tile_files("trees"),
+            (What::Trees, _) => all(&["trees"]),
             (What::Dive, _) => all(&["dive", "side", "above"]),
             (What::View(name), _) => all(&[&name]),
         }
@@ -206,7 +210,7 @@ impl Export {
 
 impl What {
     /// What needs no name of a table, of points or of lines.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Layers,
         Self::Terrain,
         Self::Splat,
@@ -216,6 +220,7 @@ impl What {
         Self::Plots,
         Self::Corals,
         Self::Dive,
+        Self::Trees,
     ];
 
     /// Name in recipes.
@@ -230,6 +235,7 @@ impl What {
             Self::Plots => "plots",
             Self::Corals => "corals",
             Self::Dive => "dive",
+            Self::Trees => "trees",
             Self::View(name) => name,
         }
     }
@@ -244,6 +250,7 @@ impl What {
             Self::Census | Self::View(_) => &[Csv, Parquet],
             Self::Plots => &[Svg, Png],
             Self::Corals => &[Glb, Obj, Ply],
+            Self::Trees => &[Glb, Csv, Parquet],
         }
     }
 
@@ -427,6 +434,9 @@ mod tests {
             ("what = 'corals'", "corals.glb"),
             ("format = 'ply'", "corals.ply"),
             ("what = 'dive'", "dive.png side.png above.png"),
+            ("what = 'trees'", "trees.glb"),
+            ("what = 'trees'\nformat = 'csv'", "trees.csv"),
+            ("what = 'trees'\ntiles = [1, 2]", "trees_x0_y0.glb trees_x0_y1.glb trees.json"),
             ("what = 'corals.algae'", "corals.algae.csv"),
         ] {
             assert_eq!(export(text).files().join(" "), files, "{text}");
@@ -445,7 +455,7 @@ mod tests {
         let problem = |text: &str| export(text).format_problem().map(|(message, help)| format!("{message}; {help}"));
         let told = "`what = \"terrain\"` is not written as `r16`; it is written as `glb` or `obj`";
         assert_eq!(problem("what = 'terrain'\nformat = 'r16'").as_deref(), Some(told));
-        let told = "`format = \"csv\"` does not say what the file holds; add `what`: it may be `census`";
+        let told = "`format = \"csv\"` does not say what the file holds; add `what`: it may be `census` or `trees`";
         assert_eq!(problem("format = 'csv'").as_deref(), Some(told));
         assert!(problem("format = 'parquet'").unwrap().ends_with("write\nwhat = \"census\"\nformat = \"parquet\""));
     }

@@ -303,6 +303,8 @@ pub enum What {
     Corals,
     /// Pictures of the corals' bodies: as a diver sees them, from the side, and from above.
     Dive,
+    /// Single trees of the forest that `forest` leaves, each at its own place with kind, height, crown and age.
+    Trees,
     /// A table, points or lines that a process keeps beside layers, by name: `corals.colonies`.
     #[serde(untagged)]
     View(#[schemars(regex(pattern = r"^[a-z_][a-z0-9_.]*$"))] String),
@@ -387,7 +389,7 @@ pub enum FirstRow {
 pub struct Export {
     /// What the files show. If not given, what the format is for: `terrain` of `glb` and `obj`, `corals` of `ply`, `plots` of `svg`, and otherwise `layers`.
     pub what: Option<What>,
-    /// How it is written. If not given: `layers` as `geotiff`, `terrain` and `corals` as `glb`, tables, points and lines as `csv`, `plots` as `svg` and `png`, all else as `png`.
+    /// How it is written. If not given: `layers` as `geotiff`, `terrain`, `corals` and `trees` as `glb`, tables, points and lines as `csv`, `plots` as `svg` and `png`, all else as `png`.
     #[schemars(extend("$former" = former_formats()))]
     pub format: Option<ExportFormat>,
     /// All files for a program instead of one kind: sizes are resampled, scales and orders are the program's.
@@ -400,7 +402,7 @@ pub struct Export {
     /// Levels of detail of a terrain as `glb`; each has a quarter of the triangles of the one before.
     #[schemars(range(min = 1, max = 12), extend("unit" = "1"))]
     pub levels: u32,
-    /// Tiles of a terrain as `glb`, from west to east and from north to south, each a file with levels of detail and skirts: `terrain_x0_y0.glb` in the north-west, and `terrain.json`, which lists them.
+    /// Tiles of a terrain or of trees as `glb`, from west to east and from north to south, each a file (of a terrain with levels of detail and skirts): `terrain_x0_y0.glb` in the north-west, and `terrain.json`, which lists them.
     #[schemars(inner(range(min = 1, max = 64)), extend("unit" = "1"))]
     pub tiles: [u32; 2],
     /// How far the skirts of tiles hang down. If not given, as far as the largest gap between two levels of detail could be, and at least half the distance of two vertices; 0 for no skirts, with levels that all keep their rims.

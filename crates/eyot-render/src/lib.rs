@@ -40,6 +40,7 @@ mod cut;
 mod drawing;
 mod framing;
 mod ground;
+mod grove;
 mod hillshade;
 mod legend;
 mod light;

@@ -121,7 +121,12 @@ impl<'a> Shot<'a> {
             return self.film(c);
         }
         let to_sea = if s.stage.sea && d[2] < 0.0 { -eye[2] / d[2] } else { f32::INFINITY };
-        if let Some(t) = self.ground_hit(eye, d, entry.from, entry.to.min(to_sea)) {
+        let to = entry.to.min(to_sea);
+        let ground = self.ground_hit(eye, d, entry.from, to);
+        if let Some(c) = self.tree_hit(eye, d, [entry.from, ground.unwrap_or(to)]) {
+            return self.film(c.0);
+        }
+        if let Some(t) = ground {
             let c = s.land(add(eye, scale(d, t)), d, self.pixel * t);
             // Colours of layers keep their legend's values.
             return if s.draped { c.map(|v| encode(v.min(1.0))) } else { self.film(c) };
@@ -137,9 +142,12 @@ impl<'a> Shot<'a> {
         let s = self.scene;
         let to_sea = if d[2] < -1e-6 { -eye[2] / d[2] } else { f32::INFINITY };
         if let Some((from, to)) = self.over_grid(eye, d)
-            && let Some(t) = self.ground_hit(eye, d, from, to.min(to_sea))
+            && let to = to.min(to_sea)
+            && let ground = self.ground_hit(eye, d, from, to)
+            && let Some((c, t)) = self
+                .tree_hit(eye, d, [from, ground.unwrap_or(to)])
+                .or_else(|| ground.map(|t| (s.land(add(eye, scale(d, t)), d, self.pixel * t), t)))
         {
-            let c = s.land(add(eye, scale(d, t)), d, self.pixel * t);
             return s.stage.sky.through_air(c, d, s.stage.haze * t);
         }
         if to_sea < 3e3 * s.stage.extent {
@@ -147,6 +155,13 @@ impl<'a> Shot<'a> {
             return s.stage.sky.through_air(c, d, s.stage.haze * to_sea);
         }
         s.stage.sky.seen(d)
+    }
+
+    /// Colour and distance of the first tree.
+    fn tree_hit(&self, eye: V3, d: V3, span: [f32; 2]) -> Option<(V3, f32)> {
+        let grove = self.scene.grove.as_ref()?;
+        let met = grove.meet(eye, d, span, self.pixel)?;
+        Some((self.scene.tree(grove, &met, eye, d, self.pixel * met.t), met.t))
     }
 
     fn ground_hit(&self, eye: V3, d: V3, from: f32, to: f32) -> Option<f32> {

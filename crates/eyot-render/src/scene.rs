@@ -1,5 +1,6 @@
 //! A world made ready for rays: surface, colours and light at nodes, water and sky.
 
+use crate::grove::Grove;
 use crate::light::{Coarse, Sun, sky_share, sunlight};
 use crate::map::LayerColours;
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep, unit};
@@ -32,6 +33,8 @@ pub struct Scene {
     pub(crate) surface: Surface,
     nodes: Vec<Node>,
     open_sky: Coarse,
+    /// Single trees.
+    pub(crate) grove: Option<Grove>,
     /// The ground wears the colours of a layer.
     pub(crate) draped: bool,
     /// Samples in pixels with edges.
@@ -96,7 +99,9 @@ impl Scene {
     pub fn new(world: &World, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
         let stage = Stage::new(world, o)?;
         let colours = stage.colours(world);
-        Self::with(stage, &colours, false, o, control)
+        let mut scene = Self::with(stage, &colours, false, o, control)?;
+        scene.grove = Grove::new(world, &scene.stage, &scene.surface);
+        Ok(scene)
     }
 
     /// A relief model that wears the colours of a layer; of the options, what [`ViewOptions::draped`] keeps.
@@ -109,7 +114,7 @@ impl Scene {
 
     fn with(stage: Stage, colours: &[V3], draped: bool, o: &ViewOptions, control: &Control<'_>) -> Result<Self> {
         let Refined { surface, nodes, open_sky } = Refined::new(&stage, colours, control)?;
-        Ok(Self { stage, surface, nodes, open_sky, draped, samples: o.samples.clamp(1, 16) })
+        Ok(Self { stage, surface, nodes, open_sky, grove: None, draped, samples: o.samples.clamp(1, 16) })
     }
 
     /// Takes over a later state of the same world, and of the layer that it wears, if it wears one. See [`Stage::follow`].
@@ -123,6 +128,9 @@ impl Scene {
             None => Refined::new(&self.stage, &self.stage.colours(world), control)?,
         };
         (self.surface, self.nodes, self.open_sky) = (refined.surface, refined.nodes, refined.open_sky);
+        if layer.is_none() {
+            self.grove = Grove::new(world, &self.stage, &self.surface);
+        }
         Ok(())
     }
 
@@ -193,7 +201,8 @@ impl Scene {
             length *= 0.47;
         }
         let normal = unit([-rise[0], -rise[1], 1.0]);
-        let mut c = mul(colour, self.irradiance(normal, node.sun, open));
+        let shade = self.grove.as_ref().map_or(1.0, |g| g.lets_through(p, self.stage.sky.sun, footprint));
+        let mut c = mul(colour, self.irradiance(normal, node.sun * shade, open));
         // Leaves and dust send light back the way it came and let it through at the rim.
         let rim = (1.0 + dot(d, normal)).clamp(0.0, 1.0);
         c = scale(c, 1.0 + 0.25 * rim * rim * green);

@@ -123,6 +123,11 @@ impl Surface {
         Self { nx, ny, step, z, top, levels }
     }
 
+    /// Level ground of a single interval.
+    pub(crate) fn flat() -> Self {
+        Self::with_step([1.0; 2], &Refinement { cells: [2; 2], factor: 1, nodes: [2; 2] }, vec![0.0; 4])
+    }
+
     /// East-west and north-south extent, m.
     pub(crate) fn extent(&self) -> [f32; 2] {
         [(self.nx - 1) as f32 * self.step[0], (self.ny - 1) as f32 * self.step[1]]

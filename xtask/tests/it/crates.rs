@@ -27,12 +27,15 @@ const BELOW: &[(&str, &[&str])] = &[
     // What is written and shown.
     ("eyot-mesh", &["core"]),
     ("eyot-io", &["core", "mesh"]),
-    // Cut sides show beds.
-    ("eyot-render", &["core", "noise", "strata"]),
+    // Cut sides show beds, views single trees.
+    ("eyot-render", &["core", "noise", "plants", "strata"]),
     ("eyot-view", &["core", "gpu", "noise", "render"]),
     (
         "eyot-export",
-        &["climate", "core", "drainage", "io", "land", "mesh", "recipe", "reef", "render", "session", "strata"],
+        &[
+            "climate", "core", "drainage", "io", "land", "mesh", "plants", "recipe", "reef", "render", "session",
+            "strata",
+        ],
     ),
     ("eyot-film", &["core", "export", "gpu", "io", "recipe", "render", "session", "view"]),
     ("eyot-live", &["core", "recipe", "reef", "session"]),

@@ -2,6 +2,7 @@
 
 mod conformance;
 mod forest;
+mod trees;
 
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;

@@ -3,7 +3,7 @@
 //! Each ground covers a share of what lay there before, so that shares sum to 1. With `S(a, b, x)` the smooth step, and the noises of the place
 //! in every border:
 //! 1. soil, dry grass, green grass, bushes and forest by moisture: that of the palette or the climate, more in hollows, on the shady side and by
-//!    `wetness`, less on ridges and slopes; nothing where it is arid. Trees end at the tree line, bushes somewhat above, grass on the way to the snow line.
+//!    `wetness`, less on ridges and slopes; nothing where it is arid. Where there is a layer `forest`, it says where forest is. Trees end at the tree line, bushes somewhat above, grass on the way to the snow line.
 //! 2. scree and rock by slope, in units of the slope at which half of the ground is rock. Cells round slopes off, so this begins
 //!    at smaller slopes in larger cells: `(10 m / cell)^0.16`.
 //! 3. mud where it is flat and wet, gravel where rivers ran.
@@ -106,7 +106,7 @@ impl Cover {
         let woods = smoothstep(0.47, 0.62, m + 0.18 * s.fine) * smoothstep(150.0, -150.0, height);
         // Meadows and fields lie where it is level.
         let clearing = 0.75 * flat * smoothstep(0.05, 0.30, s.region + 0.8 * s.broad);
-        lay(&mut w, Class::Forest, woods * (1.0 - clearing));
+        lay(&mut w, Class::Forest, s.forest.unwrap_or(woods * (1.0 - clearing)));
         // From the trees to the snow life thins out.
         let way = height / (trees - snow).clamp(200.0, 2500.0);
         let bare = smoothstep(0.30, 0.95, way);

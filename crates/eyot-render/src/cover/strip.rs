@@ -10,7 +10,7 @@ use eyot_noise::picture::fbm;
 pub const HALO: usize = 2;
 
 /// The layers that are read where a world has them, the height first.
-pub const LAYERS: [&str; 11] = [
+pub const LAYERS: [&str; 12] = [
     "height",
     "wetness",
     "limestone",
@@ -22,6 +22,7 @@ pub const LAYERS: [&str; 11] = [
     "precipitation",
     "ice",
     "material",
+    "forest",
 ];
 const HEIGHT: usize = 0;
 const WETNESS: usize = 1;
@@ -32,6 +33,7 @@ const WARMTH: [usize; 2] = [5, 6];
 const RAIN: [usize; 2] = [7, 8];
 const ICE: usize = 9;
 const MATERIAL: usize = 10;
+const FOREST: usize = 11;
 
 /// Whole rows of the [`LAYERS`] of a world.
 pub struct Strip {
@@ -125,6 +127,8 @@ pub(super) struct Site {
     pub climate: Option<(f32, f32)>,
     /// Share that ice covers.
     pub ice: f32,
+    /// Share that trees cover, where the world knows it.
+    pub forest: Option<f32>,
     /// Colour of the rock or of the loose ground, where the world knows it.
     pub rock: Option<V3>,
 }
@@ -164,6 +168,7 @@ impl Cover {
             reef: share(GROWTH).max(smoothstep(0.2, 2.5, strip.get(LIMESTONE, x, row).unwrap_or(0.0))),
             climate,
             ice: self.ice(strip, x, row),
+            forest: strip.get(FOREST, x, row).map(|share| share.clamp(0.0, 1.0)),
             rock: self.rock_colour(strip, x, row),
         }
     }

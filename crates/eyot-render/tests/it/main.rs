@@ -1,3 +1,4 @@
 //! All tests of this crate that see it from outside, in one binary.
 
 mod pictures;
+mod trees;
