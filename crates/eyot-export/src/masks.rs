@@ -8,6 +8,10 @@
 //! | `river` | no fresh water that shows | all covered | `water`: what pictures draw as rivers and lakes |
 //! | `wetness` | no running water lately | always | the layer of that name |
 //! | `shore` | no beach | all beach | the classes `beach` and `wet_sand` of the ground |
+//! | `slope` | level | upright | the height: its angle over 90 degrees |
+//! | `relative_height` | the lowest land | the highest | the height |
+//! | `lake_shore` | no lake within [`NEAR_M`], or in it | beside it | `lake_level` or `lake` |
+//! | `river_bank` | no river within that, or in it | beside it | `river`, `water` or `drained_area` |
 //!
 //! As layers in files of numbers, `wear` and `deposit` are metres; in a mask, 1 is what a hundredth of the changed cells exceed.
 
@@ -23,6 +27,10 @@ use rayon::prelude::*;
 
 /// Bytes that a mask takes for each cell while it is made.
 pub(crate) const BYTES_PER_CELL: u128 = 48;
+/// How far shores and banks reach, m.
+const NEAR_M: f32 = 30.0;
+/// Drained area from which on a cell is a river, where nothing else says so, m2; as of the process `forest`.
+const RIVER_AREA_M2: f32 = 4e6;
 /// A mask is full where more was taken or left than in so many of the changed cells.
 const FULL_SHARE: f32 = 0.99;
 
@@ -83,6 +91,20 @@ pub(crate) fn of(world: &World, name: &str, ground: &Ground<'_>) -> Result<Optio
             let fresh = cover.map(|(c, z)| if z < sea { 0.0 } else { c }).collect();
             share("Share of the cell that pictures draw as a river or a lake", fresh)
         }
+        "slope" => share("Angle of the ground over 90 degrees", slope(world)?),
+        "relative_height" => share("Height between the lowest and the highest land", relative_height(world)?),
+        "lake_shore" => match lakes(world)? {
+            Some(lakes) => share("How near the shore of a lake is", beside(world, &lakes, &lakes)),
+            None => None,
+        },
+        "river_bank" => match rivers(world)? {
+            Some(rivers) => {
+                let mut wet = lakes(world)?.unwrap_or_else(|| vec![false; rivers.len()]);
+                wet.iter_mut().zip(&rivers).for_each(|(wet, river)| *wet |= river);
+                share("How near the bank of a river is", beside(world, &rivers, &wet))
+            }
+            None => None,
+        },
         "shore" => share("Share of the ground that is beach", shore(world, ground)?),
         _ => None,
     })
@@ -98,6 +120,12 @@ pub(crate) fn missing(world: &World, mask: &str) -> Option<String> {
             "it compares the ground with that before the erosion; keep that with [[layer]] name = \"{GROUND_BEFORE}\", unit = \"m\", start = \"height\", \
              next = \"{GROUND_BEFORE}\", and name \"{GROUND_BEFORE}\" in the `simulate` of the step that erodes"
         )),
+        "lake_shore" if matches!(lakes(world), Ok(None)) => {
+            Some("no step leaves a layer of lakes, as \"drainage\" does".to_owned())
+        }
+        "river_bank" if matches!(rivers(world), Ok(None)) => {
+            Some("no step leaves a layer of rivers, as \"drainage\" does".to_owned())
+        }
         name if bed_of_top(name).is_some() && !matches!(below::top(world, name), Ok(Some(_))) => {
             Some("no step with `strata` has such a bed".to_owned())
         }
@@ -146,6 +174,79 @@ fn shore(world: &World, ground: &Ground<'_>) -> Result<Vec<f32>> {
         }
     });
     Ok(out)
+}
+
+fn slope(world: &World) -> Result<Vec<f32>> {
+    let (g, height) = (&world.grid, &world.layer("height")?.field);
+    let rise = |a: (usize, usize), b: (usize, usize), cell: f64| {
+        let way = (b.0 - a.0 + b.1 - a.1) as f32 * cell as f32;
+        if way > 0.0 { (height.get(b.0, b.1) - height.get(a.0, a.1)) / way } else { 0.0 }
+    };
+    let of = |i: usize| {
+        let (x, y) = (i % g.width, i / g.width);
+        let east = rise((x.saturating_sub(1), y), ((x + 1).min(g.width - 1), y), g.cell_x_m);
+        let south = rise((x, y.saturating_sub(1)), (x, (y + 1).min(g.height - 1)), g.cell_y_m);
+        east.hypot(south).atan() / std::f32::consts::FRAC_PI_2
+    };
+    Ok((0..g.cells()).into_par_iter().map(of).collect())
+}
+
+fn relative_height(world: &World) -> Result<Vec<f32>> {
+    let height = &world.layer("height")?.field;
+    let sea = world.sea_level_m as f32;
+    let land = height.iter().filter(|z| *z >= sea);
+    let (low, high) = land.fold((f32::MAX, f32::MIN), |(a, b), z| (a.min(z), b.max(z)));
+    Ok(height.iter().map(|z| ((z - low) / (high - low).max(1e-3)).clamp(0.0, 1.0)).collect())
+}
+
+/// Where lakes stand, if the world knows.
+fn lakes(world: &World) -> Result<Option<Vec<bool>>> {
+    let height = &world.layer("height")?.field;
+    if let Some(level) = world.get("lake_level") {
+        return Ok(Some(level.iter().zip(height.iter()).map(|(l, z)| l > z).collect()));
+    }
+    Ok(world.get("lake").map(|lake| lake.iter().map(|d| d > 0.05).collect()))
+}
+
+/// Where rivers run, if the world knows.
+fn rivers(world: &World) -> Result<Option<Vec<bool>>> {
+    let sea = world.sea_level_m as f32;
+    let dry: Vec<bool> = world.layer("height")?.field.iter().map(|z| z >= sea).collect();
+    let of = |shown: Vec<bool>| Some(shown.into_iter().zip(&dry).map(|(river, dry)| river && *dry).collect());
+    if let Some(river) = world.get("river") {
+        return Ok(of(river.iter().map(|share| share > 0.05).collect()));
+    }
+    if world.get("water").is_some_and(|w| w.iter().any(|d| d > 0.0)) {
+        return Ok(of(water_cover(world)?.into_iter().map(|share| share > 0.5).collect()));
+    }
+    Ok(world.get("drained_area").and_then(|area| of(area.iter().map(|a| a >= RIVER_AREA_M2).collect())))
+}
+
+/// From 1 beside these cells to 0 so far away, and 0 in what is wet.
+fn beside(world: &World, cells: &[bool], wet: &[bool]) -> Vec<f32> {
+    let g = &world.grid;
+    let side = g.cell_x_m.min(g.cell_y_m);
+    // A bank has a width in large cells, too.
+    let far = f64::from(NEAR_M).max(1.5 * side);
+    let reach = |cell: f64| (far / cell).ceil() as usize;
+    let (rx, ry) = (reach(g.cell_x_m), reach(g.cell_y_m));
+    let of = |i: usize| {
+        let (x, y) = (i % g.width, i / g.width);
+        if wet[i] {
+            return 0.0;
+        }
+        let mut nearest = f64::MAX;
+        for j in y.saturating_sub(ry)..(y + ry + 1).min(g.height) {
+            for k in x.saturating_sub(rx)..(x + rx + 1).min(g.width) {
+                if cells[j * g.width + k] {
+                    let (dx, dy) = (x.abs_diff(k) as f64 * g.cell_x_m, y.abs_diff(j) as f64 * g.cell_y_m);
+                    nearest = nearest.min(dx.hypot(dy));
+                }
+            }
+        }
+        (1.0 - (nearest - side).max(0.0) / far).clamp(0.0, 1.0) as f32
+    };
+    (0..g.cells()).into_par_iter().map(of).collect()
 }
 
 /// The rows of a mask.
@@ -226,6 +327,26 @@ mod tests {
         assert!(flow.range().0 >= 0.0 && flow.range().1 <= 1.0);
         let shore = mask(&world, "shore");
         assert!(at(&shore, 30, 40) > 0.5 && at(&shore, 100, 40) < 0.01 && at(&shore, 2, 40) < 0.01);
+    }
+
+    #[test]
+    fn places_of_the_landscape() {
+        let mut world = coast();
+        let at = |m: &Mask, x: usize, y: usize| m.values[y * 120 + x];
+        let slope = mask(&world, "slope");
+        assert!((at(&slope, 60, 10) - (0.11f32.hypot(0.2)).atan() / std::f32::consts::FRAC_PI_2).abs() < 1e-3);
+        let height = mask(&world, "relative_height");
+        assert!(at(&height, 119, 0) == 1.0 && at(&height, 2, 40) == 0.0);
+        // The river is three cells wide.
+        let bank = mask(&world, "river_bank");
+        assert_eq!((at(&bank, 60, 40), at(&bank, 60, 42), at(&bank, 60, 60)), (0.0, 1.0, 0.0));
+        assert!(at(&bank, 60, 43) < 1.0 && at(&bank, 60, 43) > 0.0);
+        let ground = Ground::new(&world, Looks::default());
+        assert!(of(&world, "lake_shore", &ground).unwrap().is_none());
+        assert!(missing(&world, "lake_shore").unwrap().contains("drainage"));
+        world.put(&known::LAKE, Field::from_fn(120, 80, |x, y| f32::from(u8::from(x > 80 && y > 60)))).unwrap();
+        let shore = mask(&world, "lake_shore");
+        assert_eq!((at(&shore, 90, 70), at(&shore, 80, 70), at(&shore, 60, 70)), (0.0, 1.0, 0.0));
     }
 
     /// Where the mask says river the picture changes with the water, and nowhere else.

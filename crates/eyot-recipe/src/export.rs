@@ -31,6 +31,10 @@ pub const GROUND: [&str; 16] = [
 /// exports alone: `flow` and `shore` of any land, `river` where there is `water`, `wear` and `deposit` where there is [`GROUND_BEFORE`].
 pub const MASKS: [&str; 6] = ["flow", "wear", "deposit", "river", "wetness", "shore"];
 
+/// The masks that say where in the landscape a cell lies; no files of presets. `slope` and `relative_height` are those of any land, `lake_shore`
+/// and `river_bank` need a layer of lakes or of rivers.
+pub const PLACES: [&str; 4] = ["slope", "relative_height", "lake_shore", "river_bank"];
+
 /// The bed whose top a layer of an export is, counted from 1: of `bed_1_top` to `bed_13_top`, which exports make where there are `strata`.
 pub fn bed_of_top(layer: &str) -> Option<usize> {
     let number = layer.strip_prefix("bed_")?.strip_suffix("_top")?;
@@ -111,7 +115,7 @@ impl Export {
             Some(preset) => preset == Preset::Gis,
             None => matches!(self.shows(), What::Layers | What::Mask),
         };
-        let mask = MASKS.contains(&layer) && layer != "wetness";
+        let mask = (MASKS.contains(&layer) && layer != "wetness") || PLACES.contains(&layer);
         takes && (MATERIALS.contains(&layer) || GROUND.contains(&layer) || mask || bed_of_top(layer).is_some())
     }
 
@@ -125,7 +129,7 @@ impl Export {
 
     /// True if its files can be written while the world is made, one band of rows after the other.
     pub fn streams(&self) -> bool {
-        let whole = |l: &String| MASKS.contains(&l.as_str()) || bed_of_top(l).is_some();
+        let whole = |l: &String| MASKS.contains(&l.as_str()) || PLACES.contains(&l.as_str()) || bed_of_top(l).is_some();
         if self.uses_layers() && self.layers.iter().any(|l| self.knows(l) && whole(l)) {
             // These follow from the whole of the land, or from what only whole worlds keep.
             return false;

@@ -64,7 +64,7 @@ pub use cite::{Citation, Citations, REFERENCES, all_citations, cite};
 pub use describe::{Choice, Description, Expression, ParameterInfo, describe};
 pub use diagnostic::{Diagnostic, Problems, Source, alternatives, nearest};
 pub use doc::{RecipeDoc, StepDoc};
-pub use export::{GROUND, GROUND_BEFORE, MASKS, MATERIALS, bed_of_top};
+pub use export::{GROUND, GROUND_BEFORE, MASKS, MATERIALS, PLACES, bed_of_top};
 pub use eyot_core::Limits;
 pub use host::{Estimator, NoFiles, NoOutputs, RasterInfo, Refusal, Resolver, Streamed};
 pub use keys::{Bytes, Export, ExportFormat, FirstRow, Preset, View, What};
