@@ -15,11 +15,11 @@ use rayon::prelude::*;
 /// Side of the squares, m.
 const SQUARE: f32 = 16.0;
 /// More trees than that are drawn as colour alone.
-const MOST: u64 = 3_000_000;
+const MOST: u64 = 2_000_000;
 /// Largest area of land whose trees are looked for, m2.
-const WIDEST: f64 = 3e8;
+const WIDEST: f64 = 1.5e8;
 /// Pixels of these sizes, m, show the first and the last single trees.
-const FADE: [f32; 2] = [4.0, 9.0];
+const FADE: [f32; 2] = [8.0, 18.0];
 
 /// Linear colour of bark.
 const TRUNK: V3 = [0.070, 0.052, 0.038];
