@@ -18,6 +18,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-plates", &["core", "noise"]),
     ("eyot-reef", &["core", "mesh"]),
     ("eyot-strata", &["core"]),
+    ("eyot-water", &["core", "drainage", "noise"]),
     // Layers and rules of a recipe's own.
     ("eyot-expr", &["core"]),
     // What a recipe says, and how it is carried out: no pictures, meshes, cards or network.
