@@ -4,6 +4,7 @@ use crate::light::{Coarse, Sun, sky_share, sunlight};
 use crate::map::LayerColours;
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep, unit};
 use crate::stage::Stage;
+use crate::streams::Frame;
 use crate::surface::{Refinement, Surface, b_spline, mitchell};
 use crate::view::ViewOptions;
 use crate::water::{fresnel, refracted_cos};
@@ -49,8 +50,23 @@ impl Refined {
     fn new(stage: &Stage, colours: &[V3], control: &Control<'_>) -> Result<Self> {
         control.check()?;
         let refine = Refinement::new(stage.ground.width, stage.ground.height);
-        let surface = Surface::new(&stage.ground, &refine, refine.refine(stage.tops(), b_spline));
-        let fresh = stage.fresh().map(|w| refine.refine(w, mitchell));
+        let mut tops = refine.refine(stage.tops(), b_spline);
+        let cell = stage.ground.cell;
+        let frame = Frame {
+            points: refine.nodes,
+            first_m: [0.5 * cell[0], 0.5 * cell[1]],
+            step_m: [cell[0] / refine.factor as f32, cell[1] / refine.factor as f32],
+        };
+        let fresh = match stage.streams(&frame, &refine.refine(&stage.ground.z, b_spline)) {
+            Some((fresh, levels)) => {
+                // Lakes are level, whatever the kernel makes of their shores.
+                let drawn = levels.iter().map(|level| level * stage.exaggeration);
+                tops.iter_mut().zip(drawn).filter(|(_, level)| !level.is_nan()).for_each(|(top, level)| *top = level);
+                Some(fresh)
+            }
+            None => stage.fresh().map(|w| refine.refine(w, mitchell)),
+        };
+        let surface = Surface::new(&stage.ground, &refine, tops);
         let foam = stage.foam().map(|f| refine.refine(&f, b_spline));
 
         control.check()?;

@@ -27,7 +27,7 @@ pub struct GraphStats {
     pub bifurcation_ratio: Option<f64>,
     /// How many times longer the streams of the next order are.
     pub length_ratio: Option<f64>,
-    /// `L ~ A^h` from spring to place, over all reaches' lower ends.
+    /// `L ~ A^h`: the longest way from the divide over the drained area, over all reaches' lower ends.
     pub hack_exponent: Option<f64>,
     /// Length of streams over the straight way, mean by length, of reaches of ten vertices or more.
     pub sinuosity: Option<f64>,
@@ -69,9 +69,10 @@ fn column(attributes: &Attributes, name: &str) -> Vec<f64> {
 fn of_rivers(rivers: &Features, area_km2: f64) -> GraphStats {
     let of = |name: &str| column(rivers.attributes(), name);
     let (next, order, length, lake) = (of("NEXT_DOWN"), of("ORD_STRA"), of("LENGTH_KM"), of("LAKE_ID"));
-    let (area, discharge, width) = (of("UPLAND_SKM"), of("DIS_AV_CMS"), of("WIDTH_M"));
+    let (area, longest) = (of("UPLAND_SKM"), of("DIST_UP_KM"));
+    let (discharge, width) = (of("DIS_AV_CMS"), of("WIDTH_M"));
     let n = rivers.len();
-    if [&next, &order, &length, &lake, &area, &discharge, &width].iter().any(|c| c.len() != n) {
+    if [&next, &order, &length, &lake, &area, &longest, &discharge, &width].iter().any(|c| c.len() != n) {
         return GraphStats::default();
     }
     let open: Vec<usize> = (0..n).filter(|k| lake[*k] == 0.0).collect();
@@ -91,8 +92,6 @@ fn of_rivers(rivers: &Features, area_km2: f64) -> GraphStats {
     };
     let counts = slope(orders.iter().map(|o| streams[*o]).collect());
     let means = slope(orders.iter().map(|o| lengths[*o] / streams[*o].max(1.0)).collect());
-    // The longest way down to each reach's end.
-    let longest = longest_way(&next, &length);
     let hack: Vec<(f64, f64)> = open
         .iter()
         .filter(|k| area[**k] > 0.0 && longest[**k] > 0.0)
@@ -116,25 +115,6 @@ fn of_rivers(rivers: &Features, area_km2: f64) -> GraphStats {
         width_exponent: line(&widths),
         ..GraphStats::default()
     }
-}
-
-/// Of each reach the longest way from a spring to its end, km.
-fn longest_way(next: &[f64], length: &[f64]) -> Vec<f64> {
-    let mut above = vec![0_u32; next.len()];
-    next.iter().filter(|n| **n > 0.0).for_each(|n| above[*n as usize - 1] += 1);
-    let mut way = length.to_vec();
-    let mut open: Vec<usize> = (0..next.len()).filter(|k| above[*k] == 0).collect();
-    while let Some(k) = open.pop() {
-        if next[k] > 0.0 {
-            let n = next[k] as usize - 1;
-            way[n] = way[n].max(way[k] + length[n]);
-            above[n] -= 1;
-            if above[n] == 0 {
-                open.push(n);
-            }
-        }
-    }
-    way
 }
 
 fn sinuosity(rivers: &Features, open: &[usize]) -> Option<f64> {

@@ -437,6 +437,7 @@ impl Rivers {
         let reaches = &network.reaches;
         let length: Vec<f64> = courses.iter().map(|c| length_m(&c.line)).collect();
         let drained = found.routing.upstream_cells();
+        let upwards = found.routing.longest_upstream_m();
         let mut down = vec![f64::NAN; reaches.len()];
         for k in 0..reaches.len() {
             let (mut way, mut at) = (vec![k], k);
@@ -469,6 +470,7 @@ impl Rivers {
                 id(reach.mouth),
                 length[k] / 1000.0,
                 down[k] / 1000.0,
+                upwards[last] / 1000.0,
                 f64::from(drained[last]) * grid.cell_area_m2() / 1e6,
                 reach.discharge,
                 f64::from(reach.order),
@@ -491,12 +493,13 @@ impl Rivers {
 }
 
 /// What is said of a reach; the names are those of HydroRIVERS where it has them.
-const RIVER_ATTRIBUTES: [(&str, &str, Type); 13] = [
+const RIVER_ATTRIBUTES: [(&str, &str, Type); 14] = [
     ("HYRIV_ID", "1", Type::U32),
     ("NEXT_DOWN", "1", Type::U32),
     ("MAIN_RIV", "1", Type::U32),
     ("LENGTH_KM", "km", Type::F64),
     ("DIST_DN_KM", "km", Type::F64),
+    ("DIST_UP_KM", "km", Type::F64),
     ("UPLAND_SKM", "km2", Type::F64),
     ("DIS_AV_CMS", "m3/s", Type::F64),
     ("ORD_STRA", "1", Type::U8),

@@ -53,6 +53,7 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot-plates",
             "eyot-reef",
             "eyot-strata",
+            "eyot-water",
             "eyot-expr",
         ],
     ),
