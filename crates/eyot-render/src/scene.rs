@@ -237,7 +237,13 @@ impl Scene {
         let cos = -dot(d, normal);
         let light = self.irradiance(normal, node.sun, open);
         let path = 1.2 + 1.0 / refracted_cos(cos.clamp(0.0, 1.0));
-        let body = mul(self.stage.fresh_water.upwelling(node.albedo, node.fresh, path), light);
+        let mut deep = self.stage.fresh_water.upwelling(node.albedo, node.fresh, path);
+        if self.stage.has_streams() {
+            // Torrents are white; only lines know where they run.
+            let slope = node.rise[0].hypot(node.rise[1]) / self.stage.exaggeration;
+            deep = mix(deep, [0.30, 0.36, 0.40], 0.6 * smoothstep(0.02, 0.35, slope));
+        }
+        let body = mul(deep, light);
         let reflected = add(d, scale(normal, 2.0 * cos));
         let f = fresnel(cos.max(0.12));
         add(scale(body, 1.0 - f), scale(self.stage.sky.clear(reflected), f * open))

@@ -168,6 +168,11 @@ impl Stage {
         self.ground.water.as_deref().filter(|_| self.rivers)
     }
 
+    /// True if rivers are drawn as lines.
+    pub(crate) fn has_streams(&self) -> bool {
+        self.rivers && self.streams.is_some()
+    }
+
     /// Depth of fresh water at the points of a finer picture, m, and the levels of its lakes above the datum, NaN elsewhere, if the
     /// world keeps its rivers as lines. `ground`: the height of the bare ground there, m.
     pub(crate) fn streams(&self, frame: &Frame, ground: &[f32]) -> Option<(Vec<f32>, Vec<f32>)> {

@@ -7,6 +7,7 @@
 pub mod bed;
 pub mod course;
 pub mod lakes;
+pub mod meander;
 pub mod measures;
 pub mod network;
 pub mod rivers;

@@ -102,7 +102,7 @@ pub struct Rivers {
     #[schemars(range(min = 0.0, max = 1.0e12), extend("unit" = "m2"))]
     pub min_area: f32,
     /// How many springs lie in the band.
-    #[schemars(range(min = 1, max = 1000000))]
+    #[schemars(range(min = 1, max = 1000000), extend("unit" = "1"))]
     pub spring_count: u32,
     /// Lowest height of springs in a band.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
