@@ -151,6 +151,7 @@ fn processes_do_no_io() {
         "eyot-reef",
         "eyot-strata",
         "eyot-water",
+        "eyot-plants",
         "eyot-expr",
     ];
     for krate in crates {

@@ -19,6 +19,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-reef", &["core", "mesh"]),
     ("eyot-strata", &["core"]),
     ("eyot-water", &["core", "drainage", "noise"]),
+    ("eyot-plants", &["core", "noise"]),
     // Layers and rules of a recipe's own.
     ("eyot-expr", &["core"]),
     // What a recipe says, and how it is carried out: no pictures, meshes, cards or network.
@@ -58,7 +59,7 @@ const ABOVE: &[(&str, &[&str])] = &[
         ],
     ),
     ("eyot-wasm", &["eyot"]),
-    ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-strata"]),
+    ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-plants", "eyot-strata"]),
 ];
 
 /// The crates of the workspace, with those of them that each needs.

@@ -3,7 +3,7 @@
 use eyot_core::component::{Features, Values};
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Process, Scheduled, Span};
+use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
 use eyot_noise::picture::fbm;
 use eyot_water::rivers::Bed;
