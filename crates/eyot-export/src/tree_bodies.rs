@@ -124,10 +124,18 @@ impl Body {
             );
         }
         let tip = self.vertex([foot[0], foot[1] + height, foot[2]], [0.0, 1.0, 0.0], light);
+        for i in 0..2 * sides {
+            self.indices.extend([first + i, tip, first + (i + 1) % (2 * sides)]);
+        }
+        // The underside has normals of its own.
+        let below = self.positions.len() as u32;
+        for i in 0..2 * sides {
+            let [x, y, z] = self.positions[(first + i) as usize];
+            self.vertex([x, y, z], [0.2 * (x - foot[0]), -radius, 0.2 * (z - foot[2])], shade);
+        }
         let heart = self.vertex([foot[0], foot[1] + 0.3 * height, foot[2]], [0.0, -1.0, 0.0], shade);
         for i in 0..2 * sides {
-            let (a, b) = (first + i, first + (i + 1) % (2 * sides));
-            self.indices.extend([a, tip, b, a, b, heart]);
+            self.indices.extend([below + i, below + (i + 1) % (2 * sides), heart]);
         }
     }
 

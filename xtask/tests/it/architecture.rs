@@ -150,6 +150,7 @@ fn processes_do_no_io() {
         "eyot-plates",
         "eyot-reef",
         "eyot-strata",
+        "eyot-water",
         "eyot-plants",
         "eyot-expr",
     ];

@@ -18,6 +18,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-plates", &["core", "noise"]),
     ("eyot-reef", &["core", "mesh"]),
     ("eyot-strata", &["core"]),
+    ("eyot-water", &["core", "drainage", "noise"]),
     ("eyot-plants", &["core", "noise"]),
     // Layers and rules of a recipe's own.
     ("eyot-expr", &["core"]),
@@ -56,6 +57,7 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot-plates",
             "eyot-reef",
             "eyot-strata",
+            "eyot-water",
             "eyot-expr",
         ],
     ),
