@@ -8,11 +8,11 @@ use crate::rule;
 use eyot_core::engine::{CpuEngine, MemoryEstimate};
 use eyot_core::isa::Isa;
 use eyot_core::plan::Plan;
-use eyot_core::process::{Action as _, Generator, Moment, Process, Scheduled, Site, Span};
+use eyot_core::process::{Action, Generator, Moment, Process, Scheduled, Site, Span};
 use eyot_core::remedy;
 use eyot_core::remedy::Setting;
 use eyot_core::{Boundary, BoundaryCondition, Cancel, Control, Error, Field, Grid, LayerSpec, Limits, Result, World};
-use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
+use eyot_drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
@@ -20,6 +20,7 @@ use eyot_plates::{Drift, Tectonics};
 use eyot_reef::bodies::{Bodies, Detail};
 use eyot_reef::community::{self, Community, Forcing, Ground, Plot, Site as SeaFloor};
 use eyot_strata::{Bed, RockCycle, Rockfall, Strata};
+use eyot_water::Rivers;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -45,6 +46,8 @@ pub enum BenchSubject {
     Reef,
     /// Filling depressions, D8 routing and counting the cells upstream, once each.
     Drainage,
+    /// Lakes and rivers of the land of `drainage`, once: levels, graph, lines and beds.
+    Rivers,
     /// Stream power with routing and creep, on open rims.
     Streampower,
     /// A month of the default community of corals on a square plot; the size is in metres.
@@ -66,7 +69,7 @@ pub enum BenchSubject {
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Hydraulic,
         Self::Signed,
         Self::Thermal,
@@ -74,6 +77,7 @@ impl BenchSubject {
         Self::Noise,
         Self::Reef,
         Self::Drainage,
+        Self::Rivers,
         Self::Streampower,
         Self::Strata,
         Self::Community,
@@ -104,6 +108,7 @@ impl BenchSubject {
             Self::Noise => "noise",
             Self::Reef => "reef",
             Self::Drainage => "drainage",
+            Self::Rivers => "rivers",
             Self::Streampower => "streampower",
             Self::Strata => "strata",
             Self::Community => "community",
@@ -152,8 +157,8 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `signed`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `streampower`, `strata`,
-    /// `community`, `slope`, `bodies`, `world`, `plates` or `drift`.
+    /// What was measured: `hydraulic`, `hydraulic classic`, `signed`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `rivers`, `streampower`,
+    /// `strata`, `community`, `slope`, `bodies`, `world`, `plates` or `drift`.
     pub what: &'static str,
     /// Cells along a side, or metres.
     pub size: usize,
@@ -263,6 +268,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
     let result = pool.install(|| match options.what {
         BenchSubject::Noise => noise(options),
         BenchSubject::Drainage => drainage(options),
+        BenchSubject::Rivers => rivers(options),
         BenchSubject::Community | BenchSubject::Slope => community(options),
         BenchSubject::Bodies => bodies(options),
         BenchSubject::Plates => plates(options),
@@ -317,6 +323,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         (
             BenchSubject::Noise
             | BenchSubject::Drainage
+            | BenchSubject::Rivers
             | BenchSubject::Community
             | BenchSubject::Slope
             | BenchSubject::Bodies
@@ -577,6 +584,34 @@ fn drainage(options: &BenchOptions) -> Result<BenchReport> {
         fill(&mut filled, &grid, &outlets, &control)?;
         let cells = Routing::new(&filled, &grid, &outlets, &control)?.upstream_cells();
         std::hint::black_box(cells[0]);
+        Ok::<_, Error>(start.elapsed().as_secs_f64())
+    };
+    let once = run()?;
+    let timed = samples(options, once, |_| run())?;
+    let mut report = report(options.what.name(), options, isa, &timed);
+    report.bytes_per_cell = each as f64;
+    Ok(report)
+}
+
+fn rivers(options: &BenchOptions) -> Result<BenchReport> {
+    let isa = best_isa(options)?;
+    let process = Rivers::default();
+    let layers = process.layers();
+    let each = layers.len() * size_of::<f32>() + Action::bytes_per_cell(&process);
+    // The world that is begun with and the one that is worked on.
+    let bytes = (options.size as u128).pow(2) * (each + layers.len() * size_of::<f32>()) as u128;
+    Limits::default().check_bytes("this benchmark", bytes)?;
+    let (grid, height) = drainage_case(options.size)?;
+    let mut land = World::new(grid, 1);
+    land.put(&eyot_core::layer::known::HEIGHT, Field::from_slice(grid.width, grid.height, &height)?)?;
+    for used in &layers {
+        land.ensure(&used.spec, used.start);
+    }
+    let run = || {
+        let mut world = land.clone();
+        let mut action = process.instantiate(&world)?;
+        let start = Instant::now();
+        action.act(&Moment::of(&land), &mut world, &Control::none())?;
         Ok::<_, Error>(start.elapsed().as_secs_f64())
     };
     let once = run()?;
@@ -865,7 +900,7 @@ mod tests {
 
     #[test]
     fn noise_and_drainage_report_sound_numbers() {
-        for what in [BenchSubject::Noise, BenchSubject::Drainage] {
+        for what in [BenchSubject::Noise, BenchSubject::Drainage, BenchSubject::Rivers] {
             let r = run(&BenchOptions { what, size: 64, seconds: 0.05, ..Default::default() }).unwrap();
             assert_eq!((r.samples, r.what), (SAMPLES as usize, what.name()));
             assert!(r.seconds_per_step > 0.0 && r.seconds_per_step <= r.seconds_per_step_median);

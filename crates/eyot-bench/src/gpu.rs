@@ -169,7 +169,11 @@ fn case(options: &GpuBenchOptions) -> Result<(World, Vec<Phase>), RunError> {
         )
     };
     match what {
-        BenchSubject::Noise | BenchSubject::Drainage | BenchSubject::Community | BenchSubject::Plates => {
+        BenchSubject::Noise
+        | BenchSubject::Drainage
+        | BenchSubject::Rivers
+        | BenchSubject::Community
+        | BenchSubject::Plates => {
             return Err(none());
         }
         _ => {}

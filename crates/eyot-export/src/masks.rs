@@ -14,8 +14,8 @@
 use crate::below;
 use crate::materials::Ground;
 use eyot_core::{Control, Result, World};
+use eyot_drainage::{Base, Routing, fill, outlets};
 use eyot_io::Rows;
-use eyot_land::drainage::{Base, Routing, fill, outlets};
 use eyot_recipe::{Export, GROUND_BEFORE, MASKS, bed_of_top};
 use eyot_render::cover::{Cover, Strip};
 use eyot_render::{Class, water_cover};

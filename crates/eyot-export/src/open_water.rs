@@ -1,7 +1,7 @@
 //! Where a world has open water, and how high its surface lies: the sea, lakes, rivers.
 
 use eyot_core::{Control, Field, Result, World};
-use eyot_land::drainage::{Base, Neighbours, fill, outlets};
+use eyot_drainage::{Base, Neighbours, fill, outlets};
 use eyot_mesh::OpenWater;
 use eyot_render::water_cover;
 

@@ -6,7 +6,7 @@
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
-use eyot_land::drainage::{Land, RoutingRule};
+use eyot_drainage::{Land, RoutingRule};
 use eyot_land::generate::fractal::{Fractal, Octaves};
 use eyot_land::generate::{Breach, Fbm};
 use std::error::Error;

@@ -3,6 +3,5 @@
 //! `generate` and `simulate` do not know each other; recipes put them together.
 
 pub mod analyse;
-pub mod drainage;
 pub mod generate;
 pub mod simulate;

@@ -3,7 +3,7 @@
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Entry, Generator, Moment, Process, Site};
 use eyot_core::{Boundary, Control, Field, Grid, LayerSpec, Limits, World};
-use eyot_land::drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
+use eyot_drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::PROCESSES;
 use eyot_testing::counting::{Counting, peak};

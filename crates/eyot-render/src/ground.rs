@@ -28,6 +28,9 @@ pub(crate) struct Ground {
     pub(crate) rim_land: f32,
 }
 
+/// Depths at which water shows in worlds that say where their rivers and lakes are: there is no film of rain to tell them from, m.
+const LINES: (f32, f32) = (0.03, 0.3);
+
 impl Ground {
     /// Reads `height` and, if there is one, `water`.
     pub(crate) fn new(world: &World) -> Result<Self> {
@@ -42,8 +45,11 @@ impl Ground {
         let (land_low, land_high) =
             if land.is_empty() { (0.0, 1.0) } else { (quantile(&land, 0.005), quantile(&land, 0.999)) };
         let water = depths(world);
-        let river =
-            water.as_ref().map_or((1.0, 2.0), |w: &Vec<f32>| river_depths(w, &z, sea, world.grid.cell_x_m as f32));
+        let river = if world.components.contains("rivers") {
+            LINES
+        } else {
+            water.as_ref().map_or((1.0, 2.0), |w: &Vec<f32>| river_depths(w, &z, sea, world.grid.cell_x_m as f32))
+        };
         let rim = (0..width)
             .flat_map(|x| [x, (height - 1) * width + x])
             .chain((0..height).flat_map(|y| [y * width, y * width + width - 1]));

@@ -58,6 +58,7 @@ mod sea;
 mod sheet;
 mod sky;
 mod stage;
+mod streams;
 mod surface;
 mod text;
 mod view;

@@ -8,6 +8,7 @@ use crate::light::{Sun, sky_share, sunlight};
 use crate::math::{V3, lerp, mix, scale};
 use crate::picture::{Picture, quantise, tone_map};
 use crate::resample::Raster;
+use crate::streams::{Frame, Streams};
 use crate::surface::{Refinement, Surface, b_spline};
 use crate::view::finite;
 use crate::water::Water;
@@ -94,11 +95,21 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
     let channels: [Vec<f32>; 3] =
         std::array::from_fn(|k| raster.map(&colours.iter().map(|c| c[k]).collect::<Vec<_>>()));
     let z = raster.map(&ground.z);
-    let water = ground.water.as_ref().filter(|_| o.fresh_water).map(|w| raster.map(w));
+    let streams = Streams::of(world).filter(|_| o.fresh_water);
+    let water = match &streams {
+        Some(_) => None,
+        None => ground.water.as_ref().filter(|_| o.fresh_water).map(|w| raster.map(w)),
+    };
     let ice = climate::ice(world).map(|ice| raster.map(&ice));
     let rivers = climate::rivers(world).filter(|_| o.fresh_water).map(|q| raster.map(&q));
     let (w, h) = (raster.width, raster.height);
     let cell = raster.pixel_m(&ground);
+
+    let lines = streams.map(|s| {
+        let step_m = raster.pixel_m(&ground);
+        let frame = Frame { points: [w, h], first_m: step_m.map(|s| 0.5 * s), step_m };
+        (s.cover(&frame), s.levels(&frame))
+    });
 
     let exaggeration =
         o.vertical_exaggeration.map_or_else(|| automatic_exaggeration(&ground), |x| finite(x, 1.0).clamp(0.0, 1e3));
@@ -126,6 +137,18 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
             {
                 let body = scale(fresh_water.upwelling(ground_colour, d, 2.2), 2.9 * lerp(1.0, sun[i], 0.5 * shadows));
                 c = mix(c, [body[0] + 0.008, body[1] + 0.022, body[2] + 0.040], ground.river_cover(d));
+            }
+            if let Some((cover, levels)) = &lines {
+                let lit = 2.9 * lerp(1.0, sun[i], 0.5 * shadows);
+                let body = |depth: f32| {
+                    let c = scale(fresh_water.upwelling(ground_colour, depth, 2.2), lit);
+                    [c[0] + 0.008, c[1] + 0.022, c[2] + 0.040]
+                };
+                c = mix(c, scale(RIVER, lit), 0.95 * cover[i]);
+                if !levels[i].is_nan() {
+                    let depth = (levels[i] + ground.zero - z[i]).max(0.0);
+                    c = mix(c, body(depth.max(0.4)), 1.0);
+                }
             }
             if let Some(river) = rivers.as_ref().map(|v| v[i]).filter(|v| *v > 0.0) {
                 c = mix(c, [0.030, 0.105, 0.190], 0.85 * river);
@@ -157,6 +180,9 @@ pub fn relief_controlled(world: &World, o: &ReliefOptions, control: &Control<'_>
         None => picture,
     })
 }
+
+/// Rivers as maps draw them: the sky that they mirror.
+const RIVER: V3 = [0.030, 0.105, 0.190];
 
 /// Depth of the deepest place, m.
 fn deepest(ground: &Ground) -> f32 {

@@ -4,6 +4,7 @@ use crate::light::{Coarse, Sun, sky_share, sunlight};
 use crate::map::LayerColours;
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep, unit};
 use crate::stage::Stage;
+use crate::streams::Frame;
 use crate::surface::{Refinement, Surface, b_spline, mitchell};
 use crate::view::ViewOptions;
 use crate::water::{fresnel, refracted_cos};
@@ -49,8 +50,23 @@ impl Refined {
     fn new(stage: &Stage, colours: &[V3], control: &Control<'_>) -> Result<Self> {
         control.check()?;
         let refine = Refinement::new(stage.ground.width, stage.ground.height);
-        let surface = Surface::new(&stage.ground, &refine, refine.refine(stage.tops(), b_spline));
-        let fresh = stage.fresh().map(|w| refine.refine(w, mitchell));
+        let mut tops = refine.refine(stage.tops(), b_spline);
+        let cell = stage.ground.cell;
+        let frame = Frame {
+            points: refine.nodes,
+            first_m: [0.5 * cell[0], 0.5 * cell[1]],
+            step_m: [cell[0] / refine.factor as f32, cell[1] / refine.factor as f32],
+        };
+        let fresh = match stage.streams(&frame, &refine.refine(&stage.ground.z, b_spline)) {
+            Some((fresh, levels)) => {
+                // Lakes are level, whatever the kernel makes of their shores.
+                let drawn = levels.iter().map(|level| level * stage.exaggeration);
+                tops.iter_mut().zip(drawn).filter(|(_, level)| !level.is_nan()).for_each(|(top, level)| *top = level);
+                Some(fresh)
+            }
+            None => stage.fresh().map(|w| refine.refine(w, mitchell)),
+        };
+        let surface = Surface::new(&stage.ground, &refine, tops);
         let foam = stage.foam().map(|f| refine.refine(&f, b_spline));
 
         control.check()?;
@@ -221,7 +237,13 @@ impl Scene {
         let cos = -dot(d, normal);
         let light = self.irradiance(normal, node.sun, open);
         let path = 1.2 + 1.0 / refracted_cos(cos.clamp(0.0, 1.0));
-        let body = mul(self.stage.fresh_water.upwelling(node.albedo, node.fresh, path), light);
+        let mut deep = self.stage.fresh_water.upwelling(node.albedo, node.fresh, path);
+        if self.stage.has_streams() {
+            // Torrents are white; only lines know where they run.
+            let slope = node.rise[0].hypot(node.rise[1]) / self.stage.exaggeration;
+            deep = mix(deep, [0.30, 0.36, 0.40], 0.6 * smoothstep(0.02, 0.35, slope));
+        }
+        let body = mul(deep, light);
         let reflected = add(d, scale(normal, 2.0 * cos));
         let f = fresnel(cos.max(0.12));
         add(scale(body, 1.0 - f), scale(self.stage.sky.clear(reflected), f * open))

@@ -9,6 +9,7 @@ use crate::math::{V3, add, direction, scale, smoothstep};
 use crate::path::Pose;
 use crate::picture::encode;
 use crate::sky::Sky;
+use crate::streams::{Frame, Streams};
 use crate::surface::{Refinement, b_spline};
 use crate::view::{Setting, ViewOptions, finite};
 use crate::water::Water;
@@ -46,6 +47,8 @@ pub struct Stage {
     /// Optics of rivers and lakes.
     pub fresh_water: Water,
     rivers: bool,
+    /// Rivers and lakes as lines, if the world keeps them so.
+    streams: Option<Streams>,
     looks: Looks,
     /// What the sides of a relief model show, if the world knows its beds.
     pub(crate) cut: Option<Cut>,
@@ -86,6 +89,7 @@ impl Stage {
             sea_water: Water::sea(clarity),
             fresh_water: Water::fresh(2.0 * ground.river.1),
             rivers: o.fresh_water,
+            streams: Streams::of(world),
             looks: o.looks.clone(),
             cut: None,
             subject: Subject::default(),
@@ -104,6 +108,7 @@ impl Stage {
     /// If the world has no layer `height`, or is of another size.
     pub fn follow(&mut self, world: &World) -> Result<()> {
         self.ground.follow(world)?;
+        self.streams = Streams::of(world);
         self.raise();
         self.cut(world)
     }
@@ -161,6 +166,26 @@ impl Stage {
     /// Depth of fresh water in every cell, m, if it is drawn.
     pub fn fresh(&self) -> Option<&[f32]> {
         self.ground.water.as_deref().filter(|_| self.rivers)
+    }
+
+    /// True if rivers are drawn as lines.
+    pub(crate) fn has_streams(&self) -> bool {
+        self.rivers && self.streams.is_some()
+    }
+
+    /// Depth of fresh water at the points of a finer picture, m, and the levels of its lakes above the datum, NaN elsewhere, if the
+    /// world keeps its rivers as lines. `ground`: the height of the bare ground there, m.
+    pub(crate) fn streams(&self, frame: &Frame, ground: &[f32]) -> Option<(Vec<f32>, Vec<f32>)> {
+        let streams = self.streams.as_ref().filter(|_| self.rivers)?;
+        let mut levels = streams.levels(frame);
+        levels.iter_mut().for_each(|l| *l -= self.datum());
+        let (from, to) = self.ground.river;
+        let depths = streams.cover(frame).into_iter().zip(levels.iter().zip(ground)).map(|(cover, (level, z))| {
+            // A river hides its bed where it fills the point.
+            let river = if cover > 0.0 { from + (to - from) * 1.2 * cover } else { 0.0 };
+            if level.is_nan() { river } else { river.max(level - z) }
+        });
+        Some((depths.collect(), levels))
     }
 
     /// Depths of fresh water between which a river comes into sight, m.

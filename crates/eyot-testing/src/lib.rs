@@ -3,6 +3,7 @@
 pub mod climate;
 pub mod counting;
 pub mod land;
+pub mod plants;
 pub mod strata;
 
 use eyot_core::process::{Process, Scheduled};

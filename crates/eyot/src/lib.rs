@@ -84,6 +84,7 @@ pub mod process {
     pub use eyot_core::rule::{Cell, Read, Rule, read};
     pub use eyot_core::{Result, given, rule_params};
     pub use eyot_land::{generate, simulate};
+    pub use eyot_plants::PROCESSES as PLANTS;
     pub use eyot_plates::PROCESSES as PLATES;
     pub use eyot_reef::PROCESSES as REEFS;
     pub use eyot_reef::corals::POPULATION as COLONIES;

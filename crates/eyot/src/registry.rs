@@ -22,9 +22,16 @@ impl Registry {
     /// Everything that comes with Eyot.
     pub fn standard() -> Self {
         let mut registry = Self::new(GENERATORS, PROCESSES);
-        [CLIMATE, TECTONICS, eyot_reef::PROCESSES, eyot_strata::PROCESSES]
-            .into_iter()
-            .for_each(|p| registry.add_processes(p));
+        [
+            CLIMATE,
+            TECTONICS,
+            eyot_reef::PROCESSES,
+            eyot_strata::PROCESSES,
+            eyot_plants::PROCESSES,
+            eyot_water::PROCESSES,
+        ]
+        .into_iter()
+        .for_each(|p| registry.add_processes(p));
         Self(registry.0.with_components(component_kinds()))
     }
 

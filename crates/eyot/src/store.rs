@@ -49,7 +49,7 @@ pub fn section(world: &World, options: &SectionOptions, path: &Path) -> Result<D
     eyot_export::section::write_section(world, options, path).map_err(RunError::from)
 }
 
-/// Statistics of a world's terrain, and of its climate if it has one.
+/// Statistics of a world's terrain, and of its climate, plates, rivers and lakes if it has some.
 ///
 /// # Errors
 /// If the world has no height, or one that cannot be measured within the limits, or an option is out of its range.
@@ -65,6 +65,9 @@ pub fn stats(opened: &Opened, options: &analyse::TerrainOptions, limits: &Limits
     }
     if let Some(plates) = eyot_plates::report(world).map_err(RunError::file)? {
         all["plates"] = serde_json::to_value(plates).map_err(fault)?;
+    }
+    if let Some(rivers) = eyot_water::graph_stats(world).map_err(RunError::file)? {
+        all["rivers"] = serde_json::to_value(rivers).map_err(fault)?;
     }
     Ok(all)
 }

@@ -9,14 +9,17 @@ use std::process::Command;
 const BELOW: &[(&str, &[&str])] = &[
     ("eyot-core", &[]),
     ("eyot-noise", &["core"]),
+    ("eyot-drainage", &["core"]),
     // Engines.
     ("eyot-gpu", &["core"]),
     // Processes and generators; they never name each other.
-    ("eyot-land", &["core", "noise"]),
+    ("eyot-land", &["core", "drainage", "noise"]),
     ("eyot-climate", &["core", "noise"]),
     ("eyot-plates", &["core", "noise"]),
     ("eyot-reef", &["core", "mesh"]),
     ("eyot-strata", &["core"]),
+    ("eyot-water", &["core", "drainage", "noise"]),
+    ("eyot-plants", &["core", "noise"]),
     // Layers and rules of a recipe's own.
     ("eyot-expr", &["core"]),
     // What a recipe says, and how it is carried out: no pictures, meshes, cards or network.
@@ -28,7 +31,10 @@ const BELOW: &[(&str, &[&str])] = &[
     // Cut sides show beds.
     ("eyot-render", &["core", "noise", "strata"]),
     ("eyot-view", &["core", "gpu", "noise", "render"]),
-    ("eyot-export", &["climate", "core", "io", "land", "mesh", "recipe", "reef", "render", "session", "strata"]),
+    (
+        "eyot-export",
+        &["climate", "core", "drainage", "io", "land", "mesh", "recipe", "reef", "render", "session", "strata"],
+    ),
     ("eyot-film", &["core", "export", "gpu", "io", "recipe", "render", "session", "view"]),
     ("eyot-live", &["core", "recipe", "reef", "session"]),
 ];
@@ -42,16 +48,18 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot",
             "eyot-climate",
             "eyot-core",
+            "eyot-drainage",
             "eyot-gpu",
             "eyot-land",
             "eyot-plates",
             "eyot-reef",
             "eyot-strata",
+            "eyot-water",
             "eyot-expr",
         ],
     ),
     ("eyot-wasm", &["eyot"]),
-    ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-strata"]),
+    ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-plants", "eyot-strata"]),
 ];
 
 /// The crates of the workspace, with those of them that each needs.

@@ -28,7 +28,7 @@ const WHOLE: &[(&str, &[&str])] = &[
     ),
     (
         "a storage keeps each promise, a field answers each question, and methods that are chosen by name are all tried",
-        &["eyot-io::Keep", "eyot-mesh::Within", "eyot-mesh::Rim", "eyot-land::Spread"],
+        &["eyot-io::Keep", "eyot-mesh::Within", "eyot-mesh::Rim", "eyot-drainage::Spread"],
     ),
     ("front ends have words for each", &["eyot-export::Subject", "eyot-recipe::Expression"]),
     (

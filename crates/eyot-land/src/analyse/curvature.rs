@@ -8,8 +8,8 @@
 //! and the skewness is negative (-0.03..-0.72 in five real tiles); Gaussian noise is symmetric and has none.
 
 use super::check_fits;
-use crate::drainage::Neighbours;
 use eyot_core::{Field, Grid, Result};
+use eyot_drainage::Neighbours;
 
 /// Laplacian of the height in 1/m of all cells that are not cut off by the rim and that `keep` accepts by number (row by
 /// row), in that order.

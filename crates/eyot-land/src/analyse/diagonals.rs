@@ -9,8 +9,8 @@
 //! the grid, more means diagonal ones.
 
 use super::check_fits;
-use crate::drainage::{Base, Routing, fill, outlets};
 use eyot_core::{Control, Field, Grid, Result};
+use eyot_drainage::{Base, Routing, fill, outlets};
 use std::ops::RangeInclusive;
 
 /// Share of diagonal steps, 0..=1, among those of channels through which an area of `cells` cells drains; `None` if there are no

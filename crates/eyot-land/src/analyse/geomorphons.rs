@@ -16,8 +16,8 @@
 //! look sqrt 2 farther. Directions that leave the grid at once count as level; others end at the rim.
 
 use super::check_fits;
-use crate::drainage::STEPS;
 use eyot_core::{BoundaryCondition, Field, Grid, Result};
+use eyot_drainage::STEPS;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

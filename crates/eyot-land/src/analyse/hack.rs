@@ -9,9 +9,9 @@
 //! Hack (1957), Studies of longitudinal stream profiles in Virginia and Maryland, USGS Professional Paper 294-B (h = 0.6).
 
 use super::moments::line_slope;
-use crate::drainage::Routing;
-use crate::drainage::check_length;
 use eyot_core::Result;
+use eyot_drainage::Routing;
+use eyot_drainage::check_length;
 
 /// Hack's exponent over the confluences of `channel`; `None` with fewer than three of them or without spread of area.
 ///

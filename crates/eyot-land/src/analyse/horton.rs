@@ -14,9 +14,9 @@
 //! network and prove nothing.
 
 use super::moments::line_slope;
-use crate::drainage::Routing;
-use crate::drainage::check_length;
 use eyot_core::Result;
+use eyot_drainage::Routing;
+use eyot_drainage::check_length;
 
 /// Streams of one Strahler order.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]

@@ -1,8 +1,8 @@
 //! Pits: cells that are lower than all their neighbours.
 
 use super::check_fits;
-use crate::drainage::Neighbours;
 use eyot_core::{Field, Grid, Result};
+use eyot_drainage::Neighbours;
 
 /// What was looked at and what was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -18,9 +18,9 @@
 //! 0.45 and 0.83 at 4.15, 5 and 2.5 km2, where the measured tile that it starts from has 0.50, 0.51 and 0.50.
 
 use super::moments::{line_slope, quantile};
-use crate::drainage::Routing;
-use crate::drainage::check_length;
 use eyot_core::Result;
+use eyot_drainage::Routing;
+use eyot_drainage::check_length;
 
 /// Cells over which a slope is measured.
 const REACH_CELLS: usize = 10;

@@ -7,9 +7,9 @@
 //! # Source
 //! Strahler (1957), Quantitative analysis of watershed geomorphology, Eos 38, 913-920.
 
-use crate::drainage::Routing;
-use crate::drainage::check_length;
 use eyot_core::Result;
+use eyot_drainage::Routing;
+use eyot_drainage::check_length;
 
 /// Strahler order of each cell; 0 where `channel` (one flag a cell) is false.
 ///

@@ -23,8 +23,8 @@ use super::slope_area::concavity;
 use super::spectrum::{spectral_beta, spectrum_bytes};
 use super::strahler::strahler_orders;
 use super::variogram::hurst_exponent;
-use crate::drainage::{Base, FlatRule, Routing, fill, outlets};
 use eyot_core::{BoundaryCondition, Control, Error, Field, Grid, Limits, Result};
+use eyot_drainage::{Base, FlatRule, Routing, fill, outlets};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -14,8 +14,8 @@
 
 use super::check_fits;
 use super::moments::line_slope;
-use crate::drainage::check_length;
 use eyot_core::{BoundaryCondition, Field, Grid, Result};
+use eyot_drainage::check_length;
 
 /// Distances in cells at which heights are compared: nearly even steps of the logarithm up to 16.
 const LAGS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];

@@ -16,9 +16,9 @@
 //! Every trench is searched on the surface as it was, so that they can be searched in parallel and in any order.
 
 use super::check;
-use crate::drainage::{BreachLimits, Land, breach, fill};
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Field, Grid, Result};
+use eyot_drainage::{BreachLimits, Land, breach, fill};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

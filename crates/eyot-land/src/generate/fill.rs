@@ -7,16 +7,16 @@
 //! 2. With a slope, cell by cell upstream: `h'(c) = max(h'(c), h'(receiver of c) + slope * distance)`.
 //!
 //! # Source
-//! Barnes, Lehman and Mulla 2014 for the surface; `eyot_land::drainage` says how it is found in parallel.
+//! Barnes, Lehman and Mulla 2014 for the surface; `eyot_drainage` says how it is found in parallel.
 //!
 //! # Differences
 //! No queue of cells: basins of the rough surface are joined over their lowest passes (Cordonnier, Bovy and Braun 2019). The
 //! result is the same to the bit.
 
 use super::check;
-use crate::drainage::{Land, Routing, fill};
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Field, Grid, Result};
+use eyot_drainage::{Land, Routing, fill};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -14,9 +14,9 @@
 //! O'Callaghan and Mark 1984 (d8); Freeman 1991 (multiple); Tarboton 1997 (dinf); Barnes, Lehman and Mulla 2014 for the way across flats.
 
 use super::check;
-use crate::drainage::{Land, RoutingRule};
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Field, Grid, Result};
+use eyot_drainage::{Land, RoutingRule};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

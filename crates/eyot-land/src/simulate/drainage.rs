@@ -10,7 +10,7 @@
 //! n-th step only (`every`): drainage changes slowly.
 //!
 //! # Source
-//! See `eyot_land::drainage`, which does the work.
+//! See `eyot_drainage`, which does the work.
 //!
 //! # Layers
 //! Reads and writes `height` (m); writes `lake` (m) and `drained_area` (m2).
@@ -19,10 +19,10 @@
 //! What filling adds and breaching removes is in the ledger (`ground.filled`, `ground.breached`;
 //! `tests/it/drainage_process.rs`).
 
-use crate::drainage::{BreachLimits, Land, RoutingRule, breach, fill};
 use eyot_core::layer::known::{DRAINED_AREA, HEIGHT, LAKE};
 use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Process};
 use eyot_core::{Control, Field, Result, World};
+use eyot_drainage::{BreachLimits, Land, RoutingRule, breach, fill};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -249,8 +249,8 @@ fn a_million_cells_in_a_second_and_a_half() {
 #[test]
 fn sizes_that_differ_are_refused() {
     use eyot_core::{Boundary, Control};
+    use eyot_drainage::Routing;
     use eyot_land::analyse;
-    use eyot_land::drainage::Routing;
     let g = Grid::new(8, 6, 10.0, Boundary::OPEN, &Limits::default()).unwrap();
     let (other, fits) = (Field::new(6, 8, 0.0), Field::new(8, 6, 0.0));
     let (few, all) = (vec![true; 9], vec![true; 48]);

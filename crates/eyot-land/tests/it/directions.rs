@@ -9,8 +9,8 @@ use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::rng::{self, Key};
 use eyot_core::{Boundary, Field, Grid, Limits, World};
+use eyot_drainage::Descent;
 use eyot_land::analyse::diagonal_share;
-use eyot_land::drainage::Descent;
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic};
 use eyot_land::simulate::{Streampower, Thermal};
 

@@ -1,7 +1,7 @@
 //! The drainage of a real tile, cell by cell as other programs see it.
 
 use eyot_core::{Boundary, Control, Grid, Limits};
-use eyot_land::drainage::{Base, Routing, fill, outlets};
+use eyot_drainage::{Base, Routing, fill, outlets};
 
 const COLUMNS: usize = 403;
 const ROWS: usize = 344;

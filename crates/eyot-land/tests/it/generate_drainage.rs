@@ -6,7 +6,7 @@ use eyot_core::conformance::rims;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Generator, Site};
 use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, World};
-use eyot_land::drainage::{Base, Routing, RoutingRule, fill, outlets};
+use eyot_drainage::{Base, Routing, RoutingRule, fill, outlets};
 use eyot_land::generate::{Breach, Fill, Flow};
 
 const SEA_M: f64 = -9.0;

@@ -5,7 +5,7 @@ use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Boundary, BoundaryCondition, Control, Field, Grid, Limits, Result, World};
-use eyot_land::drainage::{Base, Routing, fill, outlets};
+use eyot_drainage::{Base, Routing, fill, outlets};
 use eyot_land::simulate::Streampower;
 use eyot_land::simulate::streampower::{ERODIBILITY, HEIGHT_REST, UPLIFT};
 use std::f64::consts::{PI, TAU};

@@ -9,7 +9,7 @@ use eyot_core::engine::CpuEngine;
 use eyot_core::plan::Plan;
 use eyot_core::process::{Moment, Process, Scheduled, Span};
 use eyot_core::{Boundary, BoundaryCondition, Grid, Limits, World};
-use eyot_land::drainage::{Descent, Routing, RoutingRule};
+use eyot_drainage::{Descent, Routing, RoutingRule};
 use eyot_land::simulate::drainage::Depressions;
 use eyot_land::simulate::hydraulic::{FluxForm, Hydraulic, SPRINGS};
 use eyot_land::simulate::reef::{Light, Limit, Reef};

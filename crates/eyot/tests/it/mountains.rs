@@ -109,7 +109,7 @@ fn on_hard_tops(world: &World, tops: &[f32]) -> f64 {
 fn mesas_end_at_the_tops_of_hard_beds() {
     let tops = [0.0, 230.0, 400.0];
     let mesa = on_hard_tops(&world("mesa", 256, &[]), &tops);
-    let one = "rivers.strata.beds=[{ material = \"shale\", thickness = 1000.0 }]";
+    let one = "incision.strata.beds=[{ material = \"shale\", thickness = 1000.0 }]";
     let uniform = on_hard_tops(&world("mesa", 256, &[one]), &tops);
     println!("{mesa} of the cells, {uniform} in uniform rock");
     assert!(mesa > 2.0 * uniform && mesa > 0.02, "{mesa} of the cells, {uniform} in uniform rock");

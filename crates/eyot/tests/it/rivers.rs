@@ -4,8 +4,8 @@
 //! it, and to dig where much water flows rather than everywhere.
 
 use eyot::{Control, Field, Grid, Limits, Overrides, Recipe, RecipeSource, Registry, Run, RunOptions, World};
+use eyot_drainage::{Base, FlatRule, Routing, fill, outlets};
 use eyot_land::analyse::{TerrainOptions, TerrainStats, terrain_stats};
-use eyot_land::drainage::{Base, FlatRule, Routing, fill, outlets};
 
 /// Hills of 25 degrees on average: about as steep as noise may be before nothing but slides happens.
 const LAND: &str = r#"

@@ -25,9 +25,9 @@
 use super::Streampower;
 use super::law::Law;
 use super::stack::Stack;
-use crate::drainage::Routing;
 use eyot_core::math64::pow;
 use eyot_core::{Control, Field, Grid, Result};
+use eyot_drainage::Routing;
 use rayon::prelude::*;
 
 /// Changes below this end the turns, m.

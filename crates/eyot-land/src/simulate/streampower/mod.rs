@@ -17,7 +17,7 @@
 //! # Source
 //! Howard 1994 (detachment-limited incision); the implicit step after Braun and Willett 2013; deposition of Yuan, Braun,
 //! Guerit, Rouby and Cordonnier 2019; the critical slope of Roering, Kirchner and Dietrich 1999; routing by steepest descent
-//! over filled depressions (`crate::drainage`).
+//! over filled depressions (`eyot_drainage`).
 //!
 //! # Differences
 //! - Water takes the steepest of eight ways, which small valleys then follow: of the steps of channels that 8 to 29 cells drain
@@ -58,10 +58,10 @@ mod stack;
 
 pub use heights::HEIGHT_REST;
 
-use crate::drainage::{Base, Descent, Neighbours, Routing, fill, outlets};
 use eyot_core::layer::known::{BED_LEFT, ERODIBILITY_BELOW, HEIGHT};
 use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Process, SECONDS_PER_YEAR, check_ranges};
 use eyot_core::{BoundaryCondition, Control, Field, Grid, LayerSpec, Result, World};
+use eyot_drainage::{Base, Descent, Neighbours, Routing, fill, outlets};
 use incise::{Cut, Rock};
 use rayon::prelude::*;
 use schemars::JsonSchema;

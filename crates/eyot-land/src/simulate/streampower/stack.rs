@@ -4,8 +4,8 @@
 //! The stack of Braun and Willett 2013. Here positions follow from the sizes of subtrees, without recursion, and what
 //! lies between the large rivers falls apart into pieces that are worked on in parallel.
 
-use crate::drainage::{Neighbours, Routing};
 use eyot_core::Grid;
+use eyot_drainage::{Neighbours, Routing};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -13,14 +13,24 @@ use rayon::prelude::*;
 
 /// A way from one basin to another over a cell of this height.
 #[derive(Clone, Copy)]
-struct Pass<T> {
-    height: T,
+pub(super) struct Pass<T> {
+    pub(super) height: T,
     /// The smaller label first.
-    basins: [u32; 2],
+    pub(super) basins: [u32; 2],
+    /// The cell.
+    pub(super) cell: u32,
 }
 
 /// Of each label the level at which its basin spills; minus infinity for the outside and for labels that no cell has.
 pub(super) fn spill_levels<T: Height>(z: &[T], grid: &Grid, basins: &Basins, control: &Control<'_>) -> Result<Vec<T>> {
+    let mut passes = passes(z, grid, basins, control)?;
+    passes.par_sort_unstable_by_key(|p| p.height.key());
+    control.check()?;
+    Ok(join(&passes, basins.labels))
+}
+
+/// The lowest passes between neighbouring basins, of some more than one.
+pub(super) fn passes<T: Height>(z: &[T], grid: &Grid, basins: &Basins, control: &Control<'_>) -> Result<Vec<Pass<T>>> {
     let (around, isa, rows) = (Neighbours::new(grid), Isa::best(), band_cells(grid) / grid.width);
     let bands: Vec<Vec<Pass<T>>> = (0..grid.height.div_ceil(rows))
         .into_par_iter()
@@ -34,10 +44,7 @@ pub(super) fn spill_levels<T: Height>(z: &[T], grid: &Grid, basins: &Basins, con
             Ok(cache.finish())
         })
         .collect::<Result<_>>()?;
-    let mut passes = bands.concat();
-    passes.par_sort_unstable_by_key(|p| p.height.key());
-    control.check()?;
-    Ok(join(&passes, basins.labels))
+    Ok(bands.concat())
 }
 
 fn join<T: Height>(passes: &[Pass<T>], labels: usize) -> Vec<T> {
@@ -73,7 +80,7 @@ fn join<T: Height>(passes: &[Pass<T>], labels: usize) -> Vec<T> {
     level
 }
 
-fn find(group: &mut [u32], mut l: u32) -> u32 {
+pub(super) fn find(group: &mut [u32], mut l: u32) -> u32 {
     while group[l as usize] != l {
         let up = group[group[l as usize] as usize];
         group[l as usize] = up;
@@ -90,20 +97,22 @@ struct Cache<T> {
 
 impl<T: Height> Cache<T> {
     fn new(width: usize) -> Self {
-        let nothing = Pass { height: T::default(), basins: [OUTSIDE; 2] };
+        let nothing = Pass { height: T::default(), basins: [OUTSIDE; 2], cell: 0 };
         Self { recent: vec![nothing; (2 * width).next_power_of_two().clamp(64, 1 << 14)], out: Vec::new() }
     }
 
     #[inline]
-    fn add(&mut self, a: u32, b: u32, height: T) {
+    fn add(&mut self, a: u32, b: u32, height: T, cell: usize) {
         let basins = [a.min(b), a.max(b)];
         let hash = (u64::from(basins[0]) << 32 | u64::from(basins[1])).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let at = (hash >> 40) as usize & (self.recent.len() - 1);
         let old = &mut self.recent[at];
         if old.basins == basins {
-            old.height = if height < old.height { height } else { old.height };
+            if height < old.height {
+                (old.height, old.cell) = (height, cell as u32);
+            }
         } else {
-            let evicted = std::mem::replace(old, Pass { height, basins });
+            let evicted = std::mem::replace(old, Pass { height, basins, cell: cell as u32 });
             if evicted.basins != [OUTSIDE; 2] {
                 self.out.push(evicted);
             }
@@ -132,7 +141,7 @@ fn passes_in_row<T: Height>(
         let i = y * w + x;
         around.each(i, |_, j| {
             if label[j] != label[i] && z[j] <= z[i] {
-                cache.add(label[i], label[j], z[i]);
+                cache.add(label[i], label[j], z[i], i);
             }
         });
     };
@@ -148,7 +157,7 @@ fn passes_in_row<T: Height>(
                     let other = label[i.wrapping_add_signed(step[left.trailing_zeros() as usize])];
                     // Neighbours side by side are mostly in the same basin.
                     if other != last || other == OUTSIDE {
-                        cache.add(label[i], other, z[i]);
+                        cache.add(label[i], other, z[i], i);
                         last = other;
                     }
                     left &= left - 1;

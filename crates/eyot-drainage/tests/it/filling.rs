@@ -1,7 +1,7 @@
 //! Filling, breaching, routing and accumulation against their definitions, on every kind of rim.
 
 use eyot_core::{Boundary, BoundaryCondition, Control, Error, Grid, Limits};
-use eyot_land::drainage::{Base, BreachLimits, FlatRule, Height, Neighbours, Routing, breach, fill, outlets};
+use eyot_drainage::{Base, BreachLimits, FlatRule, Height, Neighbours, Routing, breach, fill, outlets};
 use proptest::prelude::*;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};

@@ -180,9 +180,9 @@ impl Routing {
         self.step_m[usize::from(self.direction[i])]
     }
 
-    /// The network of these receivers, with steps of these lengths: 0 to all but outlets, 8 to those.
-    #[cfg(test)]
-    pub(crate) fn by_hand(receiver: Vec<u32>, step_m: [f64; 9]) -> Self {
+    /// The network of these receivers, with steps of these lengths: 0 to all but outlets, 8 to those. For tests of measures: on no grid.
+    #[doc(hidden)]
+    pub fn by_hand(receiver: Vec<u32>, step_m: [f64; 9]) -> Self {
         let outlet = |(i, &r): (usize, &u32)| if i == r as usize { NOWHERE } else { 0 };
         let band = receiver.len();
         Self { direction: receiver.iter().enumerate().map(outlet).collect(), receiver, step_m, band }

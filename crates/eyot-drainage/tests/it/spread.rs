@@ -3,7 +3,7 @@
 
 use eyot_core::conformance::rims;
 use eyot_core::{Boundary, Control, Grid, Limits};
-use eyot_land::drainage::{Base, Neighbours, Routing, Spread, fill, outlets};
+use eyot_drainage::{Base, Neighbours, Routing, Spread, fill, outlets};
 
 const FREEMAN: Spread = Spread::Multiple { exponent: 1.1 };
 

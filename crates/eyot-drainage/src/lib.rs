@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use eyot_core::{Control, Grid, Limits, Boundary};
-//! use eyot_land::drainage::{Base, Routing, fill, outlets};
+//! use eyot_drainage::{Base, Routing, fill, outlets};
 //!
 //! let grid = Grid::new(64, 64, 30.0, Boundary::OPEN, &Limits::default())?;
 //! let mut height: Vec<f32> = (0..grid.cells()).map(|i| (i * 7919 % 101) as f32).collect();
@@ -28,6 +28,7 @@ mod dinf;
 mod fill;
 mod flats;
 mod height;
+mod hierarchy;
 mod land;
 mod multiple;
 mod neighbours;
@@ -42,6 +43,7 @@ mod tilt;
 pub use breach::{BreachLimits, breach};
 pub use fill::fill;
 pub use height::Height;
+pub use hierarchy::{Depression, Hierarchy};
 pub use land::{Drained, Land, RoutingRule};
 pub use neighbours::{Neighbours, STEPS};
 pub use outlets::{Base, outlets};
@@ -51,7 +53,7 @@ pub use spread::Spread;
 use eyot_core::{Error, Grid, Result};
 
 /// The most that [`fill`], [`Routing::new`] and [`Routing::upstream_cells`], one after the other, hold for each cell beside
-/// the heights (`f32`), bytes. Measured by `tests/memory.rs`.
+/// the heights (`f32`), bytes. Measured by `tests/memory.rs` of `eyot-land`.
 pub const BYTES_PER_CELL: usize = 29;
 
 /// Fails if the grid has more cells than 32 bits can number, or a slice has another length than the grid has cells.
@@ -67,6 +69,10 @@ fn check_sizes(grid: &Grid, sizes: &[(&str, usize)]) -> Result<()> {
     sizes.iter().try_for_each(|(what, found)| check_length(what, grid.cells(), *found))
 }
 
-pub(crate) fn check_length(what: &str, expected: usize, found: usize) -> Result<()> {
+/// Fails if `found` values of `what` are not `expected`.
+///
+/// # Errors
+/// [`Error::Shape`] if the two differ.
+pub fn check_length(what: &str, expected: usize, found: usize) -> Result<()> {
     if expected == found { Ok(()) } else { Err(Error::Shape { what: what.to_owned(), expected, found }) }
 }

@@ -1,0 +1,4 @@
+//! All tests of this crate that see it from outside, in one binary.
+
+mod filling;
+mod spread;

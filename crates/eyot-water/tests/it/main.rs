@@ -1,0 +1,3 @@
+//! All tests of this crate that see it from outside, in one binary.
+
+mod rivers;

@@ -1,0 +1,178 @@
+//! Lakes and rivers against their definitions.
+
+use eyot_core::component::{Features, Values};
+use eyot_core::engine::CpuEngine;
+use eyot_core::layer::known::HEIGHT;
+use eyot_core::process::{Scheduled, Span};
+use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
+use eyot_noise::picture::fbm;
+use eyot_water::rivers::Bed;
+use eyot_water::{LAKES, RIVERS, Rivers, Springs, graph_stats};
+
+/// Land with many hollows, which falls to the south-east.
+fn land(size: usize, rim: Boundary) -> World {
+    let mut world = World::new(Grid::new(size, size, 25.0, rim, &Limits::default()).unwrap(), 3);
+    world.sea_level_m = -1000.0;
+    let z = |x: usize, y: usize| {
+        let (u, v) = (x as f32 / 40.0, y as f32 / 40.0);
+        500.0 + 120.0 * fbm(u, v, 6, 5) - 0.7 * (x + y) as f32
+    };
+    world.put(&HEIGHT, Field::from_fn(size, size, z)).unwrap();
+    world
+}
+
+fn run(world: &mut World, rivers: &Rivers) -> eyot_core::Result<()> {
+    let steps = [Scheduled { name: "rivers", process: Box::new(rivers.clone()), every: 1 }];
+    steps[0].process.check(&world.grid)?;
+    CpuEngine::default().simulate(world, &steps, Span { from: 0, steps: 1 }, &Control::none()).map(drop)
+}
+
+fn column(features: &Features, name: &str) -> Vec<f64> {
+    let values: &Values = &features.attributes().get(name).unwrap().values;
+    (0..features.len()).map(|i| values.number(i)).collect()
+}
+
+fn small() -> Rivers {
+    Rivers { min_discharge: 0.002, min_lake_area: 3000.0, width: 60.0, ..Rivers::default() }
+}
+
+#[test]
+fn every_lake_is_level_to_the_bit_and_every_line_runs_down() {
+    for rim in [Boundary::OPEN, Boundary::CLOSED, Boundary::WRAP] {
+        let mut world = land(160, rim);
+        run(&mut world, &small()).unwrap();
+        let rivers = world.components.get::<Features>(RIVERS).unwrap().unwrap();
+        let lakes = world.components.get::<Features>(LAKES).unwrap().unwrap();
+        assert!(rivers.len() > 50 && lakes.len() > 5, "{} reaches, {} lakes", rivers.len(), lakes.len());
+        for i in 0..rivers.len() {
+            for line in rivers.parts(i) {
+                assert!(line.is_sorted_by(|a, b| a[2] >= b[2]), "reach {i} runs uphill");
+            }
+        }
+        let (id, next) = (column(rivers, "HYRIV_ID"), column(rivers, "NEXT_DOWN"));
+        for i in 0..rivers.len() {
+            // No loops, and the next reach begins where this one ends.
+            let (mut at, mut steps) = (i, 0);
+            while next[at] > 0.0 {
+                at = next[at] as usize - 1;
+                steps += 1;
+                assert!(steps <= rivers.len(), "a loop at reach {}", id[i]);
+            }
+            if next[i] > 0.0 && rim != Boundary::WRAP {
+                let end = *rivers.parts(i).last().unwrap().last().unwrap();
+                let begin = rivers.parts(next[i] as usize - 1).next().unwrap()[0];
+                assert_eq!(end, begin, "reach {} and the one after it", id[i]);
+            }
+        }
+        // Levels: one a lake, met by all its water.
+        let levels: Vec<f32> = column(lakes, "LEVEL_M").iter().map(|l| *l as f32).collect();
+        let (height, level) = (world.get("height").unwrap().to_vec(), world.get("lake_level").unwrap().to_vec());
+        let wet = (0..height.len()).filter(|&i| level[i] != height[i]);
+        let mut cells = 0;
+        for i in wet {
+            assert!(level[i] > height[i] && levels.contains(&level[i]), "cell {i}");
+            cells += 1;
+        }
+        let area: f64 = column(lakes, "AREA_SKM").iter().sum();
+        assert!((area * 1e6 / world.grid.cell_area_m2() - f64::from(cells)).abs() <= 1.0, "{area} km2, {cells} cells");
+        for i in 0..lakes.len() {
+            assert!(lakes.parts(i).flatten().all(|v| v[2] == levels[i]), "the shore of lake {i}");
+        }
+    }
+}
+
+#[test]
+fn dry_lakes_have_no_outlet_and_lose_what_comes_in() {
+    let dry = Rivers { rain: 0.4, evaporation: 1.4, min_discharge: 1e-4, ..small() };
+    let mut world = land(200, Boundary::CLOSED);
+    let wet_area = {
+        let mut wet = world.clone();
+        run(&mut wet, &small()).unwrap();
+        graph_stats(&wet).unwrap().unwrap().lake_area_km2
+    };
+    run(&mut world, &dry).unwrap();
+    let stats = graph_stats(&world).unwrap().unwrap();
+    assert!(
+        stats.closed_lakes > 2 && stats.lake_area_km2 < 0.7 * wet_area,
+        "{stats:?}, {wet_area} km2 where it is wet"
+    );
+    let lakes = world.components.get::<Features>(LAKES).unwrap().unwrap();
+    let climate = eyot_water::runoff::Climate { rain: f64::from(dry.rain), evaporation: f64::from(dry.evaporation) };
+    let (inflow, outflow, area) =
+        (column(lakes, "INFLOW_CMS"), column(lakes, "OUTFLOW_CMS"), column(lakes, "AREA_SKM"));
+    for i in (0..lakes.len()).filter(|&i| outflow[i] == 0.0) {
+        let lost = area[i] * 1e6 * climate.lake_loss() / eyot_core::process::SECONDS_PER_YEAR;
+        // To a cell of its surface.
+        let cell = world.grid.cell_area_m2() * climate.lake_loss() / eyot_core::process::SECONDS_PER_YEAR;
+        assert!((inflow[i] - lost).abs() <= 3.0 * cell + 0.2 * lost, "lake {i}: {} in, {lost} lost", inflow[i]);
+    }
+}
+
+#[test]
+fn what_is_filled_and_dug_is_in_the_ledger() {
+    let mut world = land(120, Boundary::OPEN);
+    let before = world.get("height").unwrap().sum() * world.grid.cell_area_m2();
+    run(&mut world, &small()).unwrap();
+    let after = world.get("height").unwrap().sum() * world.grid.cell_area_m2();
+    let net = world.ledger.net("ground");
+    assert!(world.ledger.amount("ground.carved") > 0.0 && world.ledger.amount("ground.silted") > 0.0);
+    assert!((after - before - net).abs() < 1e-6 * before.abs(), "{} against {net}", after - before);
+}
+
+#[test]
+fn threads_change_no_byte() {
+    let prints: Vec<u64> = [1, 2, 3, 8]
+        .into_iter()
+        .map(|n| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+            let mut world = land(300, Boundary::OPEN);
+            pool.install(|| run(&mut world, &small())).unwrap();
+            world.fingerprint()
+        })
+        .collect();
+    assert!(prints.iter().all(|p| *p == prints[0]), "{prints:?}");
+}
+
+#[test]
+fn springs_in_a_band_count_their_passes_and_dig_by_them() {
+    let band = Rivers {
+        springs: Springs::Band,
+        spring_count: 40,
+        spring_low: 300.0,
+        spring_high: 480.0,
+        bed: Bed::Passes,
+        pass_depth: 0.5,
+        ..small()
+    };
+    let mut world = land(160, Boundary::OPEN);
+    let before = world.get("height").unwrap().to_vec();
+    run(&mut world, &band).unwrap();
+    let passes = world.get("river_passes").unwrap().to_vec();
+    let most = passes.iter().copied().fold(0.0, f32::max);
+    assert!((2.0..=40.0).contains(&most), "{most} passes");
+    let after = world.get("height").unwrap();
+    let dug = (0..before.len()).filter(|&i| passes[i] >= 2.0 && before[i] - after.row(i / 160)[i % 160] > 0.4).count();
+    assert!(dug > 20, "{dug} cells");
+}
+
+#[test]
+fn what_contradicts_itself_is_refused() {
+    let upside_down = Rivers { springs: Springs::Band, spring_low: 900.0, spring_high: 100.0, ..small() };
+    let outside = Rivers { springs: Springs::Band, spring_low: 5000.0, spring_high: 6000.0, ..small() };
+    let passes = Rivers { bed: Bed::Passes, ..small() };
+    for (rivers, words) in [(upside_down, "spring_high"), (outside, "the land lies from"), (passes, "springs")] {
+        let mut world = land(64, Boundary::OPEN);
+        let error = run(&mut world, &rivers).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn the_graph_has_the_form_of_real_ones() {
+    let mut world = land(512, Boundary::OPEN);
+    run(&mut world, &small()).unwrap();
+    let s = graph_stats(&world).unwrap().unwrap();
+    assert!((s.width_exponent.unwrap() - 0.5).abs() < 0.02, "{s:?}");
+    assert!((0.45..0.7).contains(&s.hack_exponent.unwrap()), "{s:?}");
+    assert!((3.0..5.5).contains(&s.bifurcation_ratio.unwrap()), "{s:?}");
+}
