@@ -125,6 +125,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             write_splat(job, path, export)
         }
         What::Trees => trees::write(job, &files, format, export),
+        What::Contours => views::write_contours(job, export.interval, format, &files[0]),
         What::View(name) => views::write(job, &name, format, &files[0]),
         what if what.is_of_corals() => {
             let Some(reef) = job.corals.clone() else {

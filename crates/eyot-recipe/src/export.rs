@@ -68,8 +68,8 @@ pub(crate) fn former_formats() -> BTreeMap<&'static str, &'static str> {
 }
 
 impl Export {
-    /// Keys that belong to meshes of the terrain alone: whether this export is one, and if not, to what the key belongs.
-    pub(crate) fn mesh_keys(&self) -> [(&'static str, bool, &'static str); 4] {
+    /// Keys that belong to one thing alone: whether this export shows it, and if not, to what the key belongs.
+    pub(crate) fn narrow_keys(&self) -> [(&'static str, bool, &'static str); 5] {
         let terrain = self.shows() == What::Terrain;
         let glb = self.preset.is_none() && terrain && self.formats().first() == Some(&ExportFormat::Glb);
         let trees =
@@ -80,6 +80,7 @@ impl Export {
             ("skirt", glb && self.tiles != [1, 1], "a terrain in `tiles`"),
             ("water", mesh, "a terrain"),
             ("vertices", mesh, "a terrain"),
+            ("interval", self.preset.is_none() && self.shows() == What::Contours, "`contours`"),
         ]
     }
 
@@ -169,6 +170,7 @@ impl Export {
             (What::Trees, ExportFormat::Glb) if self.tiles != [1, 1] => self.tile_files("trees"),
             (What::Trees, _) => all(&["trees"]),
             (What::Dive, _) => all(&["dive", "side", "above"]),
+            (What::Contours, _) => all(&["contours"]),
             (What::View(name), _) => all(&[&name]),
         }
     }
@@ -214,7 +216,7 @@ impl Export {
 
 impl What {
     /// What needs no name of a table, of points or of lines.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Layers,
         Self::Terrain,
         Self::Splat,
@@ -225,6 +227,7 @@ impl What {
         Self::Corals,
         Self::Dive,
         Self::Trees,
+        Self::Contours,
     ];
 
     /// Name in recipes.
@@ -240,18 +243,24 @@ impl What {
             Self::Corals => "corals",
             Self::Dive => "dive",
             Self::Trees => "trees",
+            Self::Contours => "contours",
             Self::View(name) => name,
         }
     }
 
     /// How it can be written, the usual format first.
     pub fn formats(&self) -> &'static [ExportFormat] {
-        use ExportFormat::{Csv, Exr, GeoTiff, Glb, Npy, Obj, Parquet, Ply, Png, Png16, R16, R32, Svg, Zarr};
+        use ExportFormat::{
+            Csv, Exr, FlatGeobuf, GeoJson, GeoPackage, GeoTiff, Glb, Npy, Obj, Parquet, Ply, Png, Png16, R16, R32, Svg,
+            Zarr,
+        };
         match self {
             Self::Layers => &[GeoTiff, Png16, R16, R32, Exr, Npy, Zarr],
             Self::Terrain => &[Glb, Obj],
             Self::Splat | Self::Mask | Self::Map | Self::Dive => &[Png],
-            Self::Census | Self::View(_) => &[Csv, Parquet],
+            Self::Census => &[Csv, Parquet],
+            Self::View(_) => &[Csv, Parquet, GeoJson, FlatGeobuf, GeoPackage],
+            Self::Contours => &[GeoJson, FlatGeobuf, GeoPackage],
             Self::Plots => &[Svg, Png],
             Self::Corals => &[Glb, Obj, Ply],
             Self::Trees => &[Glb, Csv, Parquet],
@@ -266,7 +275,7 @@ impl What {
 
 impl ExportFormat {
     /// All formats.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 17] = [
         Self::GeoTiff,
         Self::Png16,
         Self::R16,
@@ -279,6 +288,9 @@ impl ExportFormat {
         Self::Ply,
         Self::Csv,
         Self::Parquet,
+        Self::GeoJson,
+        Self::FlatGeobuf,
+        Self::GeoPackage,
         Self::Png,
         Self::Svg,
     ];
@@ -292,7 +304,7 @@ impl ExportFormat {
             Self::Glb | Self::Obj => Some(What::Terrain),
             Self::Ply => Some(What::Corals),
             Self::Svg => Some(What::Plots),
-            Self::Csv | Self::Parquet | Self::Png => None,
+            Self::Csv | Self::Parquet | Self::Png | Self::GeoJson | Self::FlatGeobuf | Self::GeoPackage => None,
         }
     }
 
@@ -301,6 +313,8 @@ impl ExportFormat {
         match self {
             Self::GeoTiff => "geotiff",
             Self::Png16 => "png16",
+            Self::FlatGeobuf => "flatgeobuf",
+            Self::GeoPackage => "geopackage",
             other => other.extension(),
         }
     }
@@ -320,6 +334,9 @@ impl ExportFormat {
             Self::Ply => "ply",
             Self::Csv => "csv",
             Self::Parquet => "parquet",
+            Self::GeoJson => "geojson",
+            Self::FlatGeobuf => "fgb",
+            Self::GeoPackage => "gpkg",
             Self::Svg => "svg",
         }
     }
@@ -441,7 +458,10 @@ mod tests {
             ("what = 'trees'", "trees.glb"),
             ("what = 'trees'\nformat = 'csv'", "trees.csv"),
             ("what = 'trees'\ntiles = [1, 2]", "trees_x0_y0.glb trees_x0_y1.glb trees.json"),
+            ("what = 'contours'", "contours.geojson"),
+            ("what = 'contours'\nformat = 'geopackage'", "contours.gpkg"),
             ("what = 'corals.algae'", "corals.algae.csv"),
+            ("what = 'rivers'\nformat = 'flatgeobuf'", "rivers.fgb"),
         ] {
             assert_eq!(export(text).files().join(" "), files, "{text}");
         }
