@@ -64,6 +64,8 @@ pub fn export(grid: &Grid, export: &Export, limits: &Limits) -> u128 {
         (None, What::Terrain) => mesh(),
         (None, What::Layers | What::Mask) if !export.streams() => masks::BYTES_PER_CELL * grid.cells() as u128,
         (None, What::Map) => render::layer_map_bytes(cells, &render::MapOptions::default()),
+        // Lines are about as long as twice all sides of the grid for each level; 200 bytes a vertex on their way into a file.
+        (None, What::Contours) => 40 * 200 * 2 * (grid.width as u128 + grid.height as u128),
         // The pixels; how many colonies there will be, nobody knows yet.
         (None, What::Dive) => dive::least_bytes(),
         _ => 0,

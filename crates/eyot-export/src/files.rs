@@ -124,6 +124,7 @@ pub fn write(job: &mut Job<'_>, export: &Export) -> Result<(), ExportError> {
             let path = job.file(&files[0])?;
             write_splat(job, path, export)
         }
+        What::Contours => views::write_contours(job, export.interval, format, &files[0]),
         What::View(name) => views::write(job, &name, format, &files[0]),
         what if what.is_of_corals() => {
             let Some(reef) = job.corals.clone() else {

@@ -71,3 +71,27 @@ pub(crate) mod parquet {
         Err(left_out(to.into().place(), "Parquet", "parquet", "write CSV"))
     }
 }
+
+#[cfg(not(feature = "vector"))]
+pub(crate) mod vector {
+    use super::left_out;
+    use crate::error::Result;
+    use crate::target::Target;
+    use crate::vector::Vectors;
+
+    /// Refuses to write FlatGeobuf, which this build leaves out.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn write_flatgeobuf<'a>(to: impl Into<Target<'a>>, _: &Vectors<'_>) -> Result<()> {
+        Err(left_out(to.into().place(), "FlatGeobuf", "vector", "write GeoJSON"))
+    }
+
+    /// Refuses to write a GeoPackage, which this build leaves out.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn write_geopackage<'a>(to: impl Into<Target<'a>>, _: &[Vectors<'_>]) -> Result<()> {
+        Err(left_out(to.into().place(), "GeoPackage", "vector", "write GeoJSON"))
+    }
+}

@@ -37,7 +37,7 @@
 //! ```
 
 mod about;
-#[cfg(not(all(feature = "exr", feature = "parquet", feature = "tiff")))]
+#[cfg(not(all(feature = "exr", feature = "parquet", feature = "tiff", feature = "vector")))]
 mod absent;
 mod atomic;
 pub mod checkpoint;
@@ -78,12 +78,15 @@ pub mod storage;
 mod table;
 mod target;
 pub mod timeline;
+mod vector;
 mod zarr;
 
 #[cfg(not(feature = "tiff"))]
 use absent::geotiff_read;
 #[cfg(not(feature = "parquet"))]
 use absent::parquet;
+#[cfg(not(feature = "vector"))]
+pub use absent::vector::{write_flatgeobuf, write_geopackage};
 #[cfg(not(feature = "exr"))]
 use absent::{exr_read, exr_write};
 
@@ -111,4 +114,7 @@ pub use scene::{Scene, SceneMaterial, SceneMesh, SceneNode};
 pub use source::Source;
 pub use table::{Column, Table};
 pub use target::{Target, write_text};
+pub use vector::{Vectors, write_geojson};
+#[cfg(feature = "vector")]
+pub use vector::{write_flatgeobuf, write_geopackage};
 pub use zarr::{SECONDS, store_attributes, write_store};

@@ -56,7 +56,7 @@ impl Recipe {
         let export = |e: &Export| {
             let mut keys = written(e);
             // What has no effect is refused when it is read again.
-            e.mesh_keys().into_iter().filter(|(_, fits, _)| !fits).for_each(|(key, ..)| drop(keys.remove(key)));
+            e.narrow_keys().into_iter().filter(|(_, fits, _)| !fits).for_each(|(key, ..)| drop(keys.remove(key)));
             Value::Object(keys)
         };
         doc["export"] = self.exports.iter().map(export).collect();

@@ -64,8 +64,8 @@ pub(crate) fn former_formats() -> BTreeMap<&'static str, &'static str> {
 }
 
 impl Export {
-    /// Keys that belong to meshes of the terrain alone: whether this export is one, and if not, to what the key belongs.
-    pub(crate) fn mesh_keys(&self) -> [(&'static str, bool, &'static str); 4] {
+    /// Keys that belong to one thing alone: whether this export shows it, and if not, to what the key belongs.
+    pub(crate) fn narrow_keys(&self) -> [(&'static str, bool, &'static str); 5] {
         let terrain = self.shows() == What::Terrain;
         let glb = self.preset.is_none() && terrain && self.formats().first() == Some(&ExportFormat::Glb);
         let mesh = (terrain && self.preset.is_none()) || self.preset == Some(Preset::Blender);
@@ -74,6 +74,7 @@ impl Export {
             ("skirt", glb && self.tiles != [1, 1], "a terrain in `tiles`"),
             ("water", mesh, "a terrain"),
             ("vertices", mesh, "a terrain"),
+            ("interval", self.preset.is_none() && self.shows() == What::Contours, "`contours`"),
         ]
     }
 
@@ -161,6 +162,7 @@ impl Export {
             (What::Plots, _) => all(&["cover", "plot"]),
             (What::Corals, _) => all(&["corals"]),
             (What::Dive, _) => all(&["dive", "side", "above"]),
+            (What::Contours, _) => all(&["contours"]),
             (What::View(name), _) => all(&[&name]),
         }
     }
@@ -206,7 +208,7 @@ impl Export {
 
 impl What {
     /// What needs no name of a table, of points or of lines.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Layers,
         Self::Terrain,
         Self::Splat,
@@ -216,6 +218,7 @@ impl What {
         Self::Plots,
         Self::Corals,
         Self::Dive,
+        Self::Contours,
     ];
 
     /// Name in recipes.
@@ -230,18 +233,24 @@ impl What {
             Self::Plots => "plots",
             Self::Corals => "corals",
             Self::Dive => "dive",
+            Self::Contours => "contours",
             Self::View(name) => name,
         }
     }
 
     /// How it can be written, the usual format first.
     pub fn formats(&self) -> &'static [ExportFormat] {
-        use ExportFormat::{Csv, Exr, GeoTiff, Glb, Npy, Obj, Parquet, Ply, Png, Png16, R16, R32, Svg, Zarr};
+        use ExportFormat::{
+            Csv, Exr, FlatGeobuf, GeoJson, GeoPackage, GeoTiff, Glb, Npy, Obj, Parquet, Ply, Png, Png16, R16, R32, Svg,
+            Zarr,
+        };
         match self {
             Self::Layers => &[GeoTiff, Png16, R16, R32, Exr, Npy, Zarr],
             Self::Terrain => &[Glb, Obj],
             Self::Splat | Self::Mask | Self::Map | Self::Dive => &[Png],
-            Self::Census | Self::View(_) => &[Csv, Parquet],
+            Self::Census => &[Csv, Parquet],
+            Self::View(_) => &[Csv, Parquet, GeoJson, FlatGeobuf, GeoPackage],
+            Self::Contours => &[GeoJson, FlatGeobuf, GeoPackage],
             Self::Plots => &[Svg, Png],
             Self::Corals => &[Glb, Obj, Ply],
         }
@@ -255,7 +264,7 @@ impl What {
 
 impl ExportFormat {
     /// All formats.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 17] = [
         Self::GeoTiff,
         Self::Png16,
         Self::R16,
@@ -268,6 +277,9 @@ impl ExportFormat {
         Self::Ply,
         Self::Csv,
         Self::Parquet,
+        Self::GeoJson,
+        Self::FlatGeobuf,
+        Self::GeoPackage,
         Self::Png,
         Self::Svg,
     ];
@@ -281,7 +293,7 @@ impl ExportFormat {
             Self::Glb | Self::Obj => Some(What::Terrain),
             Self::Ply => Some(What::Corals),
             Self::Svg => Some(What::Plots),
-            Self::Csv | Self::Parquet | Self::Png => None,
+            Self::Csv | Self::Parquet | Self::Png | Self::GeoJson | Self::FlatGeobuf | Self::GeoPackage => None,
         }
     }
 
@@ -290,6 +302,8 @@ impl ExportFormat {
         match self {
             Self::GeoTiff => "geotiff",
             Self::Png16 => "png16",
+            Self::FlatGeobuf => "flatgeobuf",
+            Self::GeoPackage => "geopackage",
             other => other.extension(),
         }
     }
@@ -309,6 +323,9 @@ impl ExportFormat {
             Self::Ply => "ply",
             Self::Csv => "csv",
             Self::Parquet => "parquet",
+            Self::GeoJson => "geojson",
+            Self::FlatGeobuf => "fgb",
+            Self::GeoPackage => "gpkg",
             Self::Svg => "svg",
         }
     }
@@ -427,7 +444,10 @@ mod tests {
             ("what = 'corals'", "corals.glb"),
             ("format = 'ply'", "corals.ply"),
             ("what = 'dive'", "dive.png side.png above.png"),
+            ("what = 'contours'", "contours.geojson"),
+            ("what = 'contours'\nformat = 'geopackage'", "contours.gpkg"),
             ("what = 'corals.algae'", "corals.algae.csv"),
+            ("what = 'rivers'\nformat = 'flatgeobuf'", "rivers.fgb"),
         ] {
             assert_eq!(export(text).files().join(" "), files, "{text}");
         }

@@ -303,7 +303,9 @@ pub enum What {
     Corals,
     /// Pictures of the corals' bodies: as a diver sees them, from the side, and from above.
     Dive,
-    /// A table, points or lines that a process keeps beside layers, by name: `corals.colonies`.
+    /// Lines of equal height.
+    Contours,
+    /// A table, points, lines or polygons that a process keeps beside layers, by name: `corals.colonies`.
     #[serde(untagged)]
     View(#[schemars(regex(pattern = r"^[a-z_][a-z0-9_.]*$"))] String),
 }
@@ -337,6 +339,12 @@ pub enum ExportFormat {
     Csv,
     /// The same as Apache Parquet: with types, and units in its metadata.
     Parquet,
+    /// GeoJSON: points, lines and polygons with attributes, as text.
+    GeoJson,
+    /// The same as FlatGeobuf: binary, with an index of places.
+    FlatGeobuf,
+    /// The same as GeoPackage: a table of an SQLite file.
+    GeoPackage,
     /// Picture.
     Png,
     /// Drawing that can be enlarged.
@@ -387,7 +395,7 @@ pub enum FirstRow {
 pub struct Export {
     /// What the files show. If not given, what the format is for: `terrain` of `glb` and `obj`, `corals` of `ply`, `plots` of `svg`, and otherwise `layers`.
     pub what: Option<What>,
-    /// How it is written. If not given: `layers` as `geotiff`, `terrain` and `corals` as `glb`, tables, points and lines as `csv`, `plots` as `svg` and `png`, all else as `png`.
+    /// How it is written. If not given: `layers` as `geotiff`, `terrain` and `corals` as `glb`, `contours` as `geojson`, tables, points and lines as `csv`, `plots` as `svg` and `png`, all else as `png`.
     #[schemars(extend("$former" = former_formats()))]
     pub format: Option<ExportFormat>,
     /// All files for a program instead of one kind: sizes are resampled, scales and orders are the program's.
@@ -430,6 +438,9 @@ pub struct Export {
     /// Height over the sea at which half of the ground that is not too steep is snow. If not given, that of `[view]`.
     #[schemars(range(min = -12000.0, max = 12000.0), extend("unit" = "m"))]
     pub snow_line: Option<f32>,
+    /// Distance of heights of `contours`. If not given, 1, 2 or 5 times a power of ten so that there are about twenty levels.
+    #[schemars(range(min = 0.001, max = 10_000.0), extend("unit" = "m"))]
+    pub interval: Option<f64>,
     /// Whether the export is written.
     pub enabled: bool,
 }
@@ -454,6 +465,7 @@ impl Default for Export {
             rock_slope: None,
             beach: None,
             snow_line: None,
+            interval: None,
             enabled: true,
         }
     }

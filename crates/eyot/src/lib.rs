@@ -57,9 +57,9 @@ pub mod analyse {
     pub use eyot_climate::stats::{Planet, Zonal, planet};
     pub use eyot_land::analyse::{
         HortonRatios, Landform, LandformShares, Moments, PitCount, StreamOrder, TerrainCurves, TerrainOptions,
-        TerrainStats, concavity, count_pits, curvatures, erosion_score, geomorphons, hack_exponent, horton_ratios,
-        hurst_exponent, moments, quantile, slope_deg, spectral_beta, strahler_orders, streams_by_order, terrain_curves,
-        terrain_stats,
+        TerrainStats, concavity, contours, count_pits, curvatures, erosion_score, geomorphons, hack_exponent,
+        horton_ratios, hurst_exponent, moments, quantile, slope_deg, spectral_beta, strahler_orders, streams_by_order,
+        terrain_curves, terrain_stats,
     };
     pub use eyot_plates::report as plates;
 }

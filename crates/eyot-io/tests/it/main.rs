@@ -14,3 +14,4 @@ mod round_trips;
 mod streams;
 mod tables;
 mod timelines;
+mod vectors;

@@ -17,6 +17,7 @@
 //! # Ok::<(), eyot_core::Error>(())
 //! ```
 
+mod contours;
 mod curvature;
 mod curves;
 mod diagonals;
@@ -33,6 +34,7 @@ mod strahler;
 mod terrain_stats;
 mod variogram;
 
+pub use contours::{contours, round_interval};
 pub use curvature::curvatures;
 pub use curves::{TerrainCurves, terrain_curves};
 pub use diagonals::diagonal_share;

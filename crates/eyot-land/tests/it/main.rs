@@ -5,6 +5,7 @@ mod analyse_synthetic;
 mod by_rock;
 mod common;
 mod conformance;
+mod contours;
 mod determinism;
 mod directions;
 mod drainage_jacksboro;

@@ -376,7 +376,7 @@ impl Validator<'_> {
                 }
             }
         }
-        for (key, fits, needs) in export.mesh_keys() {
+        for (key, fits, needs) in export.narrow_keys() {
             if let Some(at) = span(key).filter(|_| !fits) {
                 let message = format!("`{key}` has no effect here: it belongs to {needs}");
                 self.out.push(Diagnostic::at(at, message, "this key").help("leave it out"));
