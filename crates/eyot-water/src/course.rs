@@ -1,7 +1,7 @@
 //! Courses: smooth lines through the cells of reaches.
 //!
 //! # Rule
-//! 1. Ways from cell to cell know eight directions, rivers know all. Each cell's point is moved by lot within 0.3 cells, the same for
+//! 1. Ways from cell to cell know eight directions, rivers know all. Each cell's point is moved by lot within 0.3 cells each way, the same for
 //!    every reach that touches it, so that junctions stay joined; then the points between the ends are smoothed twice by
 //!    (1, 2, 1)/4. No point ends further than half a cell from the middle of its cell.
 //! 2. Between points the line is a centripetal Catmull-Rom spline, which has neither loops nor cusps (Yuksel, Schaefer & Keyser 2011).

@@ -60,5 +60,7 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[Entry::<dyn Process>::process::<R
         "andreadis2013",
         "lehner2013",
         "yuksel2011",
+        "howard1984",
+        "paris2023",
     ],
 )];

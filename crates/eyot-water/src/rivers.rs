@@ -12,7 +12,8 @@
 //! 4. Rivers run from their springs along the steepest way to the sea, the rim, a closed lake or a hollow that dries them up. Orders are
 //!    Strahler's. `w = width Q^0.5`, `d = depth Q^0.3` (m, Q in m3/s).
 //! 5. Lines are smoothed within half a cell of their way, heights never rise downstream. A waterfall is where the water falls more than
-//!    5 m from cell to cell at a slope above 0.5 with more than 0.5 m3/s.
+//!    5 m from cell to cell at a slope above 0.5 with more than 0.5 m3/s. Reaches that fall less than 0.005 through plains of five widths
+//!    meander (`meander.rs`) until they are `sinuosity` times as long as the straight way.
 //! 6. Beds at least 0.7 cells wide are dug: see `bed.rs`. With `bed = "passes"` every cell of a river is lowered by `pass_depth` for each
 //!    spring above it, as in the source.
 //!
@@ -20,7 +21,8 @@
 //! Riesen 2015, sections 6.2 and 6.3: springs at random places in a band of heights, the way of least resistance to a lake, and beds
 //! by the number of passes. Barnes, Callaghan and Wickert 2020 and 2021 for the depressions; Budyko 1974 in the form of Zhang et al.
 //! 2001; Turc 1954; Leopold and Maddock 1953, Moody and Troutman 2002 and Andreadis et al. 2013 for widths and depths; Lehner and Grill 2013
-//! for the names of attributes; Yuksel, Schaefer and Keyser 2011 for the lines.
+//! for the names of attributes; Yuksel, Schaefer and Keyser 2011 for the lines; Howard and Knutson 1984 and Paris et al. 2023
+//! for the meanders.
 //!
 //! # Differences
 //! The source's lakes were tilted, and its rivers unfinished. Ours are level, and rivers are complete: no loops, no vertex uphill.
@@ -36,7 +38,8 @@
 use crate::bed::{self, Piece};
 use crate::course::{Course, course};
 use crate::lakes::{self, Balance, Lakes, Least};
-use crate::network::{End, Network, trace};
+use crate::meander::meander;
+use crate::network::{End, Network, Reach, trace};
 use crate::runoff::{Climate, evaporation_of};
 use crate::{DISCHARGE, LAKE_LEVEL, LAKES, RIVER, RIVER_PASSES, RIVERS, WATERFALLS, shores};
 use eyot_core::component::{Features, Form, Points, Shape, Type};
@@ -122,6 +125,9 @@ pub struct Rivers {
     /// Depth of a river of 1 m3/s; it grows with the discharge to the power of 0.3.
     #[schemars(range(min = 0.001, max = 100.0), extend("unit" = "m"))]
     pub depth: f32,
+    /// How winding rivers become that run slowly through wide plains: length over the straight way. 1 leaves them as they are.
+    #[schemars(range(min = 1.0, max = 2.5), extend("unit" = "1"))]
+    pub sinuosity: f32,
     /// How beds are dug: as deep as the water (hydraulic), by the number of springs above (passes), or not at all (none).
     pub bed: Bed,
     /// With beds by passes, what each spring above digs.
@@ -147,6 +153,7 @@ impl Default for Rivers {
             min_lake_depth: 1.0,
             width: 7.2,
             depth: 0.27,
+            sinuosity: 1.5,
             bed: Bed::Hydraulic,
             pass_depth: 0.2,
             closed_rims: true,
@@ -159,6 +166,10 @@ const WIDTH_EXPONENT: f64 = 0.5;
 const DEPTH_EXPONENT: f64 = 0.3;
 /// What makes a waterfall: fall (m), slope (1), water (m3/s).
 const FALL: (f64, f64, f64) = (5.0, 0.5, 0.5);
+/// Steeper rivers do not meander, 1.
+const MEANDER_SLOPE: f64 = 0.005;
+/// Ground that lies at most so far above or below a reach is its flood plain, m.
+const PLAIN_M: f32 = 2.0;
 /// Stream of random numbers of the springs.
 const STREAM: u32 = 0x5350_5247;
 
@@ -260,8 +271,11 @@ impl ActionInstance for Rivers {
         let floor = sea as f32;
         let surface: Vec<f32> = found.surface.iter().map(|z| z.max(floor)).collect();
         let seed = world.seed;
-        let courses: Vec<Course> =
-            network.reaches.par_iter().map(|r| course(&r.cells, grid, &found.routing, &surface, seed)).collect();
+        let courses: Vec<Course> = network
+            .reaches
+            .par_iter()
+            .map(|r| self.wandered(r, course(&r.cells, grid, &found.routing, &surface, seed), &found, grid))
+            .collect();
         control.check()?;
 
         let ground: Vec<f32> =
@@ -389,6 +403,50 @@ impl Rivers {
         }
     }
 
+    /// The course of a reach that meanders, if it runs slowly enough through a plain that is wide enough.
+    fn wandered(&self, reach: &Reach, course: Course, found: &Lakes, grid: &Grid) -> Course {
+        let width = self.section(reach.discharge).width_m;
+        let (first, last) = (course.line[0], course.line[course.line.len() - 1]);
+        let (length, fall) = (length_m(&course.line), f64::from(first[2]) - f64::from(last[2]));
+        let cell_m = grid.cell_x_m.min(grid.cell_y_m);
+        let slow = fall <= MEANDER_SLOPE * length && length >= 20.0 * width && width >= 0.25 * cell_m;
+        if self.sinuosity <= 1.0 || reach.lake > 0 || !slow {
+            return course;
+        }
+        let plain = |p: [f64; 2]| {
+            let (x, y) = ((p[0] / grid.cell_x_m).floor(), (p[1] / grid.cell_y_m).floor());
+            if x < 0.0 || y < 0.0 || x >= grid.width as f64 || y >= grid.height as f64 {
+                return false;
+            }
+            let i = y as usize * grid.width + x as usize;
+            found.lake[i] == 0 && (last[2] - PLAIN_M..=first[2] + PLAIN_M).contains(&found.surface[i])
+        };
+        let line: Vec<[f64; 2]> = course.line.iter().map(|v| [f64::from(v[0]), f64::from(v[1])]).collect();
+        // Half of five widths to each side, by the axes.
+        let wide = |p: &&[f64; 2]| {
+            let off = 2.5 * width;
+            [[off, 0.0], [-off, 0.0], [0.0, off], [0.0, -off]].iter().all(|d| plain([p[0] + d[0], p[1] + d[1]]))
+        };
+        if 2 * line.iter().filter(wide).count() < line.len() {
+            return course;
+        }
+        let wound = meander(&line, width, f64::from(self.sinuosity), plain).line;
+        // Heights fall evenly along the longer way.
+        let parts = (wound.len() - 1) as f64;
+        let place = |k: usize| (k as f64 / parts * (reach.cells.len() - 1) as f64) as f32;
+        let height = |k: usize| {
+            let at = course.place.partition_point(|p| *p < place(k)).min(course.line.len() - 1);
+            course.line[at][2]
+        };
+        let mut found = Course::default();
+        for (k, p) in wound.iter().enumerate() {
+            let end = if k == 0 { Some(first) } else { (k + 1 == wound.len()).then_some(last) };
+            found.line.push(end.unwrap_or([p[0] as f32, p[1] as f32, height(k)]));
+            found.place.push(place(k));
+        }
+        found
+    }
+
     fn section(&self, discharge: f64) -> Section {
         let q = discharge.max(0.0);
         let depth_m = f64::from(self.depth) * pow(q, DEPTH_EXPONENT);
@@ -404,7 +462,7 @@ impl Rivers {
         passes: Option<&[f32]>,
         grid: &Grid,
     ) -> Vec<Piece> {
-        let pieces = |(reach, course): (&crate::network::Reach, &Course)| -> Vec<Piece> {
+        let pieces = |(reach, course): (&Reach, &Course)| -> Vec<Piece> {
             let cut = |(ends, place): (&[[f32; 3]], &[f32])| {
                 let k = place[0] as usize;
                 let cell = reach.cells[k] as usize;
@@ -520,7 +578,7 @@ fn length_m(line: &[[f32; 3]]) -> f64 {
 }
 
 /// The steps of a reach over which water falls.
-fn waterfalls(reach: &crate::network::Reach, course: &Course, found: &Lakes, falls: &mut Points) -> Result<()> {
+fn waterfalls(reach: &Reach, course: &Course, found: &Lakes, falls: &mut Points) -> Result<()> {
     for (k, pair) in reach.cells.windows(2).enumerate() {
         let (above, below) = (pair[0] as usize, pair[1] as usize);
         let drop = f64::from(found.surface[above]) - f64::from(found.surface[below]);

