@@ -1,6 +1,7 @@
 //! `section`: a cut through the land along a line.
 
 use crate::args::{Reading, size};
+use crate::excerpt::clipped;
 use crate::{Failure, inspect, print, report};
 use clap::Args;
 use eyot::store::{self, SectionOptions};
@@ -8,9 +9,6 @@ use std::path::PathBuf;
 
 /// Width of the picture unless something else is asked for, pixels.
 const WIDTH: u32 = 2000;
-
-/// Points of a line: more are no section that somebody could read.
-const MOST_POINTS: usize = 100;
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -26,16 +24,16 @@ printed are those of the cells that the line passes, down to the foot of the pic
 pub(crate) struct Section {
     /// Folder of a run, or a height map
     from: PathBuf,
-    /// Points of the line: x0,y0,x1,y1 and so on, as shares of the land or in metres [default: from west to east through the highest place]
-    #[arg(long, value_name = "X,Y,...", value_parser = line)]
-    line: Option<Line>,
+    /// Points of the line, 2 to 100: x0,y0,x1,y1 and so on, as shares of the land or in metres [default: from west to east through the highest place]
+    #[arg(long, value_name = "X,Y,...", allow_hyphen_values = true)]
+    line: Option<String>,
     /// The picture, a .png or a .svg [default: FOLDER/section.png, or beside the height map]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Factor on heights [default: a round one that shows the relief; it is printed in the picture]
+    /// Factor on heights, 0.01 to 1000 [default: a round one that shows the relief; it is printed in the picture]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = |s: &str| crate::args::number(s, 0.01, 1000.0))]
     exaggeration: Option<f32>,
-    /// Width x height of the picture in pixels, legend included; the height alone follows from the factor [default: 2000]
+    /// Width x height of the picture in pixels, legend included: 500 to 16384 x 300 to 16384; without a height it follows from the factor [default: 2000]
     #[arg(long, value_name = "WxH", allow_negative_numbers = true, value_parser = size)]
     size: Option<(u32, Option<u32>)>,
     /// Print line, exaggeration and areas as JSON
@@ -58,9 +56,6 @@ fn line(text: &str) -> Result<Line, String> {
         value.map(|v| (v, metres)).ok_or_else(|| help.to_owned())
     };
     let all = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-    if all.len() > 2 * MOST_POINTS {
-        return Err(format!("a line has at most {MOST_POINTS} points, this one has {}", all.len() / 2));
-    }
     if all.len() < 4 || all.len() % 2 != 0 {
         return Err(help.to_owned());
     }
@@ -69,6 +64,9 @@ fn line(text: &str) -> Result<Line, String> {
 
 /// Draws a section.
 pub(crate) fn section(args: &Section) -> Result<(), Failure> {
+    let read =
+        |text: &String| line(text).map_err(|help| report::usage(&format!("`{}` is no line", clipped(text, 60)), &help));
+    let points = args.line.as_ref().map(read).transpose()?;
     let opened = inspect::open(&args.from, &args.reading)?;
     inspect::has_ground(&opened, &args.from)?;
     let (w, h) = args.size.unwrap_or((WIDTH, None));
@@ -86,7 +84,7 @@ pub(crate) fn section(args: &Section) -> Result<(), Failure> {
     });
     let name = args.from.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let options = SectionOptions {
-        line: args.line.iter().flat_map(|l| &l.0).map(point).collect(),
+        line: points.iter().flat_map(|l| &l.0).map(point).collect(),
         size: (w, h),
         // As people wrote it: 1.1 and not 1.10000002.
         exaggeration: args.exaggeration.and_then(|e| e.to_string().parse().ok()),

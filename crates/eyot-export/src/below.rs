@@ -70,34 +70,31 @@ fn columns(world: &World, limits: &Limits) -> eyot_core::Result<Vec<(LayerSpec, 
     let floor_m = f64::from(low) - f64::from(high - low).max(100.0);
     let (width, height) = (world.grid.width, world.grid.height);
     let mut runs: Vec<Run> = Vec::new();
-    let mut most = 0;
+    let mut all: Vec<(LayerSpec, Field)> = Vec::new();
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         below.of_cell(x, y, floor_m, &mut runs);
-        most = most.max(runs.len());
-    }
-    // Two layers for each run, beside those of the world.
-    let layers = world.layers().len() + 2 * most;
-    if layers > limits.max_layers {
-        return Err(Error::Limit {
-            what: "layers of columns".into(),
-            needed: layers.to_string(),
-            limit: limits.max_layers.to_string(),
-            remedy: "give beds that are thicker or do not repeat".into(),
-        });
-    }
-    limits.check_bytes("columns of runs", Field::bytes_of(width, height) * layers as u128)?;
-    let mut all = Vec::with_capacity(2 * most);
-    for n in 0..most {
-        let name = |what: &str| format!("run_{}_{what}", n + 1);
-        let material =
-            "Material of this run of the column, counted from the surface, by its number; -1 if there is none";
-        let thickness =
-            format!("Thickness of this run of the column, counted from the surface; all end at {floor_m} m");
-        all.push((spec(&name("material"), "1", material, (-1.0, 300.0)), Field::new(width, height, -1.0)));
-        all.push((spec(&name("thickness"), "m", &thickness, (0.0, 1e6)), Field::new(width, height, 0.0)));
-    }
-    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        below.of_cell(x, y, floor_m, &mut runs);
+        if 2 * runs.len() > all.len() {
+            // Two layers for each run, beside those of the world.
+            let layers = world.layers().len() + 2 * runs.len();
+            if layers > limits.max_layers {
+                return Err(Error::Limit {
+                    what: "layers of columns".into(),
+                    needed: format!("at least {layers}"),
+                    limit: limits.max_layers.to_string(),
+                    remedy: "give beds that are thicker or do not repeat".into(),
+                });
+            }
+            limits.check_bytes("columns of runs", Field::bytes_of(width, height) * layers as u128)?;
+            for n in all.len() / 2..runs.len() {
+                let name = |what: &str| format!("run_{}_{what}", n + 1);
+                let material =
+                    "Material of this run of the column, counted from the surface, by its number; -1 if there is none";
+                let thickness =
+                    format!("Thickness of this run of the column, counted from the surface; all end at {floor_m} m");
+                all.push((spec(&name("material"), "1", material, (-1.0, 300.0)), Field::new(width, height, -1.0)));
+                all.push((spec(&name("thickness"), "m", &thickness, (0.0, 1e6)), Field::new(width, height, 0.0)));
+            }
+        }
         for (n, run) in runs.iter().enumerate() {
             all[2 * n].1.set(x, y, run.kind as f32);
             all[2 * n + 1].1.set(x, y, run.thickness_m() as f32);

@@ -1,7 +1,7 @@
 //! A section through the land as a drawing: what lies below a line, with axes and a legend.
 //!
 //! The picture asks for the column at every pixel, with surfaces that run straight from cell to cell
-//! ([`Subsurface::at`]); the areas are those of the cells that the line passes ([`Section`]).
+//! ([`Subsurface::at`]); the areas are those of the cells that the line passes ([`areas_m2`]).
 
 use crate::error::ExportError;
 use eyot_core::layer::known::{HEIGHT, WATER};
@@ -9,8 +9,8 @@ use eyot_core::{Field, World};
 use eyot_io as io;
 use eyot_recipe::keys::NO_SEA_M;
 use eyot_render::{Anchor, Drawing, Ink, Place, Shape, Stroke};
-use eyot_strata::section::check;
-use eyot_strata::{Run, Section, Subsurface};
+use eyot_strata::section::{areas_m2, check};
+use eyot_strata::{Run, Subsurface};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -98,6 +98,16 @@ struct Sample {
     sea: Option<f64>,
 }
 
+impl Sample {
+    /// Leaves out what lies below a height, m.
+    fn end_at(&mut self, floor_m: f64) {
+        self.runs.retain(|r| r.top_m > floor_m);
+        if let Some(last) = self.runs.last_mut() {
+            last.bottom_m = last.bottom_m.max(floor_m);
+        }
+    }
+}
+
 /// Draws a section.
 ///
 /// # Errors
@@ -125,6 +135,7 @@ pub fn section(world: &World, o: &SectionOptions) -> Result<Drawn, ExportError> 
 
     // First the kinds that are there, then the room that their legend leaves.
     let mut seen = legend(&below, world, &samples);
+    let order: Vec<usize> = seen.iter().filter_map(|(_, _, kind)| *kind).collect();
     let name_width = seen.iter().map(|e| Drawing::text_width(&e.0)).fold(0.0, f32::max) + 52.0;
     let columns = ((plot_width / name_width) as usize).max(1);
     let foot = AXIS + ROW * seen.len().div_ceil(columns) as f32 + 10.0;
@@ -150,7 +161,7 @@ pub fn section(world: &World, o: &SectionOptions) -> Result<Drawn, ExportError> 
     let per_z = per_unit / exaggeration;
     let z_high = high + SKY * plot_height * per_z;
     let floor_m = z_high - plot_height * per_z;
-    samples.iter_mut().zip(&places).for_each(|(s, p)| below.at(p[0], p[1], floor_m, &mut s.runs));
+    samples.iter_mut().for_each(|s| s.end_at(floor_m));
     seen.retain(|(_, _, kind)| kind.is_none_or(|n| samples.iter().flat_map(|s| &s.runs).any(|r| r.kind == n)));
 
     let at = |k: usize, z: f64| -> Place {
@@ -200,9 +211,11 @@ pub fn section(world: &World, o: &SectionOptions) -> Result<Drawn, ExportError> 
         shapes.push(Shape::Polygon { points, fill: Some(Ink::of(*colour)), line, title: String::new() });
         shapes.push(text([x + 36.0, y + 5.0], Anchor::Start, name));
     }
-    let cut = Section::along(world, &line, floor_m).map_err(ExportError::input)?;
-    let areas = cut.areas_m2();
-    let names = cut.kinds.iter().zip(areas).filter(|(_, a)| *a > 0.0).map(|(k, a)| (k.name.clone(), a));
+    let areas = areas_m2(&below, &world.grid, &line, floor_m).map_err(ExportError::input)?;
+    // As the legend has them; what is too thin for any of the samples comes last.
+    let others = (0..areas.len()).filter(|kind| !order.contains(kind));
+    let all = order.iter().copied().chain(others).filter(|kind| areas[*kind] > 0.0);
+    let names = all.map(|kind| (below.kinds()[kind].name.clone(), areas[kind]));
     let drawing = Drawing { width, height: bottom + foot, background: PAPER, shapes };
     Ok(Drawn { drawing, line, length_m, exaggeration, floor_m, areas_m2: names.collect() })
 }

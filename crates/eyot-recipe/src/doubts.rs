@@ -13,6 +13,7 @@ impl Recipe {
         let mut all: Vec<Remedy> = no_ground(&self.steps).map(Remedy::from).into_iter().collect();
         all.extend(blind_to_rock(&self.steps).into_iter().map(Remedy::from));
         all.extend(before_its_maker(self).into_iter().map(Remedy::from));
+        all.extend(crate::rock::doubts(self).into_iter().map(Remedy::from));
         for step in self.enabled_steps() {
             let Work::Generate(g) = &step.work else { continue };
             let of_step = |d| remedy![format!("step {} ({}): ", step.number, step.name), d];

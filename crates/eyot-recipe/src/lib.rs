@@ -52,6 +52,7 @@ mod parse;
 pub mod process_set;
 mod recipe;
 mod registry;
+mod rock;
 mod schema;
 mod set;
 mod texts;

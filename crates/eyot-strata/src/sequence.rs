@@ -85,6 +85,22 @@ impl Sequence {
         self.beds.iter().map(|b| f64::from(b.thickness_m)).sum()
     }
 
+    /// Adds the thickness of each material between two depths below the datum to `sums`, m, for a sequence that repeats.
+    pub(crate) fn add_between(&self, from: f64, to: f64, sums: &mut [f64]) {
+        let whole = self.thickness_m();
+        let mut top = 0.0;
+        for bed in &self.beds {
+            let thickness = f64::from(bed.thickness_m);
+            // How much of this bed lies above a depth, counted from the first turn.
+            let above = |depth: f64| {
+                let turns = (depth / whole).floor();
+                turns * thickness + (depth - turns * whole - top).clamp(0.0, thickness)
+            };
+            sums[usize::from(bed.material)] += above(to) - above(from);
+            top += thickness;
+        }
+    }
+
     fn decode(from: &mut Decoder<'_>) -> Result<Self> {
         let mut materials = Vec::new();
         for _ in 0..from.u8()? {

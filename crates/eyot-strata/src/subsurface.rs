@@ -138,6 +138,26 @@ impl<'a> Subsurface<'a> {
         self.column(self.heights(x, y), floor_m, out);
     }
 
+    /// Thickness of each kind of ground in a cell down to `floor_m`, m, into `sums`, in the order of [`Subsurface::kinds`]. Unlike the runs, of
+    /// which there are at most [`MOST_RUNS`], it is right for any number of repetitions of the beds; `runs` is for its own use.
+    pub fn thicknesses(&self, x: usize, y: usize, floor_m: f64, runs: &mut Vec<Run>, sums: &mut [f64]) {
+        let heights = self.heights(x, y);
+        self.column(heights, floor_m, runs);
+        sums.fill(0.0);
+        if let (Some(sequence), Some(last)) = (self.sequence.filter(|s| s.repeat), runs.last().copied())
+            && let Some(bed) = last.bed
+        {
+            let count = sequence.beds.len() as i32;
+            let thickness = f64::from(sequence.beds[bed.rem_euclid(count) as usize].thickness_m);
+            if last.thickness_m() > 1.5 * thickness {
+                // The run in which the list of runs ended stands for all that follow.
+                runs.pop();
+                sequence.add_between(heights.datum - last.top_m, heights.datum - last.bottom_m, sums);
+            }
+        }
+        runs.iter().for_each(|r| sums[r.kind] += r.thickness_m());
+    }
+
     /// Height of the top of a bed in a cell, worn away or not, m. Beds are counted from 0; of a sequence that repeats it is that of the first
     /// turn. `None` if the world has no such bed.
     pub fn top_of_bed(&self, x: usize, y: usize, bed: usize) -> Option<f64> {

@@ -51,6 +51,9 @@ fn a_run_from_recipe_to_picture() {
     let cut = json(f, &cut);
     assert!(f.join("cut.svg").is_file() && cut["exaggeration"] == 2.0 && cut["length_m"] == 480.0, "{cut}");
     said(f, &["section", "small", "--line", "0,0,1"], 2, &["x0,y0,x1,y1"]);
+    said(f, &["section", "small", "--line", "-1,0.5,1,0.5"], 2, &["shares from 0 to 1"]);
+    let long = said(f, &["section", "small", "--line", &"9".repeat(300)], 2, &["is no line"]);
+    assert!(!long.contains(&"9".repeat(100)), "{long}");
     said(f, &["section", "small", "--line", "0m,0m,9m,999m"], 2, &["outside the land of 480 x 480 m"]);
     said(f, &["section", "small", "--out", "cut.jpg"], 2, &["ends in .png or .svg"]);
     // Without a word more it is the run's own picture, and a changed view is that of the run.

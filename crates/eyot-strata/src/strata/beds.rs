@@ -14,19 +14,13 @@ pub(crate) const SURFACES: usize = 4;
 
 /// A bed of one material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct Bed {
     /// Name of its material.
     pub material: String,
     /// Thickness, measured along the vertical. That of the last bed has no meaning unless the sequence repeats.
     #[schemars(range(min = 0.01, max = 20000.0), extend("unit" = "m"))]
     pub thickness: f32,
-}
-
-impl Default for Bed {
-    fn default() -> Self {
-        Self { material: "sandstone".into(), thickness: 50.0 }
-    }
 }
 
 /// A wave of the beds.

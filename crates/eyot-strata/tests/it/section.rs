@@ -4,7 +4,7 @@ use crate::{go, scheduled, value, world};
 use eyot_core::component::{Decoder, Encoder};
 use eyot_core::layer::known::{LIMESTONE, SAND};
 use eyot_core::{Boundary, Component, Field, Grid, Limits, World};
-use eyot_strata::section::check;
+use eyot_strata::section::{areas_m2, check};
 use eyot_strata::sequence::SEQUENCE;
 use eyot_strata::{
     BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, NEW_ROCK, Section, Sequence, Strata, Subsurface, Surfaces,
@@ -140,12 +140,35 @@ fn lines_pass_every_cell_between_their_ends() {
         (vec![[0.0, 0.0], [301.0, 0.0]], "(301 m, 0 m) lies outside the land of 300 x 200 m"),
         (vec![[0.0, 0.0], [0.0, f64::NAN]], "lies outside"),
         (vec![[5.0, 5.0], [5.0, 5.0]], "two points that differ"),
+        (vec![[5.0, 5.0], [5.0 + 1e-9, 5.0]], "two points that differ"),
         (vec![[5.0, 5.0]], "two points"),
+        (vec![[0.0, 0.0], [1e300, 0.0]], "(1e300 m, 0 m) lies outside"),
+        ((0..101).map(|i| [f64::from(i), 0.0]).collect(), "at most 100 points, this one has 101"),
         (vec![], "two points"),
     ] {
         let said = check(&grid, &line).unwrap_err().to_string();
         assert!(said.contains(words), "{said}");
     }
+}
+
+/// Far thinner beds than a column has runs for: shares of the ground are those of the sequence.
+#[test]
+fn areas_are_right_however_thin_the_beds_are() {
+    let thin = vec![bed("sand", 0.05), bed("marble", 0.15), bed("granite", 0.1)];
+    let w = land(Strata { beds: thin, repeat: true, dip: 20.0, regolith: 0.0, ..beds() });
+    let below = Subsurface::of(&w).unwrap();
+    let line = [[0.0, 105.0], [300.0, 105.0]];
+    let areas = areas_m2(&below, &w.grid, &line, -2000.0).unwrap();
+    let whole: f64 = areas.iter().sum();
+    for (kind, share) in [(1, 1.0 / 6.0), (5, 0.5), (6, 1.0 / 3.0)] {
+        assert!((areas[kind] / whole - share).abs() < 1e-3, "{kind}: {} of {whole}", areas[kind]);
+    }
+    // Where the list of runs holds all of them, both ways agree.
+    let w = land(Strata { repeat: true, ..beds() });
+    let below = Subsurface::of(&w).unwrap();
+    let both = [areas_m2(&below, &w.grid, &line, -500.0), Section::along(&w, &line, -500.0).map(|s| s.areas_m2())];
+    let [a, b] = both.map(Result::unwrap);
+    assert!(a.iter().zip(&b).all(|(a, b)| near(*a, *b)), "{a:?} {b:?}");
 }
 
 /// Between cells, planes stay planes and faults stay steps.
