@@ -184,9 +184,10 @@ fn meshes_are_bounded_and_say_so() {
 #[test]
 fn keys_that_cannot_have_an_effect_are_refused() {
     for (keys, told) in [
-        ("format = \"obj\"\ntiles = [2, 2]", "`tiles` has no effect here: it belongs to a terrain as `glb`"),
+        ("format = \"obj\"\ntiles = [2, 2]", "`tiles` has no effect here: it belongs to a terrain or trees as `glb`"),
         ("format = \"glb\"\nskirt = 3.0", "`skirt` has no effect here"),
         ("format = \"geotiff\"\nwater = true", "`water` has no effect here"),
+        ("what = \"map\"\ninterval = 10.0", "`interval` has no effect here: it belongs to `contours`"),
         ("preset = \"godot\"\nvertices = 100", "`vertices` has no effect here"),
         ("format = \"glb\"\ntiles = [64, 64]\nskirt = -1.0", "skirt"),
     ] {

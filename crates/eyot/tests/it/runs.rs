@@ -285,7 +285,7 @@ fn commands_that_do_not_fit_the_recipe_are_refused_before_the_run() {
 fn actions_count_as_memory() {
     let text = |process: &str| {
         format!(
-            "[grid]\nsize = 1000\nrim = \"open\"\n[[step]]\ngenerate = \"fbm\"\n[[step]]\nname = \"rivers\"\n\
+            "[grid]\nsize = 1000\nrim = \"open\"\n[[step]]\ngenerate = \"fbm\"\n[[step]]\nname = \"channels\"\n\
              simulate = \"{process}\"\nsteps = 1\n[view]\nenabled = false\n"
         )
     };
@@ -296,7 +296,7 @@ fn actions_count_as_memory() {
     // The layers of a million cells take 17 and 25 MiB with the copies to go back to.
     for process in ["streampower", "drainage"] {
         let refused = within(process, 40).unwrap_err();
-        assert!(refused.contains("step 2 (rivers)") && refused.contains("MiB"), "{refused}");
+        assert!(refused.contains("step 2 (channels)") && refused.contains("MiB"), "{refused}");
         within(process, 200).unwrap();
     }
     within("thermal", 40).unwrap();
