@@ -133,7 +133,7 @@ impl Level<'_> {
     fn vertex(&self, edge: usize) -> [f32; 3] {
         let (w, cell) = (self.grid.width, edge / 2);
         let (x, y) = (cell % w, cell / w);
-        let (dx, dy) = if edge % 2 == 0 { (1, 0) } else { (0, 1) };
+        let (dx, dy) = if edge.is_multiple_of(2) { (1, 0) } else { (0, 1) };
         let (a, b) = (f64::from(self.height.row(y)[x]), f64::from(self.height.row(y + dy)[x + dx]));
         let t = ((f64::from(self.level) - a) / (b - a)).clamp(0.0, 1.0);
         let along = |i: usize, d: usize, cell_m: f64| ((i as f64 + 0.5 + t * d as f64) * cell_m) as f32;
