@@ -51,9 +51,9 @@ impl<T: Height> Hierarchy<T> {
     pub fn new(height: &[T], grid: &Grid, outlets: &[bool], control: &Control<'_>) -> Result<Self> {
         check_sizes(grid, &[("height", height.len()), ("outlets", outlets.len())])?;
         let basins = basins(height, grid, outlets, control)?;
-        let mut passes = passes(height, grid, &basins, control)?;
+        let mut passes = passes::<_, u32>(height, grid, &basins, control)?;
         // Of equally low passes the order decides who is whose sibling: it must not be left to the sort.
-        passes.par_sort_unstable_by_key(|p| (p.height.key(), p.basins, p.cell));
+        passes.par_sort_unstable_by_key(|p| (p.height.key(), p.basins, p.mark));
         control.check()?;
         let none =
             Depression { level: T::of(f64::NEG_INFINITY), pass: 0, spills_into: OUTSIDE, parent: None, children: None };
@@ -71,7 +71,7 @@ impl<T: Height> Hierarchy<T> {
             let children = [whole[a as usize], whole[b as usize]];
             for (k, root) in [a, b].into_iter().enumerate().filter(|(_, root)| *root != outside) {
                 let d = &mut depressions[whole[root as usize] as usize];
-                (d.level, d.pass, d.spills_into, d.parent) = (pass.height, pass.cell, pass.basins[1 - k], parent);
+                (d.level, d.pass, d.spills_into, d.parent) = (pass.height, pass.mark, pass.basins[1 - k], parent);
             }
             if parent.is_some() {
                 depressions.push(Depression { children: Some(children), ..none });

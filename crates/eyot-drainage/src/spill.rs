@@ -13,26 +13,46 @@ use rayon::prelude::*;
 
 /// A way from one basin to another over a cell of this height.
 #[derive(Clone, Copy)]
-pub(super) struct Pass<T> {
+pub(super) struct Pass<T, M> {
     pub(super) height: T,
     /// The smaller label first.
     pub(super) basins: [u32; 2],
-    /// The cell.
-    pub(super) cell: u32,
+    /// What is known of the cell.
+    pub(super) mark: M,
+}
+
+/// What a pass keeps of its cell: nothing, for those who ask for levels alone and sort many passes, or its number.
+pub(super) trait Mark: Copy + Default + Send {
+    fn of(cell: usize) -> Self;
+}
+
+impl Mark for () {
+    fn of(_: usize) {}
+}
+
+impl Mark for u32 {
+    fn of(cell: usize) -> Self {
+        cell as Self
+    }
 }
 
 /// Of each label the level at which its basin spills; minus infinity for the outside and for labels that no cell has.
 pub(super) fn spill_levels<T: Height>(z: &[T], grid: &Grid, basins: &Basins, control: &Control<'_>) -> Result<Vec<T>> {
-    let mut passes = passes(z, grid, basins, control)?;
+    let mut passes = passes::<_, ()>(z, grid, basins, control)?;
     passes.par_sort_unstable_by_key(|p| p.height.key());
     control.check()?;
     Ok(join(&passes, basins.labels))
 }
 
 /// The lowest passes between neighbouring basins, of some more than one.
-pub(super) fn passes<T: Height>(z: &[T], grid: &Grid, basins: &Basins, control: &Control<'_>) -> Result<Vec<Pass<T>>> {
+pub(super) fn passes<T: Height, M: Mark>(
+    z: &[T],
+    grid: &Grid,
+    basins: &Basins,
+    control: &Control<'_>,
+) -> Result<Vec<Pass<T, M>>> {
     let (around, isa, rows) = (Neighbours::new(grid), Isa::best(), band_cells(grid) / grid.width);
-    let bands: Vec<Vec<Pass<T>>> = (0..grid.height.div_ceil(rows))
+    let bands: Vec<Vec<Pass<T, M>>> = (0..grid.height.div_ceil(rows))
         .into_par_iter()
         .map(|band| {
             control.check()?;
@@ -47,7 +67,7 @@ pub(super) fn passes<T: Height>(z: &[T], grid: &Grid, basins: &Basins, control: 
     Ok(bands.concat())
 }
 
-fn join<T: Height>(passes: &[Pass<T>], labels: usize) -> Vec<T> {
+fn join<T: Height>(passes: &[Pass<T, ()>], labels: usize) -> Vec<T> {
     let mut level = vec![T::of(f64::NEG_INFINITY); labels];
     let mut group: Vec<u32> = (0..labels as u32).collect();
     // Groups are rings, so that two of them join by swapping two successors.
@@ -90,14 +110,14 @@ pub(super) fn find(group: &mut [u32], mut l: u32) -> u32 {
 }
 
 /// The lowest passes seen lately, each pair of basins at its own place; those that lose their place move to `out`.
-struct Cache<T> {
-    recent: Vec<Pass<T>>,
-    out: Vec<Pass<T>>,
+struct Cache<T, M> {
+    recent: Vec<Pass<T, M>>,
+    out: Vec<Pass<T, M>>,
 }
 
-impl<T: Height> Cache<T> {
+impl<T: Height, M: Mark> Cache<T, M> {
     fn new(width: usize) -> Self {
-        let nothing = Pass { height: T::default(), basins: [OUTSIDE; 2], cell: 0 };
+        let nothing = Pass { height: T::default(), basins: [OUTSIDE; 2], mark: M::default() };
         Self { recent: vec![nothing; (2 * width).next_power_of_two().clamp(64, 1 << 14)], out: Vec::new() }
     }
 
@@ -109,24 +129,24 @@ impl<T: Height> Cache<T> {
         let old = &mut self.recent[at];
         if old.basins == basins {
             if height < old.height {
-                (old.height, old.cell) = (height, cell as u32);
+                (old.height, old.mark) = (height, M::of(cell));
             }
         } else {
-            let evicted = std::mem::replace(old, Pass { height, basins, cell: cell as u32 });
+            let evicted = std::mem::replace(old, Pass { height, basins, mark: M::of(cell) });
             if evicted.basins != [OUTSIDE; 2] {
                 self.out.push(evicted);
             }
         }
     }
 
-    fn finish(mut self) -> Vec<Pass<T>> {
+    fn finish(mut self) -> Vec<Pass<T, M>> {
         self.out.extend(self.recent.into_iter().filter(|p| p.basins != [OUTSIDE; 2]));
         self.out
     }
 }
 
 /// Finds the passes over the cells of row `y` to lower neighbours in other basins.
-fn passes_in_row<T: Height>(
+fn passes_in_row<T: Height, M: Mark>(
     z: &[T],
     grid: &Grid,
     label: &[u32],
@@ -134,7 +154,7 @@ fn passes_in_row<T: Height>(
     y: usize,
     isa: Isa,
     lower: &mut [u8],
-    cache: &mut Cache<T>,
+    cache: &mut Cache<T, M>,
 ) {
     let w = grid.width;
     let mut slowly = |x: usize| {

@@ -162,7 +162,7 @@ impl Action for Streampower {
     }
 
     fn bytes_per_cell(&self) -> usize {
-        59
+        54
     }
 }
 
