@@ -34,6 +34,17 @@ impl Form {
     }
 }
 
+impl Form {
+    /// Why these parts are no feature.
+    fn problem_of<'p>(self, mut parts: impl Iterator<Item = &'p [[f32; 3]]> + Clone) -> Option<String> {
+        let Some(first) = parts.clone().next() else { return Some("a feature without parts".into()) };
+        let hole = self == Self::Polygons && signed_double_area(first) < 0.0;
+        parts
+            .find_map(|part| self.problem(part))
+            .or_else(|| hole.then(|| "a hole comes before the ring around it".into()))
+    }
+}
+
 /// Lines or polygons with attributes. Each feature has one part or more.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Features {
@@ -78,15 +89,8 @@ impl Features {
     /// # Errors
     /// If a part is not what [`Form`] says, the first ring of a feature is a hole, or `row` does not fit the attributes.
     pub fn push(&mut self, parts: &[&[[f32; 3]]], row: &[f64]) -> Result<()> {
-        let wrong = |reason: String| Error::Component { name: "features".into(), reason };
-        if parts.is_empty() {
-            return Err(wrong("a feature without parts".into()));
-        }
-        if let Some(problem) = parts.iter().find_map(|part| self.form.problem(part)) {
-            return Err(wrong(problem));
-        }
-        if self.form == Form::Polygons && signed_double_area(parts[0]) < 0.0 {
-            return Err(wrong("a hole comes before the ring around it".into()));
+        if let Some(reason) = self.form.problem_of(parts.iter().copied()) {
+            return Err(Error::Component { name: "features".into(), reason });
         }
         let vertices = self.vertices.len() + parts.iter().map(|p| p.len()).sum::<usize>();
         if u32::try_from(vertices).is_err() {
@@ -127,7 +131,7 @@ impl Features {
     }
 
     /// The parts of feature `i`.
-    pub fn parts(&self, i: usize) -> impl Iterator<Item = &[[f32; 3]]> + '_ {
+    pub fn parts(&self, i: usize) -> impl Iterator<Item = &[[f32; 3]]> + Clone + '_ {
         let first = if i == 0 { 0 } else { self.feature_ends[i - 1] as usize };
         (first..self.feature_ends[i] as usize).map(|part| {
             let begin = if part == 0 { 0 } else { self.part_ends[part - 1] as usize };
@@ -164,11 +168,8 @@ impl Features {
         let attributes = Attributes::decode(feature_ends.len(), from)?;
         let features = Self { form, vertices, part_ends, feature_ends, attributes };
         for i in 0..features.len() {
-            if let Some(problem) = features.parts(i).find_map(|part| form.problem(part)) {
+            if let Some(problem) = form.problem_of(features.parts(i)) {
                 return Err(from.wrong(problem));
-            }
-            if form == Form::Polygons && features.parts(i).next().is_some_and(|ring| signed_double_area(ring) < 0.0) {
-                return Err(from.wrong("a hole comes before the ring around it"));
             }
         }
         Ok(features)
