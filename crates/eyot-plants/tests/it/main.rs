@@ -6,12 +6,9 @@ mod trees;
 
 use eyot_core::engine::CpuEngine;
 use eyot_core::layer::known::HEIGHT;
-use eyot_core::process::{Process, Scheduled, Span};
+use eyot_core::process::{Scheduled, Span};
 use eyot_core::{Boundary, Control, Field, Grid, Limits, World};
-
-fn scheduled(p: impl Process + 'static) -> Scheduled {
-    Scheduled { name: "test", process: Box::new(p), every: 1 }
-}
+use eyot_testing::one as scheduled;
 
 fn world(size: [usize; 2], cell_m: f64, ground: impl Fn(usize, usize) -> f32) -> World {
     let grid = Grid::new(size[0], size[1], cell_m, Boundary::CLOSED, &Limits::default()).unwrap();
