@@ -5,14 +5,15 @@ use crate::event;
 use crate::recipe::{Recipe, limits};
 use crate::work::{Done, attended, pool};
 use crate::world::World;
-use eyot::session::{Budget, Status};
+use eyot::session::{Budget, Memory, SessionOptions, Status, Storage};
 use eyot::{
-    Cancel, Centering, Change, Command, EngineChoice, EngineOptions, Event, Field, JournalEntry, Record, RunError,
-    RunOptions, World as Land,
+    Cancel, Centering, Change, Command, EngineChoice, EngineOptions, Event, Field, JournalEntry, Record, Registry,
+    RunError, RunOptions, World as Land,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::ThreadPool;
+use std::io::Read;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
@@ -25,6 +26,8 @@ pub(crate) struct Session {
     cancel: Cancel,
     pool: Arc<ThreadPool>,
     view: eyot::View,
+    /// The files of the results, if they are kept in memory.
+    kept: Option<Memory>,
 }
 
 struct Inner {
@@ -68,7 +71,7 @@ impl Session {
     /// A run of `recipe`, or the stopped run in the folder `out` if there is none, or what [`Session::freeze`] gave.
     #[new]
     #[pyo3(signature = (recipe=None, *, threads=0, out=None, engine=None, adapter=None, max_memory=None, paused=false, restart=false,
-        force=false, record=None, record_limit=None, checkpoint_seconds=60.0, replay=None, checkpoint=None))]
+        force=false, record=None, record_limit=None, checkpoint_seconds=60.0, replay=None, checkpoint=None, files=false))]
     fn new(
         py: Python<'_>,
         recipe: Option<&Recipe>,
@@ -85,6 +88,7 @@ impl Session {
         checkpoint_seconds: f64,
         replay: Option<&str>,
         checkpoint: Option<&[u8]>,
+        files: bool,
     ) -> PyResult<Self> {
         let wrong = |message: &str, help| error::raise(py, message, Some(help));
         let replay: Vec<JournalEntry> = serde_json::from_str(replay.unwrap_or("[]"))
@@ -104,7 +108,11 @@ impl Session {
             ..RunOptions::default()
         };
         let pool = pool(py, threads)?;
+        let kept = files.then(Memory::new);
         let begin = || match (recipe, &out, checkpoint) {
+            (Some(recipe), None, None) if kept.is_some() => {
+                in_memory(recipe, options, kept.clone().unwrap_or_default())
+            }
             (_, _, Some(bytes)) => eyot::Run::session_of(bytes, options),
             (Some(recipe), ..) => eyot::Run::session(recipe.0.clone(), options),
             (None, Some(folder), _) => eyot::Run::resume_session(folder, options),
@@ -113,7 +121,7 @@ impl Session {
         let session = attended(py, &pool, None, begin)?.result.map_err(|e| error::run(py, &e))?;
         let (cancel, view) = (session.cancel(), session.recipe().view.clone());
         let inner = Inner { session: Some(session), ended: None, lent: None, unheard: Vec::new() };
-        Ok(Self { inner: Mutex::new(inner), commands: Mutex::default(), cancel, pool, view })
+        Ok(Self { inner: Mutex::new(inner), commands: Mutex::default(), cancel, pool, view, kept })
     }
 
     /// Works for so many steps or seconds, or to the end, and says how the run stands: `working`, `paused`, `finished` or `stopped`. On
@@ -296,6 +304,19 @@ impl Session {
         }
     }
 
+    /// Names of the files that are kept in memory.
+    fn file_names(&self) -> Vec<String> {
+        self.kept.as_ref().map(Memory::names).unwrap_or_default()
+    }
+
+    /// The bytes of one of them.
+    fn file<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        let Some(mut blob) = self.kept.as_ref().and_then(|memory| memory.open(name).ok()) else { return Ok(None) };
+        let mut bytes = Vec::new();
+        blob.input.read_to_end(&mut bytes)?;
+        Ok(Some(PyBytes::new(py, &bytes)))
+    }
+
     /// Fingerprint, whether it came to its end, files and journal of a run that is over.
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let inner = self.inner(py)?;
@@ -334,6 +355,22 @@ impl Session {
         });
         Ok(())
     }
+}
+
+/// A run whose results are files in memory.
+fn in_memory(recipe: &Recipe, options: RunOptions, memory: Memory) -> Result<eyot::session::Session, RunError> {
+    let options = SessionOptions {
+        // Nobody outside sees a checkpoint there.
+        checkpoint_every: Duration::MAX,
+        limits: options.limits,
+        engine: options.engine,
+        paused: options.paused,
+        replay: options.replay,
+        record: options.record,
+        ..SessionOptions::default()
+    };
+    let host = eyot::host(&Registry::standard()).with_storage(memory);
+    eyot::session::Session::new(recipe.0.clone(), options, host)
 }
 
 /// Puts other values into layers: into all or none.

@@ -1,6 +1,5 @@
 """Rivers, lakes, trees and tables of a small world."""
 
-import numpy as np
 import pytest
 
 import eyot

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import shutil
@@ -16,7 +17,7 @@ import xarray as xr
 
 from . import _eyot, _toml
 from ._dataset import dataset, warn
-from ._errors import EyotError
+from ._errors import EyotError, need
 from ._recipe import Recipe
 
 #: Seconds of work between two events of an iteration, at most.
@@ -28,7 +29,7 @@ class Run:
 
     A run is a context manager, which stops what is left when its block is left, and an iterator over events: dictionaries whose
     ``event`` says what happened. ``out`` is a folder for the files that the command ``eyot run`` would write, and for checkpoints.
-    ``record`` keeps a frame of the recording each so many steps. ``threads``, ``engine`` (``auto``, ``cpu``, ``gpu``), ``adapter`` and
+    Without one, ``files`` keeps them in memory: :attr:`files`, :meth:`mesh`. ``record`` keeps a frame of the recording each so many steps. ``threads``, ``engine`` (``auto``, ``cpu``, ``gpu``), ``adapter`` and
     ``max_memory`` (bytes) change no byte of the result, but for a graphics card. A run that is pickled goes on from a checkpoint, without a
     folder; commands that it has not heard yet are lost. All other arguments are those of :class:`Recipe`.
 
@@ -56,6 +57,7 @@ class Run:
         record_limit: int | None = None,
         checkpoint_seconds: float = 60.0,
         replay: list[dict] | None = None,
+        files: bool = False,
         presets: list[str] | tuple[str, ...] = (),
         **changes: Any,
     ) -> None:
@@ -70,6 +72,7 @@ class Run:
             force=force,
             record=record,
             record_limit=record_limit,
+            **({"files": True} if files and out is None else {}),
             replay=json.dumps(replay or []),
         )
 
@@ -224,6 +227,24 @@ class Run:
         self._listen()
         return [{k: e[k] for k in ("recipe_step", "step", "set")} for e in self._journal]
 
+    @property
+    def files(self) -> Mapping[str, bytes]:
+        """The files of a run that is over, by name: those of its folder, or those in memory if it was begun with ``files=True``."""
+        return Files(self._out, self._session)
+
+    def mesh(self, name: str | None = None) -> Any:
+        """A mesh among the files as a scene of trimesh (needs trimesh): corals, trees or the terrain; the only one if there is no ``name``."""
+        trimesh = need("trimesh", "a mesh")
+        files = self.files
+        meshes = [n for n in files if n.endswith(".glb")]
+        if name is None and len(meshes) != 1:
+            hint = "begin the run with files=True or out=, and export a glb" if not meshes else "name one of them"
+            raise EyotError(f"there is not one mesh: {', '.join(meshes) or 'none'}", hint)
+        name = name or meshes[0]
+        if name not in files:
+            raise EyotError(f"there is no file `{name}`", f"there is: {', '.join(files)}")
+        return trimesh.load(io.BytesIO(files[name]), file_type=name.rsplit(".", 1)[-1])
+
     def _attrs(self) -> dict[str, Any]:
         attrs: dict[str, Any] = {}
         if self.recipe is not None:
@@ -257,6 +278,36 @@ class Run:
 
     def __repr__(self) -> str:
         return f"<eyot.Run of {self.recipe!r}: {self.status}>"
+
+
+class Files(Mapping):
+    """Files of a run by name; each is read when it is asked for."""
+
+    def __init__(self, folder: Path | None, session: _eyot.Session) -> None:
+        self._folder, self._session = folder, session
+
+    def _names(self) -> list[str]:
+        if self._folder is None:
+            return self._session.file_names()
+        return sorted(str(p.relative_to(self._folder)) for p in self._folder.rglob("*") if p.is_file())
+
+    def __getitem__(self, name: str) -> bytes:
+        if self._folder is None:
+            found = self._session.file(name)
+        else:
+            found = (self._folder / name).read_bytes() if name in self._names() else None
+        if found is None:
+            raise KeyError(name)
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names())
+
+    def __len__(self) -> int:
+        return len(self._names())
+
+    def __repr__(self) -> str:
+        return f"<files of a run: {', '.join(self) or 'none'}>"
 
 
 class Live:
