@@ -61,6 +61,11 @@ pub fn meander(line: &[[f64; 2]], width_m: f64, sinuosity: f64, plain: impl Fn([
             cut_off(&mut found, width_m);
         }
     }
+    // Where the ground held some vertices and not others, corners are left.
+    let wound = found.line.clone();
+    for i in 1..wound.len().saturating_sub(1) {
+        found.line[i] = [0, 1].map(|c| 0.25 * wound[i - 1][c] + 0.5 * wound[i][c] + 0.25 * wound[i + 1][c]);
+    }
     found
 }
 
