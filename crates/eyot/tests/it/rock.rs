@@ -224,8 +224,8 @@ fn beds_that_cannot_be_are_refused_at_their_place() {
     let stages = |last: &str| {
         format!("strata.stages = [\"sand\", \"sandstone\", \"limestone\", \"schist\", \"marble\", \"{last}\"]")
     };
-    refused(&stages("cheese"), "10:70: ", &["there is no material `cheese`"]);
-    refused(&stages("sand"), "10:70: ", &["`sand` is a stage already"]);
+    refused(&stages("cheese"), "10:72: ", &["there is no material `cheese`"]);
+    refused(&stages("sand"), "10:72: ", &["`sand` is a stage already"]);
     refused("strata.loose = \"mud\"", "10:16: ", &["there is no material `mud`"]);
 }
 
