@@ -63,6 +63,7 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot-expr",
         ],
     ),
+    ("eyot-python", &["eyot"]),
     ("eyot-wasm", &["eyot"]),
     ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-plants", "eyot-strata"]),
 ];
