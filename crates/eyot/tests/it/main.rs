@@ -11,6 +11,7 @@ mod exports;
 mod film;
 mod fingerprints;
 mod former;
+mod hands;
 mod holes;
 mod meshes;
 mod mountains;
