@@ -151,6 +151,7 @@ fn processes_do_no_io() {
         "eyot-reef",
         "eyot-strata",
         "eyot-water",
+        "eyot-ice",
         "eyot-plants",
         "eyot-expr",
     ];
