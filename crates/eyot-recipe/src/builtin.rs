@@ -16,6 +16,8 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "real", text: include_str!("../recipes/real.toml") },
     BuiltIn { name: "alps", text: include_str!("../recipes/alps.toml") },
     BuiltIn { name: "valley", text: include_str!("../recipes/valley.toml") },
+    BuiltIn { name: "taiga", text: include_str!("../recipes/taiga.toml") },
+    BuiltIn { name: "savanna", text: include_str!("../recipes/savanna.toml") },
     BuiltIn { name: "canyon", text: include_str!("../recipes/canyon.toml") },
     BuiltIn { name: "mesa", text: include_str!("../recipes/mesa.toml") },
     BuiltIn { name: "cuesta", text: include_str!("../recipes/cuesta.toml") },

@@ -54,6 +54,7 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot-drainage",
             "eyot-gpu",
             "eyot-land",
+            "eyot-plants",
             "eyot-plates",
             "eyot-reef",
             "eyot-strata",
