@@ -35,8 +35,8 @@ impl Streams {
             .filter(|&i| number(lines, "LAKE_ID", i).is_none_or(|lake| lake == 0.0))
             .flat_map(|i| lines.parts(i).map(move |part| (plane(part), number(lines, "WIDTH_M", i).unwrap_or(0.0))))
             .collect();
-        let shores = component("lakes").filter(|l| l.form() == Form::Polygons);
-        let lakes = shores.into_iter().flat_map(|l| {
+        let shores = ["lakes", "oxbow_lakes"].into_iter().filter_map(component).filter(|l| l.form() == Form::Polygons);
+        let lakes = shores.flat_map(|l| {
             (0..l.len()).map(move |i| {
                 let level = l.parts(i).next().map_or(0.0, |ring| ring[0][2]);
                 (l.parts(i).map(plane).collect(), level)

@@ -1,8 +1,8 @@
 //! Courses: smooth lines through the cells of reaches.
 //!
 //! # Rule
-//! 1. Ways from cell to cell know eight directions, rivers know all. Each cell's point is moved by lot within 0.3 cells each way, the same for
-//!    every reach that touches it, so that junctions stay joined; then the points between the ends are smoothed twice by
+//! 1. Ways from cell to cell know eight directions, rivers know all. Each cell's point is moved by lot within half a cell each way, the same for
+//!    every reach that touches it, so that junctions stay joined; then the points between the ends are smoothed three times by
 //!    (1, 2, 1)/4. No point ends further than half a cell from the middle of its cell.
 //! 2. Between points the line is a centripetal Catmull-Rom spline, which has neither loops nor cusps (Yuksel, Schaefer & Keyser 2011).
 //! 3. Heights are those of the cells, between them linear: where the water's surface never rises from cell to cell, the line never
@@ -12,17 +12,57 @@ use eyot_core::Grid;
 use eyot_core::rng::{Key, hash, unit};
 use eyot_drainage::{Routing, STEPS};
 
-/// The line of a reach, and how wide and deep it is at each vertex.
+/// How a reach runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Pattern {
+    /// As the land leads it.
+    #[default]
+    Led,
+    /// In bends that it made itself.
+    Meandering,
+    /// In several threads.
+    Braided,
+}
+
+/// A bend that was cut off from its river.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Oxbow {
+    /// The middle of its water: m east, m south.
+    pub line: Vec<[f64; 2]>,
+    /// Height of its water, m.
+    pub level: f32,
+}
+
+/// The line of a reach.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Course {
     /// m east, m south, height of the water, m.
     pub line: Vec<[f32; 3]>,
     /// For each vertex the place in the reach's cells, 0 at the first.
     pub place: Vec<f32>,
+    /// Its further threads, vertex by vertex beside `line`, if it braids.
+    pub threads: Vec<Vec<[f32; 3]>>,
+    /// Lakes that its bends left behind.
+    pub oxbows: Vec<Oxbow>,
+    /// How it runs.
+    pub pattern: Pattern,
+}
+
+impl Course {
+    /// All its threads.
+    pub fn lines(&self) -> impl Iterator<Item = &[[f32; 3]]> {
+        std::iter::once(&self.line).chain(&self.threads).map(Vec::as_slice)
+    }
+
+    /// How many threads share its water.
+    pub fn thread_count(&self) -> usize {
+        1 + self.threads.len()
+    }
 }
 
 /// How far the middle of a cell is moved at most, cells.
-const LOT: f64 = 0.3;
+const LOT: f64 = 0.5;
 /// How far a point of a line may lie from the middle of its cell, cells.
 const AWAY: f64 = 0.5;
 /// Stream of random numbers.
@@ -50,7 +90,7 @@ pub fn course(cells: &[u32], grid: &Grid, routing: &Routing, surface: &[f32], se
         middle.push([x_m, y_m]);
         points.push(moved);
     }
-    for _ in 0..2 {
+    for _ in 0..3 {
         smooth(&mut points);
     }
     for (p, m) in points.iter_mut().zip(&middle) {

@@ -2,17 +2,21 @@
 //!
 //! [`Rivers`] is the process that recipes name. It finds the lakes of a landscape by the balance of their water ([`lakes`]), the
 //! discharge of its rivers ([`runoff`]), makes lines of them ([`network`], [`course`]) and digs their beds ([`bed`]). What it finds is
-//! kept with the world: the components [`RIVERS`], [`LAKES`] and [`WATERFALLS`], and layers.
+//! kept with the world: the components [`RIVERS`], [`LAKES`], [`OXBOWS`] and [`WATERFALLS`], and layers.
 
 pub mod bed;
+pub mod braid;
 pub mod course;
+pub mod kept;
 pub mod lakes;
+pub mod lines;
 pub mod meander;
 pub mod measures;
 pub mod network;
 pub mod rivers;
 pub mod runoff;
 pub mod shores;
+pub mod wander;
 
 pub use measures::{GraphStats, graph_stats};
 pub use rivers::{Rivers, Springs};
@@ -25,6 +29,8 @@ use eyot_core::process::{Entry, Process};
 pub const RIVERS: &str = "rivers";
 /// The component that holds the lakes: polygons.
 pub const LAKES: &str = "lakes";
+/// The component that holds the lakes that cut-off bends left behind: polygons.
+pub const OXBOWS: &str = "oxbow_lakes";
 /// The component that holds the waterfalls: points.
 pub const WATERFALLS: &str = "waterfalls";
 
@@ -62,5 +68,7 @@ pub const PROCESSES: &[Entry<dyn Process>] = &[Entry::<dyn Process>::process::<R
         "yuksel2011",
         "howard1984",
         "paris2023",
+        "leopold1957",
+        "ashmore2013",
     ],
 )];

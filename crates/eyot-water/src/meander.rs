@@ -18,6 +18,8 @@
 //! `D` of equation 2 is a 32nd of the width, as in rivers that meander, whatever depth the river is drawn with: wavelengths then are
 //! about eleven widths.
 
+use crate::lines::{distance, length, resampled};
+
 /// Speed of a bend, m a year.
 const SPEED: f64 = 60.0;
 /// Weight of what lies upstream.
@@ -58,6 +60,11 @@ pub fn meander(line: &[[f64; 2]], width_m: f64, sinuosity: f64, plain: impl Fn([
         if step % 8 == 7 {
             cut_off(&mut found, width_m);
         }
+    }
+    // Where the ground held some vertices and not others, corners are left.
+    let wound = found.line.clone();
+    for i in 1..wound.len().saturating_sub(1) {
+        found.line[i] = [0, 1].map(|c| 0.25 * wound[i - 1][c] + 0.5 * wound[i][c] + 0.25 * wound[i + 1][c]);
     }
     found
 }
@@ -118,38 +125,6 @@ fn cut_off(found: &mut Meandered, width_m: f64) {
         }
         i += 1;
     }
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
-    (dx * dx + dy * dy).sqrt()
-}
-
-/// Length of a line.
-pub fn length(line: &[[f64; 2]]) -> f64 {
-    line.windows(2).map(|p| distance(p[0], p[1])).sum()
-}
-
-/// The line with vertices as evenly apart as they can be about `spacing`; ends stay.
-pub fn resampled(line: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
-    let whole = length(line);
-    let parts = (whole / spacing).round().max(1.0) as usize;
-    let step = whole / parts as f64;
-    let mut out = Vec::with_capacity(parts + 1);
-    out.push(line[0]);
-    let (mut k, mut passed) = (0, 0.0);
-    for part in 1..parts {
-        let at = part as f64 * step;
-        while k + 2 < line.len() && passed + distance(line[k], line[k + 1]) < at {
-            passed += distance(line[k], line[k + 1]);
-            k += 1;
-        }
-        let size = distance(line[k], line[k + 1]).max(1e-12);
-        let t = ((at - passed) / size).clamp(0.0, 1.0);
-        out.push([0, 1].map(|c| line[k][c] + t * (line[k + 1][c] - line[k][c])));
-    }
-    out.push(line[line.len() - 1]);
-    out
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! Horton 1945 and Strahler 1957 for the ratios (the mean over orders of the ratios between neighbouring ones, by a straight line through
 //! the logarithms); Hack 1957.
 
-use crate::{LAKES, RIVERS};
+use crate::lines::{distance, length_m, plane};
+use crate::{LAKES, OXBOWS, RIVERS};
 use eyot_core::component::{Attributes, Features};
 use eyot_core::math64::{exp, ln};
 use eyot_core::{Result, World};
@@ -33,6 +34,12 @@ pub struct GraphStats {
     pub sinuosity: Option<f64>,
     /// `w ~ Q^b`.
     pub width_exponent: Option<f64>,
+    /// Reaches that made bends of their own.
+    pub meandering: usize,
+    /// Reaches in several threads.
+    pub braided: usize,
+    /// Bends that were cut off and stay as lakes.
+    pub oxbow_lakes: usize,
     /// Waters that stand.
     pub lakes: usize,
     /// Of those without an outflow.
@@ -57,6 +64,7 @@ pub fn graph_stats(world: &World) -> Result<Option<GraphStats>> {
         stats.lake_area_km2 = column(lakes.attributes(), "AREA_SKM").iter().sum();
         stats.lake_volume_km3 = column(lakes.attributes(), "VOLUME_M3").iter().sum::<f64>() / 1e9;
     }
+    stats.oxbow_lakes = world.components.get::<Features>(OXBOWS)?.map_or(0, Features::len);
     Ok(Some(stats))
 }
 
@@ -70,9 +78,9 @@ fn of_rivers(rivers: &Features, area_km2: f64) -> GraphStats {
     let of = |name: &str| column(rivers.attributes(), name);
     let (next, order, length, lake) = (of("NEXT_DOWN"), of("ORD_STRA"), of("LENGTH_KM"), of("LAKE_ID"));
     let (area, longest) = (of("UPLAND_SKM"), of("DIST_UP_KM"));
-    let (discharge, width) = (of("DIS_AV_CMS"), of("WIDTH_M"));
+    let (discharge, width, threads) = (of("DIS_AV_CMS"), of("WIDTH_M"), of("THREADS"));
     let n = rivers.len();
-    if [&next, &order, &length, &lake, &area, &longest, &discharge, &width].iter().any(|c| c.len() != n) {
+    if [&next, &order, &length, &lake, &area, &longest, &discharge, &width, &threads].iter().any(|c| c.len() != n) {
         return GraphStats::default();
     }
     let open: Vec<usize> = (0..n).filter(|k| lake[*k] == 0.0).collect();
@@ -99,7 +107,7 @@ fn of_rivers(rivers: &Features, area_km2: f64) -> GraphStats {
         .collect();
     let widths: Vec<(f64, f64)> = open
         .iter()
-        .filter(|k| discharge[**k] > 0.0 && width[**k] > 0.0)
+        .filter(|k| discharge[**k] > 0.0 && width[**k] > 0.0 && threads[**k] == 1.0)
         .map(|k| (ln(discharge[*k]), ln(width[*k])))
         .collect();
     GraphStats {
@@ -113,6 +121,8 @@ fn of_rivers(rivers: &Features, area_km2: f64) -> GraphStats {
         hack_exponent: line(&hack),
         sinuosity: sinuosity(rivers, &open),
         width_exponent: line(&widths),
+        meandering: of("PATTERN").iter().filter(|p| **p == 1.0).count(),
+        braided: of("PATTERN").iter().filter(|p| **p == 2.0).count(),
         ..GraphStats::default()
     }
 }
@@ -120,12 +130,8 @@ fn of_rivers(rivers: &Features, area_km2: f64) -> GraphStats {
 fn sinuosity(rivers: &Features, open: &[usize]) -> Option<f64> {
     let (mut along, mut straight) = (0.0, 0.0);
     for line in open.iter().flat_map(|k| rivers.parts(*k)).filter(|l| l.len() >= 10) {
-        let far = |a: &[f32; 3], b: &[f32; 3]| {
-            let (dx, dy) = (f64::from(a[0] - b[0]), f64::from(a[1] - b[1]));
-            (dx * dx + dy * dy).sqrt()
-        };
-        along += line.windows(2).map(|p| far(&p[0], &p[1])).sum::<f64>();
-        straight += far(&line[0], &line[line.len() - 1]);
+        along += length_m(line);
+        straight += distance(plane(&line[0]), plane(&line[line.len() - 1]));
     }
     (straight > 0.0).then(|| along / straight)
 }

@@ -12,8 +12,9 @@
 //! 4. Rivers run from their springs along the steepest way to the sea, the rim, a closed lake or a hollow that dries them up. Orders are
 //!    Strahler's. `w = width Q^0.5`, `d = depth Q^0.3` (m, Q in m3/s).
 //! 5. Lines are smoothed within half a cell of their way, heights never rise downstream. A waterfall is where the water falls more than
-//!    5 m from cell to cell at a slope above 0.5 with more than 0.5 m3/s. Reaches that fall less than 0.005 through plains of five widths
-//!    meander (`meander.rs`) until they are `sinuosity` times as long as the straight way.
+//!    5 m from cell to cell at a slope above 0.5 with more than 0.5 m3/s. Reaches in plains of five widths braid where they are steep for
+//!    their water (`braid.rs`), else they meander where they fall less than 0.005, until they are `sinuosity` times as long as the
+//!    straight way (`meander.rs`), and leave oxbow lakes.
 //! 6. Beds at least 0.7 cells wide are dug: see `bed.rs`. With `bed = "passes"` every cell of a river is lowered by `pass_depth` for each
 //!    spring above it, as in the source.
 //!
@@ -22,27 +23,28 @@
 //! by the number of passes. Barnes, Callaghan and Wickert 2020 and 2021 for the depressions; Budyko 1974 in the form of Zhang et al.
 //! 2001; Turc 1954; Leopold and Maddock 1953, Moody and Troutman 2002 and Andreadis et al. 2013 for widths and depths; Lehner and Grill 2013
 //! for the names of attributes; Yuksel, Schaefer and Keyser 2011 for the lines; Howard and Knutson 1984 and Paris et al. 2023
-//! for the meanders.
+//! for the meanders; Leopold and Wolman 1957 and Ashmore 2013 for braids.
 //!
 //! # Differences
 //! The source's lakes were tilted, and its rivers unfinished. Ours are level, and rivers are complete: no loops, no vertex uphill.
 //!
 //! # Layers
 //! Changes `height` (m); writes `water` (m), `lake_level` (m), `discharge` (m3/s), `river` (1) and, with springs in a band,
-//! `river_passes` (1). Keeps the components `rivers` (lines), `lakes` (polygons) and `waterfalls` (points).
+//! `river_passes` (1). Keeps the components `rivers` (lines), `lakes` and `oxbow_lakes` (polygons) and `waterfalls` (points).
 //!
 //! # Conserves
-//! What fills small depressions and what beds are dug from is in the ledger (`ground.silted`, `ground.carved`;
-//! `tests/it/rivers.rs`).
+//! What fills small depressions, what beds are dug from, and the water that stood on the land and runs off are in the ledger
+//! (`ground.silted`, `ground.carved`, `water.routed`; `tests/it/rivers.rs`).
 
 use crate::bed::{self, Piece};
 use crate::course::{Course, course};
+use crate::kept;
 use crate::lakes::{self, Balance, Lakes, Least};
-use crate::meander::meander;
 use crate::network::{End, Network, Reach, trace};
 use crate::runoff::{Climate, evaporation_of};
-use crate::{DISCHARGE, LAKE_LEVEL, LAKES, RIVER, RIVER_PASSES, RIVERS, WATERFALLS, shores};
-use eyot_core::component::{Features, Form, Points, Shape, Type};
+use crate::wander::{Freedom, Ground};
+use crate::{DISCHARGE, LAKE_LEVEL, LAKES, OXBOWS, RIVER, RIVER_PASSES, RIVERS, WATERFALLS};
+use eyot_core::component::Shape;
 use eyot_core::layer::known::{HEIGHT, WATER};
 use eyot_core::math64::pow;
 use eyot_core::process::{Action, ActionInstance, LayerUse, Locality, Moment, Process, SECONDS_PER_YEAR, check_ranges};
@@ -128,6 +130,8 @@ pub struct Rivers {
     /// How winding rivers become that run slowly through wide plains: length over the straight way. 1 leaves them as they are.
     #[schemars(range(min = 1.0, max = 2.5), extend("unit" = "1"))]
     pub sinuosity: f32,
+    /// Rivers that are steep for their water braid where they have a flood plain.
+    pub braids: bool,
     /// How beds are dug: as deep as the water (hydraulic), by the number of springs above (passes), or not at all (none).
     pub bed: Bed,
     /// With beds by passes, what each spring above digs.
@@ -154,6 +158,7 @@ impl Default for Rivers {
             width: 7.2,
             depth: 0.27,
             sinuosity: 1.5,
+            braids: true,
             bed: Bed::Hydraulic,
             pass_depth: 0.2,
             closed_rims: true,
@@ -164,12 +169,8 @@ impl Default for Rivers {
 /// Exponents of width and depth over discharge.
 const WIDTH_EXPONENT: f64 = 0.5;
 const DEPTH_EXPONENT: f64 = 0.3;
-/// What makes a waterfall: fall (m), slope (1), water (m3/s).
-const FALL: (f64, f64, f64) = (5.0, 0.5, 0.5);
-/// Steeper rivers do not meander, 1.
-const MEANDER_SLOPE: f64 = 0.005;
-/// Ground that lies at most so far above or below a reach is its flood plain, m.
-const PLAIN_M: f32 = 2.0;
+/// The account of water.
+const ROUTED: &str = "Water that rivers took away, less what they and lakes were filled with";
 /// Stream of random numbers of the springs.
 const STREAM: u32 = 0x5350_5247;
 
@@ -195,7 +196,8 @@ impl Process for Rivers {
     }
 
     fn views(&self) -> Vec<(&'static str, Shape)> {
-        vec![(RIVERS, Shape::Features), (LAKES, Shape::Features), (WATERFALLS, Shape::Points)]
+        let features = [RIVERS, LAKES, OXBOWS].map(|name| (name, Shape::Features));
+        features.into_iter().chain([(WATERFALLS, Shape::Points)]).collect()
     }
 
     fn check(&self, _grid: &Grid) -> Result<()> {
@@ -234,9 +236,11 @@ impl Action for Rivers {
 
 /// Width and depth of a river, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Section {
-    width_m: f64,
-    depth_m: f64,
+pub struct Section {
+    /// Width of the water, m.
+    pub width_m: f64,
+    /// Its depth, m.
+    pub depth_m: f64,
 }
 
 impl ActionInstance for Rivers {
@@ -268,14 +272,18 @@ impl ActionInstance for Rivers {
         };
         let network = trace(&found, &springs, end);
         // The sea's surface, where rivers end in it.
-        let floor = sea as f32;
-        let surface: Vec<f32> = found.surface.iter().map(|z| z.max(floor)).collect();
+        let surface: Vec<f32> = found.surface.iter().map(|z| z.max(sea as f32)).collect();
         let seed = world.seed;
-        let courses: Vec<Course> = network
-            .reaches
-            .par_iter()
-            .map(|r| self.wandered(r, course(&r.cells, grid, &found.routing, &surface, seed), &found, grid))
+        let freedom = Freedom { sinuosity: f64::from(self.sinuosity), braids: self.braids };
+        let wide = |r: &Reach| self.section(r.discharge).width_m;
+        let floor = Ground::new(&found, grid, &network, freedom, wide);
+        let led = |r: &Reach| course(&r.cells, grid, &found.routing, &surface, seed);
+        let courses: Vec<Course> = (0..network.reaches.len() as u32)
+            .into_par_iter()
+            .zip(&network.reaches)
+            .map(|(k, r)| floor.wandered(k, r, led(r), wide(r), freedom, seed))
             .collect();
+        drop(floor);
         control.check()?;
 
         let ground: Vec<f32> =
@@ -283,7 +291,12 @@ impl ActionInstance for Rivers {
         let passes = self.counts_passes().then(|| passes(&found, &springs)).transpose()?;
         let pieces = self.pieces(&network, &courses, &found, passes.as_deref(), grid);
         let beds = bed::dig(&ground, grid, &pieces, self.bed != Bed::None, |i| f64::from(ground[i]) <= sea);
-        self.keep(world, grid, &found, &network, &courses, &beds.ground)?;
+        let (rivers, falls) =
+            kept::rivers(&network, &courses, &found, grid, |r, threads| self.section(r.discharge / threads as f64))?;
+        world.components.insert(RIVERS, rivers);
+        world.components.insert(WATERFALLS, falls);
+        world.components.insert(LAKES, kept::lakes(&found, &beds.ground, grid)?);
+        world.components.insert(OXBOWS, kept::oxbows(&network, &courses, wide)?);
         let volume = |from: &[f32], to: &[f32]| {
             let grown = from.iter().zip(to).map(|(a, b)| f64::from(*b) - f64::from(*a));
             grown.sum::<f64>() * grid.cell_area_m2()
@@ -296,7 +309,10 @@ impl ActionInstance for Rivers {
             |i: usize| if found.lake[i] > 0 { found.lakes[found.lake[i] as usize].level } else { beds.ground[i] };
         let water = |i: usize| if found.lake[i] > 0 { (level(i) - beds.ground[i]).max(0.0) } else { beds.water[i] };
         put(world, &LAKE_LEVEL, level)?;
+        let stood = world.layer("water")?.field.sum();
         put(world, &WATER, water)?;
+        let ran_off = (stood - world.layer("water")?.field.sum()) * grid.cell_area_m2();
+        world.ledger.add("water.routed", ran_off, "m3", ROUTED, -1);
         put(world, &DISCHARGE, |i| found.discharge[i].max(0.0) as f32)?;
         put(world, &RIVER, |i| if found.lake[i] > 0 { 0.0 } else { beds.cover[i] })?;
         if let Some(passes) = &passes {
@@ -403,50 +419,7 @@ impl Rivers {
         }
     }
 
-    /// The course of a reach that meanders, if it runs slowly enough through a plain that is wide enough.
-    fn wandered(&self, reach: &Reach, course: Course, found: &Lakes, grid: &Grid) -> Course {
-        let width = self.section(reach.discharge).width_m;
-        let (first, last) = (course.line[0], course.line[course.line.len() - 1]);
-        let (length, fall) = (length_m(&course.line), f64::from(first[2]) - f64::from(last[2]));
-        let cell_m = grid.cell_x_m.min(grid.cell_y_m);
-        let slow = fall <= MEANDER_SLOPE * length && length >= 20.0 * width && width >= 0.25 * cell_m;
-        if self.sinuosity <= 1.0 || reach.lake > 0 || !slow {
-            return course;
-        }
-        let plain = |p: [f64; 2]| {
-            let (x, y) = ((p[0] / grid.cell_x_m).floor(), (p[1] / grid.cell_y_m).floor());
-            if x < 0.0 || y < 0.0 || x >= grid.width as f64 || y >= grid.height as f64 {
-                return false;
-            }
-            let i = y as usize * grid.width + x as usize;
-            found.lake[i] == 0 && (last[2] - PLAIN_M..=first[2] + PLAIN_M).contains(&found.surface[i])
-        };
-        let line: Vec<[f64; 2]> = course.line.iter().map(|v| [f64::from(v[0]), f64::from(v[1])]).collect();
-        // Half of five widths to each side, by the axes.
-        let wide = |p: &&[f64; 2]| {
-            let off = 2.5 * width;
-            [[off, 0.0], [-off, 0.0], [0.0, off], [0.0, -off]].iter().all(|d| plain([p[0] + d[0], p[1] + d[1]]))
-        };
-        if 2 * line.iter().filter(wide).count() < line.len() {
-            return course;
-        }
-        let wound = meander(&line, width, f64::from(self.sinuosity), plain).line;
-        // Heights fall evenly along the longer way.
-        let parts = (wound.len() - 1) as f64;
-        let place = |k: usize| (k as f64 / parts * (reach.cells.len() - 1) as f64) as f32;
-        let height = |k: usize| {
-            let at = course.place.partition_point(|p| *p < place(k)).min(course.line.len() - 1);
-            course.line[at][2]
-        };
-        let mut found = Course::default();
-        for (k, p) in wound.iter().enumerate() {
-            let end = if k == 0 { Some(first) } else { (k + 1 == wound.len()).then_some(last) };
-            found.line.push(end.unwrap_or([p[0] as f32, p[1] as f32, height(k)]));
-            found.place.push(place(k));
-        }
-        found
-    }
-
+    /// Width and depth of a river.
     fn section(&self, discharge: f64) -> Section {
         let q = discharge.max(0.0);
         let depth_m = f64::from(self.depth) * pow(q, DEPTH_EXPONENT);
@@ -466,7 +439,7 @@ impl Rivers {
             let cut = |(ends, place): (&[[f32; 3]], &[f32])| {
                 let k = place[0] as usize;
                 let cell = reach.cells[k] as usize;
-                let mut section = self.section(found.discharge[cell]);
+                let mut section = self.section(found.discharge[cell] / course.thread_count() as f64);
                 if let (Bed::Passes, Some(passes)) = (self.bed, passes) {
                     section.depth_m = f64::from(self.pass_depth) * f64::from(passes[cell]);
                     section.width_m = section.width_m.max(grid.cell_x_m.max(grid.cell_y_m));
@@ -476,166 +449,19 @@ impl Rivers {
             if reach.lake > 0 {
                 return Vec::new();
             }
-            course.line.windows(2).zip(course.place.windows(2)).map(cut).collect()
+            let threads = course.lines().flat_map(|line| line.windows(2).zip(course.place.windows(2)).map(cut));
+            let width = self.section(reach.discharge);
+            let level = |p: [f64; 2], z: f32| [p[0] as f32, p[1] as f32, z];
+            let oxbows = course.oxbows.iter().flat_map(|o| {
+                o.line.windows(2).map(|p| Piece {
+                    ends: [level(p[0], o.level), level(p[1], o.level)],
+                    width_m: width.width_m,
+                    depth_m: width.depth_m,
+                })
+            });
+            threads.chain(oxbows).collect()
         };
         let each: Vec<Vec<Piece>> = network.reaches.par_iter().zip(courses).map(pieces).collect();
         each.concat()
     }
-
-    /// Keeps rivers, lakes and waterfalls with the world.
-    fn keep(
-        &self,
-        world: &mut World,
-        grid: &Grid,
-        found: &Lakes,
-        network: &Network,
-        courses: &[Course],
-        ground: &[f32],
-    ) -> Result<()> {
-        let reaches = &network.reaches;
-        let length: Vec<f64> = courses.iter().map(|c| length_m(&c.line)).collect();
-        let drained = found.routing.upstream_cells();
-        let upwards = found.routing.longest_upstream_m();
-        let mut down = vec![f64::NAN; reaches.len()];
-        for k in 0..reaches.len() {
-            let (mut way, mut at) = (vec![k], k);
-            while let Some(next) = reaches[at].next.map(|n| n as usize).filter(|_| down[at].is_nan()) {
-                way.push(next);
-                at = next;
-            }
-            for at in way.into_iter().rev() {
-                down[at] = reaches[at].next.map_or(0.0, |n| down[n as usize] + length[n as usize]);
-            }
-        }
-        let mut rivers = Features::new(Form::Lines, RIVER_ATTRIBUTES);
-        let mut falls =
-            Points::new([("drop", "m", Type::F32), ("discharge", "m3/s", Type::F32), ("slope", "1", Type::F32)]);
-        for (k, (reach, course)) in reaches.iter().zip(courses).enumerate() {
-            let section = self.section(reach.discharge);
-            let fall = f64::from(course.line[0][2]) - f64::from(course.line[course.line.len() - 1][2]);
-            let last = reach.cells[reach.cells.len() - 2] as usize;
-            let id = |r: u32| f64::from(r + 1);
-            let end = match reach.end {
-                End::Reach => 0.0,
-                End::Sea => 1.0,
-                End::Rim => 2.0,
-                End::Lake => 3.0,
-                End::Hollow => 4.0,
-            };
-            let row = [
-                id(k as u32),
-                reach.next.map_or(0.0, id),
-                id(reach.mouth),
-                length[k] / 1000.0,
-                down[k] / 1000.0,
-                upwards[last] / 1000.0,
-                f64::from(drained[last]) * grid.cell_area_m2() / 1e6,
-                reach.discharge,
-                f64::from(reach.order),
-                section.width_m,
-                section.depth_m,
-                if length[k] > 0.0 { fall / length[k] } else { 0.0 },
-                f64::from(reach.lake),
-                end,
-            ];
-            rivers.push(&[&course.line], &row)?;
-            if reach.lake == 0 {
-                waterfalls(reach, course, found, &mut falls)?;
-            }
-        }
-        world.components.insert(RIVERS, rivers);
-        world.components.insert(LAKES, lake_features(found, ground, grid)?);
-        world.components.insert(WATERFALLS, falls);
-        Ok(())
-    }
-}
-
-/// What is said of a reach; the names are those of HydroRIVERS where it has them.
-const RIVER_ATTRIBUTES: [(&str, &str, Type); 14] = [
-    ("HYRIV_ID", "1", Type::U32),
-    ("NEXT_DOWN", "1", Type::U32),
-    ("MAIN_RIV", "1", Type::U32),
-    ("LENGTH_KM", "km", Type::F64),
-    ("DIST_DN_KM", "km", Type::F64),
-    ("DIST_UP_KM", "km", Type::F64),
-    ("UPLAND_SKM", "km2", Type::F64),
-    ("DIS_AV_CMS", "m3/s", Type::F64),
-    ("ORD_STRA", "1", Type::U8),
-    ("WIDTH_M", "m", Type::F64),
-    ("DEPTH_M", "m", Type::F64),
-    ("SLOPE", "1", Type::F64),
-    ("LAKE_ID", "1", Type::U32),
-    ("END", "1", Type::U8),
-];
-
-/// Length of a line, m.
-fn length_m(line: &[[f32; 3]]) -> f64 {
-    let step = |pair: &[[f32; 3]]| {
-        let (dx, dy) = (f64::from(pair[1][0] - pair[0][0]), f64::from(pair[1][1] - pair[0][1]));
-        (dx * dx + dy * dy).sqrt()
-    };
-    line.windows(2).map(step).sum()
-}
-
-/// The steps of a reach over which water falls.
-fn waterfalls(reach: &Reach, course: &Course, found: &Lakes, falls: &mut Points) -> Result<()> {
-    for (k, pair) in reach.cells.windows(2).enumerate() {
-        let (above, below) = (pair[0] as usize, pair[1] as usize);
-        let drop = f64::from(found.surface[above]) - f64::from(found.surface[below]);
-        let (slope, discharge) = (drop / found.routing.distance_m(above), found.discharge[above]);
-        if drop > FALL.0 && slope > FALL.1 && discharge > FALL.2 {
-            let at = course.place.partition_point(|p| (*p as usize) < k);
-            falls.push(course.line[at], &[drop, discharge, slope])?;
-        }
-    }
-    Ok(())
-}
-
-/// The lakes as polygons.
-fn lake_features(found: &Lakes, ground: &[f32], grid: &Grid) -> Result<Features> {
-    let mut features = Features::new(
-        Form::Polygons,
-        [
-            ("LAKE_ID", "1", Type::U32),
-            ("LEVEL_M", "m", Type::F32),
-            ("AREA_SKM", "km2", Type::F64),
-            ("VOLUME_M3", "m3", Type::F64),
-            ("DEPTH_AVG", "m", Type::F64),
-            ("DEPTH_MAX", "m", Type::F64),
-            ("SHORE_KM", "km", Type::F64),
-            ("INFLOW_CMS", "m3/s", Type::F64),
-            ("OUTFLOW_CMS", "m3/s", Type::F64),
-            ("RES_TIME_Y", "a", Type::F64),
-            ("OUTLET_X", "m", Type::F64),
-            ("OUTLET_Y", "m", Type::F64),
-        ],
-    );
-    for (id, rings) in shores::shores(found, ground, grid).into_iter().enumerate().skip(1) {
-        let lake = found.lakes[id];
-        let parts: Vec<&[[f32; 3]]> = rings.iter().map(Vec::as_slice).collect();
-        let area_m2 = f64::from(lake.cells) * grid.cell_area_m2();
-        let place = |i: u32| {
-            let (x, y) = (i as usize % grid.width, i as usize / grid.width);
-            [(x as f64 + 0.5) * grid.cell_x_m, (y as f64 + 0.5) * grid.cell_y_m]
-        };
-        let outlet = lake.outlet.map_or([f64::NAN; 2], place);
-        let row = [
-            id as f64,
-            f64::from(lake.level),
-            area_m2 / 1e6,
-            lake.volume_m3,
-            lake.volume_m3 / area_m2,
-            lake.max_depth_m,
-            shores::length_m(&rings) / 1000.0,
-            lake.inflow,
-            lake.outflow,
-            if lake.inflow > 0.0 { lake.volume_m3 / lake.inflow / SECONDS_PER_YEAR } else { f64::NAN },
-            outlet[0],
-            outlet[1],
-        ];
-        if !parts.is_empty() {
-            features.push(&parts, &row)?;
-        }
-    }
-    Ok(features)
 }

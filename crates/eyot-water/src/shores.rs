@@ -117,12 +117,3 @@ fn contains(ring: &[[f32; 3]], p: [f32; 3]) -> bool {
     });
     crossings.count() % 2 == 1
 }
-
-/// Length of rings, m.
-pub fn length_m(rings: &[Vec<[f32; 3]>]) -> f64 {
-    let step = |pair: &[[f32; 3]]| {
-        let (dx, dy) = (f64::from(pair[1][0] - pair[0][0]), f64::from(pair[1][1] - pair[0][1]));
-        (dx * dx + dy * dy).sqrt()
-    };
-    rings.iter().flat_map(|ring| ring.windows(2)).map(step).sum()
-}

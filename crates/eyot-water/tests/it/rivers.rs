@@ -11,11 +11,16 @@ use eyot_water::{LAKES, RIVERS, Rivers, Springs, graph_stats};
 
 /// Land with many hollows, which falls to the south-east.
 fn land(size: usize, rim: Boundary) -> World {
+    tilted(size, rim, [0.7, 0.7])
+}
+
+/// Land with many hollows that falls by so many m a cell to the east and to the south.
+fn tilted(size: usize, rim: Boundary, fall: [f32; 2]) -> World {
     let mut world = World::new(Grid::new(size, size, 25.0, rim, &Limits::default()).unwrap(), 3);
     world.sea_level_m = -1000.0;
     let z = |x: usize, y: usize| {
         let (u, v) = (x as f32 / 40.0, y as f32 / 40.0);
-        500.0 + 120.0 * fbm(u, v, 6, 5) - 0.7 * (x + y) as f32
+        500.0 + 120.0 * fbm(u, v, 6, 5) - (fall[0] * x as f32 + fall[1] * y as f32)
     };
     world.put(&HEIGHT, Field::from_fn(size, size, z)).unwrap();
     world
@@ -179,7 +184,8 @@ fn the_graph_has_the_form_of_real_ones() {
 
 #[test]
 fn headings_do_not_follow_the_grid() {
-    let mut world = land(512, Boundary::OPEN);
+    // The land itself falls between the directions of the grid.
+    let mut world = tilted(512, Boundary::OPEN, [0.9, 0.37]);
     run(&mut world, &Rivers { min_discharge: 0.0005, ..small() }).unwrap();
     let rivers = world.components.get::<Features>(RIVERS).unwrap().unwrap();
     let (mut along, mut all) = (0.0, 0.0);
@@ -192,8 +198,8 @@ fn headings_do_not_follow_the_grid() {
             (along, all) = (along + if turn.min(45.0 - turn) <= 1.0 { length } else { 0.0 }, all + length);
         }
     }
-    // Alike in all directions would be 0.044; these are 0.056, above the 0.05 that lines are meant to keep to.
-    assert!(along / all <= 0.06, "{:.4} of the headings", along / all);
+    // Alike in all directions would be 0.044.
+    assert!(along / all <= 0.05, "{:.4} of the headings", along / all);
 }
 
 /// A slow river through a wide plain winds, and its graph stays sound.
@@ -220,4 +226,82 @@ fn slow_rivers_in_plains_meander() {
     };
     let (wound, plain) = (length(&winding), length(&straight));
     assert!(wound > 1.02 * plain, "{wound} km, {plain} km as the cells lead");
+}
+
+/// A plain, `fall` m lower from cell to cell, below a funnel of hills that its river comes from.
+fn trough(fall: f32) -> World {
+    let mut world = World::new(Grid::new(500, 160, 25.0, Boundary::CLOSED, &Limits::default()).unwrap(), 3);
+    world.sea_level_m = -1000.0;
+    let z = |x: usize, y: usize| {
+        let off = (y as f32 - 79.5).abs();
+        let hills = 0.01 * off * (160.0 - x as f32).max(0.0);
+        200.0 - fall * x as f32 + 0.01 * off + hills
+    };
+    world.put(&HEIGHT, Field::from_fn(500, 160, z)).unwrap();
+    world
+}
+
+/// Where no two reaches may cross, no two segments of their lines do, but for threads of one reach.
+fn crossings(rivers: &Features) -> usize {
+    let mut all: Vec<(usize, [[f32; 3]; 2])> = Vec::new();
+    for i in 0..rivers.len() {
+        all.extend(rivers.parts(i).flat_map(|line| line.windows(2)).map(|p| (i, [p[0], p[1]])));
+    }
+    let side = |a: [f32; 3], b: [f32; 3], p: [f32; 3]| {
+        let f = |v: f32| f64::from(v);
+        (f(b[0]) - f(a[0])) * (f(p[1]) - f(a[1])) - (f(b[1]) - f(a[1])) * (f(p[0]) - f(a[0]))
+    };
+    let cross = |s: &[[f32; 3]; 2], t: &[[f32; 3]; 2]| {
+        side(s[0], s[1], t[0]) * side(s[0], s[1], t[1]) < 0.0 && side(t[0], t[1], s[0]) * side(t[0], t[1], s[1]) < 0.0
+    };
+    all.sort_by(|a, b| a.1[0][0].total_cmp(&b.1[0][0]));
+    let mut found = 0;
+    for (k, (i, s)) in all.iter().enumerate() {
+        let near = all[k + 1..].iter().take_while(|(_, t)| t[0][0] - s[0][0] < 100.0);
+        found += near.filter(|(j, t)| i != j && cross(s, t)).count();
+    }
+    found
+}
+
+#[test]
+fn rivers_that_are_steep_for_their_water_braid_and_slow_ones_leave_oxbow_lakes() {
+    for (fall, braided) in [(0.4, true), (0.004, false)] {
+        let mut world = trough(fall);
+        let rivers = Rivers { rain: 4.0, min_discharge: 0.05, width: 25.0, sinuosity: 2.2, ..Rivers::default() };
+        run(&mut world, &rivers).unwrap();
+        let stats = graph_stats(&world).unwrap().unwrap();
+        assert_eq!((stats.braided > 0, stats.meandering > 0), (braided, !braided), "{stats:?}");
+        assert_eq!(stats.oxbow_lakes > 0, !braided, "{stats:?}");
+        let found = world.components.get::<Features>(RIVERS).unwrap().unwrap();
+        let threads = column(found, "THREADS");
+        for i in 0..found.len() {
+            assert_eq!(found.parts(i).count(), threads[i] as usize);
+            for line in found.parts(i) {
+                assert!(line.is_sorted_by(|a, b| a[2] >= b[2]), "reach {i} runs uphill");
+            }
+        }
+        assert_eq!(crossings(found), 0, "{stats:?}");
+        let oxbows = world.components.get::<Features>(eyot_water::OXBOWS).unwrap().unwrap();
+        let level = column(oxbows, "LEVEL_M");
+        for i in 0..oxbows.len() {
+            assert!(oxbows.parts(i).flatten().all(|v| f64::from(v[2]) == level[i]));
+        }
+        let none = Rivers { braids: false, sinuosity: 1.0, ..rivers };
+        let mut led = trough(fall);
+        run(&mut led, &none).unwrap();
+        let stats = graph_stats(&led).unwrap().unwrap();
+        assert_eq!((stats.braided, stats.meandering, stats.oxbow_lakes), (0, 0, 0));
+    }
+}
+
+/// What stood on the land and what stands there afterwards differ by what the ledger says.
+#[test]
+fn water_that_runs_off_is_in_the_ledger() {
+    let mut world = land(96, Boundary::OPEN);
+    world.put(&eyot_core::layer::known::WATER, Field::from_fn(96, 96, |x, y| ((x + y) % 7) as f32)).unwrap();
+    let stood = world.layer("water").unwrap().field.sum() * world.grid.cell_area_m2();
+    run(&mut world, &small()).unwrap();
+    let stands = world.layer("water").unwrap().field.sum() * world.grid.cell_area_m2();
+    assert!(stands > 0.0 && stands < stood);
+    assert!((stood + world.ledger.net("water") - stands).abs() < 1e-9 * stood);
 }

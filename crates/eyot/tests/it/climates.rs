@@ -51,6 +51,28 @@ fn the_world_has_wet_tropics_dry_belts_and_cold_poles() {
     world.check_finite("the end").unwrap();
 }
 
+/// Rain does not stand on the land: what the last step leaves there is lakes, each level, and the ledger knows all water.
+#[test]
+fn rivers_drain_the_world() {
+    let world = run("world", &["life.steps=301"]);
+    let rivers = eyot_water::graph_stats(&world).unwrap().expect("a graph of rivers");
+    assert!(rivers.reaches > 10 && rivers.highest_order >= 2, "{rivers:?}");
+    let layer = |name: &str| world.get(name).unwrap().to_vec();
+    let (height, water, level) = (layer("height"), layer("water"), layer("lake_level"));
+    let land = height.iter().filter(|z| f64::from(**z) > world.sea_level_m).count();
+    let mut wet = 0;
+    for i in 0..height.len() {
+        if water[i] > 0.0 {
+            assert_eq!(water[i], level[i] - height[i], "cell {i} holds {} m that belong to no lake", water[i]);
+            wet += 1;
+        }
+    }
+    assert!(20 * wet < land, "{wet} of {land} cells of the land are lakes");
+    let stands = world.layer("water").unwrap().field.sum() * world.grid.cell_area_m2();
+    let (net, rain) = (world.ledger.net("water"), world.ledger.amount("water.rain"));
+    assert!((stands - net).abs() < 1e-4 * rain, "{stands} m3 stand on the land, the ledger says {net} of {rain}");
+}
+
 #[test]
 fn an_ice_age_has_more_ice() {
     let (_, now) = of("world", &["life.steps=1200"]);
