@@ -154,18 +154,19 @@ fn whittaker(t: f32, p: f32) -> &'static str {
 }
 
 /// The biome of what grows, in the same words.
-fn biome(t: f32, forest: f32, woody: f32, kind: &str) -> &'static [&'static str] {
+fn biome(t: f32, [forest, shrubs, grass]: [f32; 3], kind: &str) -> &'static [&'static str] {
     match kind {
         k if forest > 0.4 && k == "tropical_evergreen" => &["rain forest"],
         k if forest > 0.4 && k.starts_with("tropical") => &["savanna, seasonal forest"],
         k if forest > 0.4 && (k.starts_with("boreal") || k == "larch") => &["boreal forest"],
         _ if forest > 0.6 => &["temperate forest"],
-        // Scrub is a desert to Whittaker, grass with trees a savanna.
-        _ if t >= 19.0 && woody > 0.1 => &["savanna, seasonal forest", "desert"],
+        _ if t >= 19.0 && grass > 0.35 => &["savanna, seasonal forest"],
+        // Scrub is a desert to Whittaker.
+        _ if t >= 19.0 && forest.max(shrubs) > 0.1 => &["savanna, seasonal forest", "desert"],
         _ if forest > 0.2 => &["woodland", "savanna, seasonal forest"],
         _ if t < -5.0 => &["tundra"],
         _ if t >= 19.0 => &["desert"],
-        _ if woody > 0.3 => &["woodland"],
+        _ if shrubs > 0.3 => &["woodland"],
         _ => &["grassland", "tundra"],
     }
 }
@@ -212,7 +213,7 @@ fn what_grows_is_what_the_climate_asks_for() {
             let of = |layer: &str| cells().map(|(x, y)| value(&land, layer, x, y)).sum::<f32>() / 16.0;
             let weight = |n: &usize| of(&format!("biomass_{}", TYPES[*n].name));
             let most = (0..11).max_by(|a, b| weight(a).total_cmp(&weight(b))).unwrap();
-            let found = biome(t, of("forest"), of("forest").max(of("shrubs")), TYPES[most].name);
+            let found = biome(t, ["forest", "shrubs", "grass"].map(of), TYPES[most].name);
             // Borders are no lines in nature either.
             let near =
                 [(0.0, 1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.85), (0.0, 1.15)].map(|(d, f)| whittaker(t + d, f * p));
