@@ -29,7 +29,7 @@
 //! `share` below a half dies out within some steps, and above two thirds closes to one forest, so that half is the least that is taken.
 //! Groves are some cells wide whatever the size of a cell: the automaton is bound to the resolution.
 
-use crate::plants::RIVER;
+use crate::layers::RIVER;
 use eyot_core::layer::known::{DRAINED_AREA, HEIGHT, LAKE, WATER};
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, check_ranges};

@@ -9,6 +9,7 @@
 //! Processes are rules of single cells and their neighbours, and run on every engine.
 
 pub mod forest;
+pub mod layers;
 pub mod plants;
 mod stands;
 pub mod trees;

@@ -122,7 +122,7 @@ impl<'a> Trees<'a> {
             forest: world.get(&crate::FOREST.name)?,
             size: world.get(&crate::TREE_SIZE.name),
             warmth: world.get("temperature_mean"),
-            shrubs: stands.as_ref().and_then(|_| world.get(&crate::plants::SHRUBS.name)),
+            shrubs: stands.as_ref().and_then(|_| world.get(&crate::layers::SHRUBS.name)),
             stands,
         })
     }

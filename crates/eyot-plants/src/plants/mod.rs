@@ -48,21 +48,20 @@
 pub(crate) mod canopy;
 mod fire;
 mod grow;
-mod layers;
 mod show;
 mod site;
 
 pub use canopy::{NoParams, Shade, Suit};
 pub use fire::{Grass, GrassParams, Kindle, KindleParams, Spread};
 pub use grow::{Grow, GrowParams};
-pub use layers::{
-    BURNT, CANOPY_HEIGHT, ERODIBILITY_BARE, ERODIBILITY_HELD, GRASS, LEAF_AREA, PLANT_MASS, PLANT_TYPE, PLANTS_GROUND,
-    RIVER, SHRUBS,
-};
 pub use show::{Begin, Cover, Disturb, DisturbParams, Ground, Hold, HoldParams, Show};
 pub use site::{Site, SiteParams};
 
 use crate::FOREST;
+use crate::layers::{
+    BURNT, CANOPY_HEIGHT, CLIMATE, ERODIBILITY_BARE, ERODIBILITY_HELD, GRASS, LEAF_AREA, PLANT_MASS, PLANT_TYPE,
+    PLANTS_GROUND, RIVER, SCRATCH, SHRUBS,
+};
 use crate::types::{C3, C4, TYPES, WOODY, biomass, by_name, stem};
 use canopy::least;
 use eyot_core::layer::known::{DRAINED_AREA, ERODIBILITY, HEIGHT, LAKE, WATER};
@@ -289,7 +288,7 @@ impl Process for Plants {
     fn needs(&self) -> Vec<&'static str> {
         match self.climate {
             ClimateFrom::Given => Vec::new(),
-            ClimateFrom::Layers => layers::CLIMATE.into(),
+            ClimateFrom::Layers => CLIMATE.into(),
         }
     }
 
@@ -323,7 +322,7 @@ impl Process for Plants {
 
     fn plan(&self, moment: &Moment, plan: &mut Plan) {
         let Ok(numbers) = self.numbers() else { return };
-        layers::SCRATCH.iter().for_each(|spec| plan.scratch(spec));
+        SCRATCH.iter().for_each(|spec| plan.scratch(spec));
         let woody = || numbers.iter().copied().filter(|n| *n < WOODY);
         self.site(moment, plan);
         plan.push_given::<Disturb>(DisturbParams { per_slide: 1.0 / given!(plan, self.slide) });

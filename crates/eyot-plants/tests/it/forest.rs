@@ -4,7 +4,7 @@ use crate::{go, mean, scheduled, value, world};
 use eyot_core::layer::known::{DRAINED_AREA, LAKE};
 use eyot_core::process::Process as _;
 use eyot_core::{Boundary, Field, Grid, Limits, World};
-use eyot_plants::plants::RIVER;
+use eyot_plants::layers::RIVER;
 use eyot_plants::{Forest, GROVE};
 
 fn everywhere() -> Forest {

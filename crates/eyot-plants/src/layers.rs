@@ -1,4 +1,4 @@
-//! Layers of the process `plants`.
+//! Layers of plants, and those of others that they look at.
 
 use crate::types::TYPES;
 use eyot_core::LayerSpec;
@@ -37,7 +37,7 @@ pub const ERODIBILITY_HELD: LayerSpec = LayerSpec::new(
 pub const RIVER: LayerSpec = LayerSpec::new("river", "1", "Share of the cell that a river covers", (0.0, 1.0));
 
 /// What the process `climate` keeps.
-pub(super) const CLIMATE: [&str; 6] =
+pub(crate) const CLIMATE: [&str; 6] =
     ["temperature_mean", "temperature_cos", "temperature_sin", "rain_mean", "rain_cos", "rain_sin"];
 
 const fn within(name: &'static str, meaning: &'static str) -> LayerSpec {
@@ -45,7 +45,7 @@ const fn within(name: &'static str, meaning: &'static str) -> LayerSpec {
 }
 
 /// What lives within a year.
-pub(super) const SCRATCH: [LayerSpec; 17] = [
+pub(crate) const SCRATCH: [LayerSpec; 17] = [
     within("site_winter", "Mean of the coldest month"),
     within("site_summer", "Mean of the warmest month"),
     within("site_warmth", "Degrees above 5 °C over the days of the year"),
