@@ -4,7 +4,7 @@
 //! Each type has a cohort in each cell: dry matter `b` (kg/m2) and the diameter `D` (m) of its stems, `n = b / m(D)` of them on a m2. `t`
 //! temperature, a mean and a swing over the year; `A(z)` leaf area above `z`; `s` the type's tolerance of shade.
 //! 1. `warmth`: degrees above 5 °C, summed over the days of the year; winter and summer are the mean less and plus the swing.
-//! 2. Trees grow where at least 94 days are above 0.9 °C and have a mean of at least 6.4 °C; their growth falls to a seventh at that line.
+//! 2. Trees grow where at least 94 days are above 0.9 °C and have a mean of at least 6.4 °C; their growth falls to three tenths at that line.
 //! 3. `moisture = rain soil' (1 + hollows ln(1 + area / 1 ha) / 10) / E`, at most doubled, with the potential evaporation `E = 58.93 B` of the
 //!    biotemperature `B`, and `soil' = 1.25 d / (d + 0.25 m)` of soil `d`, which thins out to nothing at `slope`. Trees and bushes cover
 //!    at most `C = max(2.03 w - 0.142, 0.6 w)`, `w = moisture (E / 1450 mm)^(3/4)`, which is a leaf area of `-2 ln(1 - C)`.

@@ -112,7 +112,7 @@ impl<const LAYERS: bool> Rule for Site<LAYERS> {
         let days = angle * of(365.0 / std::f32::consts::PI);
         let season = of(0.9) + excess * of(std::f32::consts::PI) / angle.max(of(1e-3));
         let long = ramp(days, of(90.0), of(98.0));
-        let trees = (ramp(season, of(6.3), of(6.5)) * long * (of(0.15) + of(0.85) * ramp(season, of(6.4), of(9.5))))
+        let trees = (ramp(season, of(6.3), of(6.5)) * long * (of(0.3) + of(0.7) * ramp(season, of(6.4), of(12.0))))
             .named("(2) trees");
         // (3) Water.
         let (_, bio) = above(mean, swing, 0.0);
