@@ -6,6 +6,7 @@ mod links;
 mod palette;
 mod reference;
 mod warnings;
+mod wheel;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,6 +14,7 @@ use std::process::ExitCode;
 const HELP: &str = "\
 cargo xtask book [FOLDER]   builds the book into FOLDER [default: target/book] and checks its links
 cargo xtask gallery         draws what each generator makes, into docs/gallery
+cargo xtask wheel           builds the Python package into target/wheels
 cargo test -p xtask         checks the invariants that ARCHITECTURE.md marks with a star, and the links of all documents
 .ci/commands FILE...        runs the commands that documents show
 .ci/run                     runs everything that continuous integration runs";
@@ -23,6 +25,7 @@ fn main() -> ExitCode {
     let result = match words.as_slice() {
         ["book"] => book::build(&root().join("target/book")),
         ["book", folder] => book::build(Path::new(folder)),
+        ["wheel"] => wheel::build(&root()),
         ["gallery"] => gallery::write().map_err(|e| e.to_string()),
         _ => {
             println!("{HELP}");

@@ -13,6 +13,7 @@ use eyot_core::remedy;
 use eyot_core::remedy::Setting;
 use eyot_core::{Boundary, BoundaryCondition, Cancel, Control, Error, Field, Grid, LayerSpec, Limits, Result, World};
 use eyot_drainage::{BYTES_PER_CELL, Base, Routing, fill, outlets};
+use eyot_ice::Glaciers;
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
@@ -49,6 +50,8 @@ pub enum BenchSubject {
     Drainage,
     /// Lakes and rivers of the land of `drainage`, once: levels, graph, lines and beds.
     Rivers,
+    /// A year of ice on mountains, in time steps of half a year, once the glaciers have grown.
+    Glaciers,
     /// Stream power with routing and creep, on open rims.
     Streampower,
     /// A month of the default community of corals on a square plot; the size is in metres.
@@ -72,7 +75,7 @@ pub enum BenchSubject {
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Hydraulic,
         Self::Signed,
         Self::Thermal,
@@ -81,6 +84,7 @@ impl BenchSubject {
         Self::Reef,
         Self::Drainage,
         Self::Rivers,
+        Self::Glaciers,
         Self::Streampower,
         Self::Strata,
         Self::Plants,
@@ -113,6 +117,7 @@ impl BenchSubject {
             Self::Reef => "reef",
             Self::Drainage => "drainage",
             Self::Rivers => "rivers",
+            Self::Glaciers => "glaciers",
             Self::Streampower => "streampower",
             Self::Strata => "strata",
             Self::Plants => "plants",
@@ -162,7 +167,7 @@ impl Default for BenchOptions {
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
-    /// What was measured: `hydraulic`, `hydraulic classic`, `signed`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `rivers`, `streampower`,
+    /// What was measured: `hydraulic`, `hydraulic classic`, `signed`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `rivers`, `glaciers`, `streampower`,
     /// `strata`, `plants`, `community`, `slope`, `bodies`, `world`, `plates` or `drift`.
     pub what: &'static str,
     /// Cells along a side, or metres.
@@ -274,6 +279,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchReport> {
         BenchSubject::Noise => noise(options),
         BenchSubject::Drainage => drainage(options),
         BenchSubject::Rivers => rivers(options),
+        BenchSubject::Glaciers => glaciers(options),
         BenchSubject::Community | BenchSubject::Slope => community(options),
         BenchSubject::Bodies => bodies(options),
         BenchSubject::Plates => plates(options),
@@ -329,6 +335,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
             BenchSubject::Noise
             | BenchSubject::Drainage
             | BenchSubject::Rivers
+            | BenchSubject::Glaciers
             | BenchSubject::Community
             | BenchSubject::Slope
             | BenchSubject::Bodies
@@ -622,6 +629,40 @@ fn rivers(options: &BenchOptions) -> Result<BenchReport> {
     };
     let once = run()?;
     let timed = samples(options, once, |_| run())?;
+    let mut report = report(options.what.name(), options, isa, &timed);
+    report.bytes_per_cell = each as f64;
+    Ok(report)
+}
+
+/// Years of ice before the ones that are timed, and in each sample.
+const ICE_YEARS: [f32; 2] = [100.0, 4.0];
+
+fn glaciers(options: &BenchOptions) -> Result<BenchReport> {
+    let isa = best_isa(options)?;
+    let process = Glaciers { years: 0.0, ela: 1200.0, climate: false, ..Glaciers::default() };
+    let layers = process.layers();
+    let each = layers.len() * size_of::<f32>() + Action::bytes_per_cell(&process);
+    // The world that is begun with and the one that is worked on.
+    let bytes = (options.size as u128).pow(2) * (each + layers.len() * size_of::<f32>()) as u128;
+    Limits::default().check_bytes("this benchmark", bytes)?;
+    let grid = Grid::new(options.size, options.size, 60.0, Boundary::OPEN, &Limits::default())?;
+    let mut land = World::new(grid, 1);
+    land.sea_level_m = -1000.0;
+    let height = |x: usize, y: usize| (2500.0 * terrain(x as u32, y as u32)) as f32;
+    land.put(&eyot_core::layer::known::HEIGHT, Field::from_fn(grid.width, grid.height, height))?;
+    for used in &layers {
+        land.ensure(&used.spec, used.start);
+    }
+    let act = |world: &mut World, years: f32| {
+        let mut action = Glaciers { ice_years: years, ..process.clone() }.instantiate(world)?;
+        let start = Instant::now();
+        action.act(&Moment::of(&land), world, &Control::none())?;
+        Ok::<_, Error>(start.elapsed().as_secs_f64() / f64::from(years))
+    };
+    let mut grown = land.clone();
+    act(&mut grown, ICE_YEARS[0])?;
+    let once = act(&mut grown.clone(), ICE_YEARS[1])?;
+    let timed = samples(options, once * f64::from(ICE_YEARS[1]), |_| act(&mut grown.clone(), ICE_YEARS[1]))?;
     let mut report = report(options.what.name(), options, isa, &timed);
     report.bytes_per_cell = each as f64;
     Ok(report)

@@ -35,8 +35,8 @@ mod run;
 pub mod store;
 
 pub use eyot_core::{
-    Boundary, BoundaryCondition, Cancel, Control, Error, Field, Georeference, Grid, Layer, LayerSpec, Ledger, Limits,
-    World,
+    Boundary, BoundaryCondition, Cancel, Centering, Control, Error, Field, Georeference, Grid, Layer, LayerSpec,
+    Ledger, Limits, World,
 };
 pub use eyot_export::Import;
 pub use eyot_recipe::{
@@ -62,6 +62,11 @@ pub mod analyse {
         terrain_curves, terrain_stats,
     };
     pub use eyot_plates::report as plates;
+}
+
+/// What worlds keep beside layers, as those see it who do not know its type.
+pub mod component {
+    pub use eyot_core::component::{Attribute, Attributes, Features, Form, Graph, Points, Shape, Table, Values, View};
 }
 
 /// Files of other programs, in and out, and checkpoints.

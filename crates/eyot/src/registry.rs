@@ -29,6 +29,7 @@ impl Registry {
             eyot_strata::PROCESSES,
             eyot_plants::PROCESSES,
             eyot_water::PROCESSES,
+            eyot_ice::PROCESSES,
         ]
         .into_iter()
         .for_each(|p| registry.add_processes(p));

@@ -4,7 +4,7 @@ use crate::engines::Engines;
 use crate::registry::Registry;
 use eyot_export::RunFiles;
 use eyot_recipe::Recipe;
-use eyot_session::{Clock, Handle, Host, RunError, RunOptions};
+use eyot_session::{Clock, Handle, Host, RunError, RunOptions, Session};
 use std::path::Path;
 
 /// A host for sessions and runs of recipes of this registry: all engines, and the files of [`RunFiles`].
@@ -39,5 +39,29 @@ impl Run {
     /// As [`eyot_session::Run::resume`].
     pub fn resume(folder: &Path, registry: &Registry, options: RunOptions) -> Result<Handle, RunError> {
         eyot_session::Run::resume(folder, options, &host(registry))
+    }
+
+    /// A recipe as a session that the caller polls, in a folder of its own if the options name one.
+    ///
+    /// # Errors
+    /// As [`eyot_session::Run::session`].
+    pub fn session(recipe: Recipe, options: RunOptions) -> Result<Session, RunError> {
+        eyot_session::Run::session(recipe, options, &host(&Registry::standard()))
+    }
+
+    /// A stopped run as a session that the caller polls.
+    ///
+    /// # Errors
+    /// As [`eyot_session::Run::resume_session`].
+    pub fn resume_session(folder: &Path, options: RunOptions) -> Result<Session, RunError> {
+        eyot_session::Run::resume_session(folder, options, &host(&Registry::standard()))
+    }
+
+    /// What a session saved as bytes, as a session without a folder.
+    ///
+    /// # Errors
+    /// As [`eyot_session::Run::session_of`].
+    pub fn session_of(checkpoint: &[u8], options: RunOptions) -> Result<Session, RunError> {
+        eyot_session::Run::session_of(checkpoint, options, &host(&Registry::standard()))
     }
 }

@@ -151,6 +151,7 @@ fn processes_do_no_io() {
         "eyot-reef",
         "eyot-strata",
         "eyot-water",
+        "eyot-ice",
         "eyot-plants",
         "eyot-expr",
     ];
@@ -242,8 +243,18 @@ fn only_the_gpu_crates_name_wgpu_and_one_file_waits() {
 }
 
 #[test]
+fn only_the_bindings_name_python() {
+    for folder in ["crates", "apps", "fuzz"] {
+        for package in fs::read_dir(root().join(folder)).unwrap().map(|e| e.unwrap().path().join("Cargo.toml")) {
+            let manifest = fs::read_to_string(&package).unwrap_or_default();
+            assert!(!manifest.lines().any(|l| l.starts_with("pyo3")), "{} depends on pyo3", package.display());
+        }
+    }
+}
+
+#[test]
 fn unsafe_code_gives_its_reason() {
-    for folder in ["crates", "apps", "fuzz", "xtask"] {
+    for folder in ["bindings", "crates", "apps", "fuzz", "xtask"] {
         for (path, text) in rust_files(folder) {
             let allows = text.contains("allow(unsafe_code)");
             let gives_reason = text.lines().take(15).any(|l| l.contains("Reason for the exception"));

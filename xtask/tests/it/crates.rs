@@ -19,6 +19,7 @@ const BELOW: &[(&str, &[&str])] = &[
     ("eyot-reef", &["core", "mesh"]),
     ("eyot-strata", &["core"]),
     ("eyot-water", &["core", "drainage", "noise"]),
+    ("eyot-ice", &["core"]),
     ("eyot-plants", &["core", "noise"]),
     // Layers and rules of a recipe's own.
     ("eyot-expr", &["core"]),
@@ -53,6 +54,7 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot-core",
             "eyot-drainage",
             "eyot-gpu",
+            "eyot-ice",
             "eyot-land",
             "eyot-plants",
             "eyot-plates",
@@ -62,6 +64,7 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot-expr",
         ],
     ),
+    ("eyot-python", &["eyot"]),
     ("eyot-wasm", &["eyot"]),
     ("eyot-testing", &["eyot-climate", "eyot-core", "eyot-land", "eyot-plants", "eyot-strata"]),
 ];

@@ -5,7 +5,7 @@ mod streamed;
 
 use crate::error::RunError;
 use crate::event::{Command, Event};
-use crate::files::{REPORT_FILE, TIMELINE_STORE, check_free, unfinished};
+use crate::files::{CHECKPOINT_FILE, REPORT_FILE, TIMELINE_STORE, check_free, unfinished};
 use crate::frames::{self, stopped};
 use crate::host::{Branches, Events, Host, NewBranch};
 use crate::lock::{FolderLock, LOCK_FILE};
@@ -17,7 +17,7 @@ use eyot_core::remedy;
 use eyot_core::remedy::{Action, Remedy};
 use eyot_core::{Cancel, World};
 use eyot_io as io;
-use eyot_io::storage::{Folder, Storage};
+use eyot_io::storage::{Folder, Keep, Memory, Storage, write_bytes};
 use eyot_recipe::{Recipe, Registry};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -113,7 +113,70 @@ impl Run {
     /// If the folder cannot be used: another run works there, a stopped run is there and `restart` is not set, files that are not of
     /// a former run would be overwritten and `force` is not set, or the system refuses. If the options ask for a streamed run, or one in one piece, and it cannot be.
     pub fn start(recipe: Recipe, options: RunOptions, host: &Host) -> Result<Handle, RunError> {
-        let streamed = Self::check(&recipe, &options, &host.registry)?;
+        launch(Begun::new(recipe, options, host)?, host)
+    }
+
+    /// As [`Run::start`], for a host that polls: a session in its own folder, if the options name one, on threads of the host's. It is never
+    /// streamed, and the folder is free again when it has ended or is dropped.
+    ///
+    /// # Errors
+    /// As [`Run::start`].
+    pub fn session(recipe: Recipe, options: RunOptions, host: &Host) -> Result<Session, RunError> {
+        let options = RunOptions { stream: Stream::Never, ..options };
+        Begun::new(recipe, options, host)?.session(host)
+    }
+
+    /// As [`Run::resume`], for a host that polls; see [`Run::session`].
+    ///
+    /// # Errors
+    /// As [`Run::resume`], and if the run was streamed.
+    pub fn resume_session(folder: &Path, options: RunOptions, host: &Host) -> Result<Session, RunError> {
+        let begun = Begun::again(folder, options, host)?;
+        if begun.state.streamed {
+            return Err(RunError::input("a streamed run is no session"));
+        }
+        begun.session(host)
+    }
+
+    /// A session that goes on from [`Session::checkpoint_bytes`], without a folder.
+    ///
+    /// # Errors
+    /// If they are damaged, or the recipe in them no longer passes its checks.
+    pub fn session_of(checkpoint: &[u8], options: RunOptions, host: &Host) -> Result<Session, RunError> {
+        let memory = Memory::new();
+        write_bytes(&memory, CHECKPOINT_FILE, Keep::Loose, checkpoint).map_err(RunError::file)?;
+        let storage: Arc<dyn Storage> = Arc::new(memory);
+        let mut warnings = Vec::new();
+        let (recipe, world, state) =
+            stopped(&storage, CHECKPOINT_FILE, &options.limits, &host.registry, &mut warnings)?;
+        let options = RunOptions { out: None, record: None, ..options };
+        Begun { recipe, options, world, state, lock: None, warnings }.session(host)
+    }
+
+    /// Continues a stopped run at the exact step: that of its checkpoint, or of the last recorded frame if it is later.
+    ///
+    /// # Errors
+    /// If another run works in the folder, it holds no stopped run, the checkpoint is damaged, the recipe no longer passes its checks, or as
+    /// [`Run::start`].
+    pub fn resume(folder: &Path, options: RunOptions, host: &Host) -> Result<Handle, RunError> {
+        launch(Begun::again(folder, options, host)?, host)
+    }
+}
+
+/// A run that has its folder and has not done anything yet.
+struct Begun {
+    recipe: Recipe,
+    options: RunOptions,
+    world: World,
+    state: State,
+    lock: Option<FolderLock>,
+    warnings: Vec<Remedy>,
+}
+
+impl Begun {
+    /// At the first step of a recipe.
+    fn new(recipe: Recipe, options: RunOptions, host: &Host) -> Result<Self, RunError> {
+        let streamed = Run::check(&recipe, &options, &host.registry)?;
         let lock = options.out.as_deref().map(prepare_folder).transpose()?;
         if let Some(out) = &options.out {
             let storage = storage_of(out);
@@ -135,15 +198,11 @@ impl Run {
         world.sea_level_m = recipe.sea_level_m;
         world.georeference = recipe.georeference.clone();
         let state = State { streamed, ..State::new(&recipe, options.replay.clone()) };
-        launch(recipe, options, host, world, state, lock, warnings)
+        Ok(Self { recipe, options, world, state, lock, warnings })
     }
 
-    /// Continues a stopped run at the exact step: that of its checkpoint, or of the last recorded frame if it is later.
-    ///
-    /// # Errors
-    /// If another run works in the folder, it holds no stopped run, the checkpoint is damaged, the recipe no longer passes its checks, or as
-    /// [`Run::start`].
-    pub fn resume(folder: &Path, options: RunOptions, host: &Host) -> Result<Handle, RunError> {
+    /// Where a stopped run in a folder goes on.
+    fn again(folder: &Path, options: RunOptions, host: &Host) -> Result<Self, RunError> {
         let nothing = |finished| RunError::NothingToResume { folder: folder.to_owned(), finished };
         if !folder.is_dir() {
             return Err(nothing(false));
@@ -170,7 +229,28 @@ impl Run {
         if state.streamed {
             options.is_streamed(&recipe, &host.registry)?;
         }
-        launch(recipe, options, host, world, state, Some(lock), warnings)
+        Ok(Self { recipe, options, world, state, lock: Some(lock), warnings })
+    }
+
+    /// The host of such a run: with its folder.
+    fn host(&self, host: &Host) -> Result<Host, RunError> {
+        let out = self.options.out.as_deref();
+        let held = out.map(|out| Folder::held(out).map_err(RunError::file)).transpose()?;
+        Ok(Host {
+            storage: held.map(|folder| Arc::new(folder) as Arc<dyn Storage>),
+            outputs: host.outputs.clone().filter(|_| out.is_some()),
+            branches: out.map(|out| Arc::new(FolderBranches(out.to_owned())) as Arc<dyn Branches>),
+            ..host.clone()
+        })
+    }
+
+    fn session(self, host: &Host) -> Result<Session, RunError> {
+        let host = self.host(host)?;
+        for message in self.warnings {
+            host.events.tell(Event::Warning { message });
+        }
+        let session = Session::at(self.recipe, self.options.session(), host, self.world, self.state);
+        Ok(session.holding(self.lock))
     }
 }
 
@@ -199,22 +279,15 @@ fn prepare_folder(folder: &Path) -> Result<FolderLock, RunError> {
     Ok(lock)
 }
 
-fn launch(
-    recipe: Recipe,
-    options: RunOptions,
-    host: &Host,
-    world: World,
-    state: State,
-    lock: Option<FolderLock>,
-    warnings: Vec<Remedy>,
-) -> Result<Handle, RunError> {
+fn launch(begun: Begun, host: &Host) -> Result<Handle, RunError> {
+    let host = begun.host(host)?;
+    let Begun { recipe, options, world, state, lock, warnings } = begun;
     let threads = options.threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|i| format!("eyot-{i}"))
         .build()
         .map_err(|e| RunError::Threads { threads, reason: e.to_string() })?;
-    let held = options.out.as_deref().map(|out| Folder::held(out).map_err(RunError::file)).transpose()?;
     let (commands, inbox) = channel();
     let (outbox, events) = channel();
     for message in warnings {
@@ -222,13 +295,7 @@ fn launch(
         let _ = outbox.send(Event::Warning { message });
     }
     let last = Arc::new(Mutex::new(None));
-    let host = Host {
-        events: pass_on(outbox.clone(), last.clone()),
-        storage: held.map(|folder| Arc::new(folder) as Arc<dyn Storage>),
-        outputs: host.outputs.clone().filter(|_| options.out.is_some()),
-        branches: options.out.clone().map(|out| Arc::new(FolderBranches(out)) as Arc<dyn Branches>),
-        ..host.clone()
-    };
+    let host = Host { events: pass_on(outbox.clone(), last.clone()), ..host };
     let cancel = Cancel::default();
     let remote = Remote { commands, cancel: cancel.clone() };
     let thread = std::thread::Builder::new()

@@ -6,6 +6,7 @@ use crate::event::Event;
 use crate::files::CHECKPOINT_FILE;
 use eyot_core::remedy;
 use eyot_io::checkpoint;
+use eyot_io::storage::Storage;
 use std::path::PathBuf;
 
 impl Session {
@@ -73,12 +74,16 @@ impl Session {
         Ok(Some(path))
     }
 
-    /// Writes the world as it is, and what is to be remembered beside it.
     fn save(&mut self) -> Result<(), RunError> {
-        let Some(storage) = self.host.storage.clone() else { return Ok(()) };
+        let storage = self.host.storage.clone();
+        storage.map_or(Ok(()), |storage| self.save_in(&*storage))
+    }
+
+    /// Writes the world as it is, and what is to be remembered beside it.
+    pub(super) fn save_in(&mut self, storage: &dyn Storage) -> Result<(), RunError> {
         self.state.seconds = self.seconds();
         let state = serde_json::to_value(&self.state).map_err(|e| RunError::Fault(e.to_string()))?;
-        checkpoint::save_in(&*storage, CHECKPOINT_FILE, &self.world, &self.recipe.source.text, &state)
+        checkpoint::save_in(storage, CHECKPOINT_FILE, &self.world, &self.recipe.source.text, &state)
             .map_err(RunError::file)
     }
 }

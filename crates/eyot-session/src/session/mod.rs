@@ -28,6 +28,7 @@ mod change;
 mod device;
 mod end;
 mod generate;
+mod hands;
 mod keep;
 mod options;
 mod progress;
@@ -41,6 +42,7 @@ use crate::engines::{EngineOptions, OpenEngine, Opened, processor};
 use crate::error::RunError;
 use crate::event::{Command, Event};
 use crate::host::Host;
+use crate::lock::FolderLock;
 use crate::state::State;
 use crate::watch::Watching;
 use eyot_core::remedy;
@@ -91,6 +93,10 @@ pub struct Session {
     recorder: Option<Recorder>,
     watching: Option<Watching>,
     phase: Phase,
+    /// The world is with the host.
+    lent: bool,
+    /// What keeps others out of its folder.
+    lock: Option<FolderLock>,
     /// What chunks of steps aim at.
     chunk_time: Duration,
     /// Steps that may be done in this call.
@@ -200,6 +206,8 @@ impl Session {
             recorder: None,
             watching,
             phase: Phase::New,
+            lent: false,
+            lock: None,
             chunk_time: CHUNK_TIME,
             steps_left: u64::MAX,
             ended: None,
@@ -219,6 +227,11 @@ impl Session {
     /// The same session with a flag of the host's own in the place of [`Session::cancel`].
     pub(crate) fn stopped_by(self, cancel: Cancel) -> Self {
         Self { cancel, ..self }
+    }
+
+    /// The same session, which holds the lock of its folder until it has ended.
+    pub(crate) fn holding(self, lock: Option<FolderLock>) -> Self {
+        Self { lock, ..self }
     }
 
     /// What has happened since the last call; always empty if the host has a listener.
@@ -247,6 +260,9 @@ impl Session {
     /// # Errors
     /// If a step, the engine or a file fails. The session is over then.
     pub fn advance(&mut self, budget: Budget) -> Result<Status, RunError> {
+        if self.lent {
+            return Ok(Status::Paused);
+        }
         let begun = self.host.clock.now();
         (self.chunk_time, self.steps_left) = match budget {
             Budget::Time(time) => (time.min(CHUNK_TIME), u64::MAX),
@@ -260,12 +276,14 @@ impl Session {
                 Ok(Turn::Waiting) => return Ok(Status::Waiting),
                 Err(e) => {
                     self.phase = Phase::Over(Status::Failed);
+                    self.lock = None;
                     self.forget_beginning();
                     self.tell(Event::Failed { message: e.sentence(), help: e.help() });
                     return Err(e);
                 }
             }
             if let Phase::Over(status) = self.phase {
+                self.lock = None;
                 return Ok(status);
             }
             let goes_on = match budget {

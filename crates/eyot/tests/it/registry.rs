@@ -101,7 +101,7 @@ fn names_titles_and_notes_are_readable() {
 /// Of every process it is known whether a part of a grid will do, and where it will, parts make the bytes of the whole.
 #[test]
 fn every_process_works_in_windows_or_says_that_it_needs_the_whole() {
-    let whole = ["corals", "drainage", "plates", "rivers", "streampower"];
+    let whole = ["corals", "drainage", "glaciers", "plates", "rivers", "streampower"];
     for e in Registry::standard().processes() {
         let process = (e.make)(serde_json::json!({})).unwrap();
         let alone = [Scheduled { name: e.name, process, every: 1 }];
