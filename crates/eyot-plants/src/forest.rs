@@ -92,7 +92,7 @@ impl Default for Forest {
 pub const GROVE: LayerSpec =
     LayerSpec::new("grove", "1", "1 where the automaton of the process `forest` is alive, trees or not", (0.0, 1.0));
 /// Where trees stand.
-pub const FOREST: LayerSpec = LayerSpec::new("forest", "1", "1 where trees stand", (0.0, 1.0));
+pub const FOREST: LayerSpec = LayerSpec::new("forest", "1", "Share of the ground that trees cover", (0.0, 1.0));
 /// How large they grow.
 pub const TREE_SIZE: LayerSpec =
     LayerSpec::new("tree_size", "1", "Size that trees reach here, over that of full-grown ones", (0.0, 1.0));
