@@ -10,9 +10,10 @@ use mdbook_preprocessor::{Preprocessor, PreprocessorContext};
 use std::fmt::Write;
 
 /// Tables of a recipe in the order of the reference, with what they are.
-const TABLES: [(&str, &str); 10] = [
+const TABLES: [(&str, &str); 11] = [
     ("recipe", "The head of the document"),
     ("grid", "`[grid]`"),
+    ("material", "`[[material]]`"),
     ("layer", "`[[layer]]`"),
     ("rule", "`[[rule]]`"),
     ("expressions", "Expressions of layers and rules"),

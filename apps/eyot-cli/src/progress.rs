@@ -63,10 +63,14 @@ impl Bars {
             Event::Long { seconds, timed, rough } => self.say(&format!("  {}", announcement(*seconds, *timed, *rough))),
             Event::Progress(p) => {
                 let title = self.title.clone();
-                let speed = match (p.steps_per_s, p.eta_s) {
+                let mut speed = match (p.steps_per_s, p.eta_s) {
                     (r, Some(eta)) if r > 0.0 => format!("{} steps/s, {} left", rate(r), time(eta)),
                     _ => String::new(),
                 };
+                if let Some(score) = p.erosion_score {
+                    let comma = if speed.is_empty() { "" } else { ", " };
+                    speed += &format!("{comma}erosion score {score:.4}");
+                }
                 let comma = if speed.is_empty() { "" } else { ", " };
                 if !self.terminal {
                     if self.last_line.elapsed() >= LINE_TIME {

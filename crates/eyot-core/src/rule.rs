@@ -30,7 +30,7 @@ pub const MAX_READS: usize = 10;
 /// Most layers that a rule may write.
 pub const MAX_WRITES: usize = 8;
 /// Most sums that a rule may keep.
-pub const MAX_TALLIES: usize = 10;
+pub const MAX_TALLIES: usize = 16;
 
 /// A sum over cells and steps that a rule keeps for the ledger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::control::Control;
 use crate::engine::{Ahead, Borrowed, Engine, EngineError, Saved};
 use crate::error::{Error, Result};
 use crate::plan::Plan;
-use crate::process::{ActionInstance, Locality, Moment, Scheduled, Span, clock_after, may_fail};
+use crate::process::{ActionInstance, Locality, Moment, Scheduled, Span, changed_by_failure, clock_after, may_fail};
 use crate::world::World;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -207,7 +207,7 @@ impl<P: AsRef<[Scheduled]>> Simulation<P> {
         let ahead = Span { from: at, steps: end - at };
         // A step that may have to be taken back is no link of a chain.
         let (next, saved) = if may_fail(processes, at) {
-            (at + 1, Some(engine.save(world, &written(processes, at))?))
+            (at + 1, Some(engine.save(world, &kept(processes, at))?))
         } else {
             let most =
                 engine.plan_end(&Ahead { processes, span: ahead, completes: 0, within_step: false }, at).min(end);
@@ -312,13 +312,9 @@ fn check_window(world: &World, processes: &[Scheduled], span: Span) -> Result<()
     Ok(())
 }
 
-/// Layers that a step may change.
-fn written(processes: &[Scheduled], local_step: u64) -> Vec<Cow<'static, str>> {
-    let due = processes.iter().filter(|s| s.is_due(local_step));
-    let mut names: Vec<_> = due.flat_map(|s| s.process.writes()).collect();
-    names.sort_unstable();
-    names.dedup();
-    names
+/// Layers of which a step that may fail needs a copy to go back to.
+fn kept(processes: &[Scheduled], local_step: u64) -> Vec<Cow<'static, str>> {
+    changed_by_failure(processes.iter().filter(|s| s.is_due(local_step)))
 }
 
 /// What comes before the first step: finds what cannot work, and makes the layers that the processes need, whose first values the

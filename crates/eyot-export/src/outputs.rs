@@ -4,8 +4,8 @@ use crate::error::ExportError;
 use crate::files::{Job, write};
 use crate::pictures::{Subject, draw};
 use crate::{corals, estimate};
-use eyot_core::Error;
 use eyot_core::remedy::Remedy;
+use eyot_core::{Error, World};
 use eyot_io::run_folder::{CHECKPOINT_FILE, PREVIEW_FILE, RELIEF_FILE, REPORT_FILE, WORLD_FILE};
 use eyot_io::storage::Storage;
 use eyot_io::{self as io, Origin, Target, checkpoint};
@@ -29,6 +29,12 @@ impl eyot_session::Outputs for RunFiles {
             Some(out) => Outputs { results, out }.write(exported),
             None => Ok(Vec::new()),
         }
+    }
+
+    fn score(&self, world: &World) -> Option<f64> {
+        let height = world.get("height")?;
+        let land: Vec<bool> = height.iter().map(|z| f64::from(z) > world.sea_level_m).collect();
+        erosion_score(height, &world.grid, |i| land[i]).ok().flatten()
     }
 }
 
@@ -187,9 +193,7 @@ impl Outputs<'_> {
     /// That of the land above the sea; the overview of a streamed world has other cells and none.
     fn score(&self) -> Option<f64> {
         let Results { state, world, .. } = *self.results;
-        let height = world.get("height").filter(|_| !state.streamed)?;
-        let land: Vec<bool> = height.iter().map(|z| f64::from(z) > world.sea_level_m).collect();
-        erosion_score(height, &world.grid, |i| land[i]).ok().flatten()
+        if state.streamed { None } else { eyot_session::Outputs::score(&RunFiles, world) }
     }
 
     fn report(&self, written: &[String], stale: &[String]) -> Value {

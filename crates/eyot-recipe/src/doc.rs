@@ -5,6 +5,7 @@ use crate::diagnostic::{Diagnostic, Problems, Source};
 use crate::keys::{self, Cells, Export, Lengths, View};
 use crate::node::{Kind, Node};
 use crate::recipe::RecipeSource;
+use crate::registry::TABLES;
 use crate::toml_text;
 use eyot_core::process::{Parameters, over, schema_of};
 use serde::{Deserialize, Serialize};
@@ -55,6 +56,9 @@ pub struct RecipeDoc {
     pub sea_level: f64,
     /// The grid.
     pub grid: keys::Grid,
+    /// Materials of the recipe's own.
+    #[serde(rename = "material")]
+    pub materials: Vec<keys::Material>,
     /// Layers of the recipe's own.
     #[serde(rename = "layer")]
     pub layers: Vec<keys::Layer>,
@@ -155,12 +159,12 @@ impl RecipeDoc {
             |problems| Problems::new(vec![Source { name: "recipe".to_owned(), text: text.to_owned() }], problems);
         let doc = Node::parse(text, 0).map_err(fail)?;
         let mut out = Vec::new();
-        let tables = ["grid", "layer", "rule", "step", "export", "view"];
-        check::table(&schema::<keys::Document>(), &doc, "recipe", &tables, &mut out);
+        check::table(&schema::<keys::Document>(), &doc, "recipe", &TABLES, &mut out);
         for (key, schema) in [("grid", schema::<keys::Grid>()), ("view", schema::<View>())] {
             doc.get(key).into_iter().for_each(|table| check::table(&schema, table, key, &[], &mut out));
         }
         let lists = [
+            ("material", schema::<keys::Material>()),
             ("layer", schema::<keys::Layer>()),
             ("rule", schema::<keys::Rule>()),
             ("export", schema::<Export>()),
@@ -210,6 +214,7 @@ impl RecipeDoc {
         if !grid.is_empty() {
             table("[grid]", &grid);
         }
+        self.materials.iter().for_each(|material| table("[[material]]", &unusual(material)));
         self.layers.iter().for_each(|layer| table("[[layer]]", &unusual(layer)));
         self.rules.iter().for_each(|rule| table("[[rule]]", &unusual(rule)));
         self.steps.iter().for_each(|step| table("[[step]]", &step.keys));

@@ -3,6 +3,7 @@
 use crate::export::former_formats;
 use crate::looks::{Palette, Season, Stop};
 use crate::merge::Merge;
+pub use crate::rock::Material;
 use eyot_core::BoundaryCondition;
 use eyot_core::layer::known;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

@@ -82,6 +82,50 @@ impl Node {
         }
     }
 
+    /// As [`Node::elements`], to be changed; `None` for what is no array.
+    pub(crate) fn elements_mut(&mut self) -> Option<&mut Vec<Node>> {
+        match &mut self.kind {
+            Kind::Array(a) => Some(a),
+            _ => None,
+        }
+    }
+
+    /// The value of a key of a table, to be changed.
+    pub(crate) fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
+        match &mut self.kind {
+            Kind::Table(t) => t.iter_mut().find(|(k, _)| k.name == key).map(|(_, v)| v),
+            _ => None,
+        }
+    }
+
+    /// The value of a key of a table, which is made if there is none; `None` for what is no table.
+    pub(crate) fn entry(&mut self, key: Key, value: impl FnOnce() -> Node) -> Option<&mut Node> {
+        let Kind::Table(t) = &mut self.kind else { return None };
+        let at = t.iter().position(|(k, _)| k.name == key.name).unwrap_or_else(|| {
+            t.push((key, value()));
+            t.len() - 1
+        });
+        Some(&mut t[at].1)
+    }
+
+    /// The value at a path such as `beds.2.material`: keys of tables, and in lists numbers, from 1 on, or names. Of a path that leads
+    /// nowhere as far as it leads; `None` if that is nowhere.
+    pub(crate) fn at_path(&self, path: &str) -> Option<&Node> {
+        let child = |name: &str| match &self.kind {
+            Kind::Array(items) => {
+                let numbered = name.parse::<usize>().ok().and_then(|n| items.get(n.checked_sub(1)?));
+                numbered.or_else(|| items.iter().find(|e| e.name() == Some(name)))
+            }
+            _ => self.get(name),
+        };
+        // Names may have dots in them.
+        let dots = path.match_indices('.').map(|(i, _)| i);
+        let ends = std::iter::once(path.len()).chain(dots);
+        ends.filter_map(|end| Some((child(&path[..end])?, path.get(end + 1..).unwrap_or_default())))
+            .map(|(node, rest)| if rest.is_empty() { node } else { node.at_path(rest).unwrap_or(node) })
+            .next()
+    }
+
     /// The value of a key of a table.
     pub(crate) fn get(&self, key: &str) -> Option<&Node> {
         self.entries().iter().find(|(k, _)| k.name == key).map(|(_, v)| v)
@@ -268,6 +312,21 @@ mod tests {
                 Err(e) => assert!(!e.is_empty()),
             }
         }
+    }
+
+    #[test]
+    fn paths_lead_through_tables_and_lists() {
+        let text =
+            "beds = [{ m = 'a' }, { m = 'b' }]\n[materials]\n'rim 1.5' = { talus = 5 }\n[[list]]\nname = 'c'\nv = 7\n";
+        let doc = Node::parse(text, 0).unwrap();
+        let at = |path: &str| doc.at_path(path).map(|n| n.to_json());
+        assert_eq!(at("beds.2.m"), Some(serde_json::json!("b")));
+        assert_eq!(at("materials.rim 1.5.talus"), Some(serde_json::json!(5)));
+        assert_eq!(at("list.c.v"), Some(serde_json::json!(7)));
+        // As far as it leads.
+        assert_eq!(at("beds.2.thickness"), Some(serde_json::json!({ "m": "b" })));
+        assert_eq!(at("beds.0"), at("beds"));
+        assert!(at("folds.1").is_none());
     }
 
     #[test]

@@ -13,8 +13,10 @@ pub const SIMULATE_KEYS: [&str; 5] = ["name", "about", "enabled", "simulate", "s
 /// Keys of a process's table that are not the process's own.
 pub const SCHEDULE_KEYS: [&str; 2] = ["every", "enabled"];
 /// Tables and keys of a document that are neither a process nor the name of a step.
-pub const DOCUMENT_KEYS: [&str; 10] =
-    ["name", "about", "seed", "sea_level", "grid", "layer", "rule", "step", "export", "view"];
+pub const DOCUMENT_KEYS: [&str; 11] =
+    ["name", "about", "seed", "sea_level", "grid", "material", "layer", "rule", "step", "export", "view"];
+/// Those of [`DOCUMENT_KEYS`] that are tables, or lists of them.
+pub(crate) const TABLES: [&str; 7] = ["grid", "material", "layer", "rule", "step", "export", "view"];
 
 /// The generators and processes that a recipe may use, the files that it may name, and what its outputs cost.
 #[derive(Clone)]

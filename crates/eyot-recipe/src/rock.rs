@@ -1,15 +1,41 @@
-//! Doubts about rock in beds: what the process `strata` is told in one step and not in another, and what needs it.
+//! Rock in beds: materials of a recipe's own, and doubts about what the process `strata` is told in one step and not in another, and what needs it.
 
 use crate::recipe::{ProcessUse, Recipe, Step, Work};
 use eyot_core::layer::known;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// The process that knows the beds.
-const STRATA: &str = "strata";
+pub(crate) const STRATA: &str = "strata";
 /// Processes that act on rock alone.
 const ON_ROCK: [&str; 3] = ["rockfall", "soak", "rock_cycle"];
 /// Parameters that say where the beds lie, which counts when they are first laid.
 const LAID: [&str; 6] = ["top", "dip", "dip_direction", "folds", "faults", "regolith"];
+
+/// A material of which beds can be made: a new one, or a change of one that the process `strata` has. A step's own `strata.materials` has
+/// the last word.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Material {
+    /// Name by which beds call it, in legends, too.
+    pub name: String,
+    /// The material whose values it takes where it gives none: one of the process `strata`, or one that stands above it. A new one without it
+    /// gives all but the colour.
+    pub like: Option<String>,
+    /// Steepest slope that a wall of it keeps: its talus angle.
+    #[schemars(range(min = 1.0, max = 89.0), extend("unit" = "degree"))]
+    pub talus: Option<f32>,
+    /// How fast it wears, and how much of it standing water softens, over loose ground: its solubility.
+    #[schemars(range(min = 0.0, max = 1000.0), extend("unit" = "1"))]
+    pub erodibility: Option<f32>,
+    /// Mass of a cubic metre, pores and their water included.
+    #[schemars(range(min = 100.0, max = 10000.0), extend("unit" = "kg/m3"))]
+    pub density: Option<f32>,
+    /// Colour in sections, on maps and in legends, written `#rrggbb`; one by its number if not given.
+    #[schemars(regex(pattern = r"^#[0-9a-fA-F]{6}$"))]
+    pub colour: Option<String>,
+}
 
 /// What of the rock in a recipe was most likely not meant, a sentence each.
 pub(crate) fn doubts(recipe: &Recipe) -> Vec<String> {

@@ -21,6 +21,7 @@ pub fn recipe_schema(registry: &Registry) -> Value {
     let p = &mut document["properties"];
     p["grid"] = table(schema_of::<keys::Grid>().to_value());
     for (key, what, schema) in [
+        ("material", "Materials of the recipe's own, for beds of rock.", schema_of::<keys::Material>()),
         ("layer", "Layers of the recipe's own.", schema_of::<keys::Layer>()),
         ("rule", "Rules of the recipe's own.", schema_of::<keys::Rule>()),
     ] {

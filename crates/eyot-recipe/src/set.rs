@@ -68,7 +68,7 @@ pub(crate) fn parse(flag: &str, source: usize) -> (String, Result<Node, Vec<Diag
 
 fn place(doc: &mut Node, key: &Key, value: &Node, registry: &Registry) -> Result<(), Diagnostic> {
     let name = key.name.as_str();
-    if ["step", "export", "layer", "rule"].contains(&name) {
+    if ["step", "export", "material", "layer", "rule"].contains(&name) {
         return into_element(doc, key, value);
     }
     if DOCUMENT_KEYS.contains(&name) {

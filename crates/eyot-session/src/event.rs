@@ -67,6 +67,9 @@ pub struct Progress {
     pub eta_s: Option<f64>,
     /// Share of the whole run that is done, 0 to 1.
     pub overall: f64,
+    /// Erosion score of the land as it was lately: deviation over mean of the largest steps to the four neighbours, without a unit. `None`
+    /// for generators, and where nobody measures ([`Outputs::score`](crate::Outputs::score)).
+    pub erosion_score: Option<f64>,
 }
 
 /// What a run tells its client.

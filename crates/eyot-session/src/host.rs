@@ -128,6 +128,12 @@ pub trait Outputs: Send + Sync {
     /// # Errors
     /// If something could not be written; [`RunError::Stopped`] on a request to stop.
     fn write(&self, results: &Results<'_>, exported: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>, RunError>;
+
+    /// The erosion score of a world's land, which the run's progress tells; `None` if there is none, or nobody measures it. It is asked
+    /// for so rarely that it costs little of a run's time.
+    fn score(&self, _world: &World) -> Option<f64> {
+        None
+    }
 }
 
 /// A recorded moment that another run is to begin at.

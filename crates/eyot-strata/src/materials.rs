@@ -21,6 +21,24 @@ pub struct Material {
     /// Mass of a cubic metre, pores and their water included.
     #[schemars(range(min = 100.0, max = 10000.0), extend("unit" = "kg/m3"))]
     pub density: f32,
+    /// Colour in sections, on maps and in legends, written `#rrggbb`; one by its number if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(regex(pattern = r"^#[0-9a-fA-F]{6}$"))]
+    pub colour: Option<String>,
+}
+
+impl Material {
+    /// Its colour, sRGB, if it is the material of this number.
+    pub fn shown(&self, number: usize) -> [u8; 3] {
+        self.colour.as_deref().and_then(hexadecimal).unwrap_or_else(|| colour(number))
+    }
+}
+
+/// Red, green and blue of `#rrggbb`.
+pub(crate) fn hexadecimal(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
+    let part = |i: usize| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok();
+    Some([part(0)?, part(1)?, part(2)?])
 }
 
 impl Default for Material {
@@ -30,11 +48,11 @@ impl Default for Material {
 }
 
 fn material(name: &str, talus: f32, erodibility: f32, density: f32) -> Material {
-    Material { name: name.into(), talus, erodibility, density }
+    Material { name: name.into(), talus, erodibility, density, colour: None }
 }
 
-/// The seven of the rock cycle, softest first. Angles and erodibilities are those of the source, chosen for pictures and not measured;
-/// densities are the averages of wet samples of Telford, Geldart and Sheriff 1990, table 2.1 (soil for regolith).
+/// The seven of the rock cycle, softest first. Angles and erodibilities (there solubilities) are those of the source, chosen for pictures
+/// and not measured, but for the angle of regolith, there 20 degrees, which is that of dry soil here; densities are the averages of wet samples of Telford, Geldart and Sheriff 1990, table 2.1 (soil for regolith).
 pub fn standard() -> Vec<Material> {
     vec![
         material("regolith", 33.0, 1.0, 1920.0),
@@ -85,7 +103,7 @@ pub fn classes_of(world: &World, layer: &str) -> Option<Vec<Class>> {
     let named = |(n, m): (usize, &Material)| {
         // Too many names end in those of the list.
         let name = intern(&m.name).unwrap_or(CLASSES[n.min(CLASSES.len() - 1)].name);
-        Class { name, colour: colour(n) }
+        Class { name, colour: m.shown(n) }
     };
     Some(sequence.materials.iter().enumerate().map(named).collect())
 }

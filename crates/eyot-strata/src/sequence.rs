@@ -4,7 +4,7 @@
 //! cells. [`Strata`](crate::Strata) puts it into the component [`STRATA`] before its first step, and again whenever its parameters
 //! have changed. So a checkpoint, a frame of a recording and a world from any program know their beds, too.
 
-use crate::materials::Material;
+use crate::materials::{Material, hexadecimal};
 use eyot_core::component::{Decoder, Encoder};
 use eyot_core::{Component, ComponentKind, Fingerprint, Result, World};
 use schemars::JsonSchema;
@@ -32,6 +32,8 @@ pub enum Surfaces {
 pub const STRATA: &str = "strata";
 /// Longest name of a material in a file, bytes.
 const LONGEST: usize = 256;
+/// Length of a colour in a file, bytes.
+const COLOUR: usize = 7;
 /// Most beds in a file.
 const MOST: usize = 255;
 
@@ -66,9 +68,9 @@ pub struct Sequence {
 /// How it is read.
 pub static SEQUENCE: ComponentKind = ComponentKind {
     name: "strata.sequence",
-    version: 1,
+    version: 2,
     formerly: &[],
-    decode: |_, from| Ok(Arc::new(Sequence::decode(from)?)),
+    decode: |version, from| Ok(Arc::new(Sequence::decode(version, from)?)),
 };
 
 impl Sequence {
@@ -101,11 +103,18 @@ impl Sequence {
         }
     }
 
-    fn decode(from: &mut Decoder<'_>) -> Result<Self> {
+    fn decode(version: u32, from: &mut Decoder<'_>) -> Result<Self> {
         let mut materials = Vec::new();
         for _ in 0..from.u8()? {
             let name = from.text(LONGEST)?;
-            let material = Material { name, talus: from.f32()?, erodibility: from.f32()?, density: from.f32()? };
+            let (talus, erodibility, density) = (from.f32()?, from.f32()?, from.f32()?);
+            // Files of version 1 know no colours.
+            let colour = if version < 2 { String::new() } else { from.text(COLOUR)? };
+            if !colour.is_empty() && hexadecimal(&colour).is_none() {
+                return Err(from.wrong(format!("a colour of `{name}` that is none")));
+            }
+            let colour = Some(colour).filter(|c| !c.is_empty());
+            let material = Material { name, talus, erodibility, density, colour };
             if ![material.talus, material.erodibility, material.density].iter().all(|v| v.is_finite() && *v >= 0.0) {
                 return Err(from.wrong(format!("numbers of `{}` that cannot be", material.name)));
             }
@@ -145,6 +154,7 @@ impl Component for Sequence {
         for m in self.materials.iter().take(MOST) {
             out.text(&m.name);
             [m.talus, m.erodibility, m.density].into_iter().for_each(|v| out.f32(v));
+            out.text(m.colour.as_deref().unwrap_or_default());
         }
         out.u8(self.loose);
         out.u8(u8::from(self.repeat));
@@ -163,6 +173,7 @@ impl Component for Sequence {
         for m in &self.materials {
             m.name.bytes().for_each(|b| print.word(u64::from(b)));
             print.values(&[m.talus, m.erodibility, m.density]);
+            m.colour.iter().flat_map(|c| c.bytes()).for_each(|b| print.word(u64::from(b)));
         }
         print.word(u64::from(self.loose));
         print.word(u64::from(self.repeat));

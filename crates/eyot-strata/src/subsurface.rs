@@ -266,7 +266,7 @@ fn bottom_below_datum(sequence: &Sequence, h: &Heights, n: usize, depth: f64) ->
 
 /// A material by its number, and its colour.
 fn of_material((number, m): (usize, &crate::Material)) -> Kind {
-    Kind { name: m.name.clone(), colour: colour(number) }
+    Kind { name: m.name.clone(), colour: m.shown(number) }
 }
 
 /// A place between two cells of `n`: both, and how far it is on the way.

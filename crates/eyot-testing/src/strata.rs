@@ -21,18 +21,19 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
     let uneven = Strata { surfaces: Surfaces::Lower, ..new.clone() };
     let new_rock = new.clone();
     let thick = bent.beds.clone();
+    let many: Vec<_> = thick.iter().cycle().take(13).cloned().collect();
     vec![
         ("beds", vec![one(Strata { top: 10.0, regolith: 0.5, ..Strata::default() })]),
         ("bent beds", vec![one(bent.clone())]),
         ("few beds", vec![one(Strata { beds: thick[..3].into(), top: 10.0, ..Strata::default() })]),
         ("new rock", vec![one(new.clone())]),
         ("uneven beds", vec![one(Strata { new_rock: false, ..uneven.clone() })]),
-        ("uneven beds under new rock", vec![one(uneven)]),
+        ("uneven beds under new rock", vec![one(uneven.clone())]),
         (
             "few beds of given height under new rock",
             vec![one(Strata { beds: thick[..4].into(), surfaces: Surfaces::Height, ..new.clone() })],
         ),
-        ("few beds under new rock", vec![one(Strata { beds: thick[..4].into(), ..new })]),
+        ("few beds under new rock", vec![one(Strata { beds: thick[..4].into(), ..new.clone() })]),
         (
             "rock cycle",
             vec![
@@ -40,6 +41,10 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
                 one(RockCycle { years_per_turn: 4.0, wait: 1.0, disturbance: 0.3, ..RockCycle::default() }),
             ],
         ),
+        ("many beds", vec![one(Strata { beds: many.clone(), top: 10.0, regolith: 0.5, ..Strata::default() })]),
+        ("many beds again and again", vec![one(Strata { beds: many.clone(), ..bent.clone() })]),
+        ("many uneven beds under new rock", vec![one(Strata { beds: many.clone(), ..uneven.clone() })]),
+        ("beds again and again under new rock", vec![one(Strata { new_rock: true, ..bent.clone() })]),
         ("rockfall", vec![one(Rockfall::default())]),
         ("beds and rockfall", vec![one(bent), one(Rockfall { talus: 20.0, rate: 1.0, ..Rockfall::default() })]),
         ("soak", vec![one(Soak { change: 20.0, slope: 5.0, rate: 0.1, ..Soak::default() })]),

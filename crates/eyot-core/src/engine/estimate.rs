@@ -3,7 +3,7 @@
 use crate::field::Field;
 use crate::grid::Grid;
 use crate::plan::Plan;
-use crate::process::{Moment, Scheduled, plan_step};
+use crate::process::{Moment, Scheduled, changed_by_failure, plan_step};
 
 /// Memory of a simulation at its peak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,14 +23,8 @@ impl MemoryEstimate {
         let mut moment = Moment::whole(*grid, 0, 0.0);
         plan_step(processes, 0, &mut moment, &mut plan);
         let actions: Vec<_> = processes.iter().filter_map(|s| s.process.action()).collect();
-        let copies = if actions.iter().any(|a| !a.cannot_fail()) {
-            let mut written: Vec<_> = processes.iter().flat_map(|s| s.process.writes()).collect();
-            written.sort_unstable();
-            written.dedup();
-            written.len()
-        } else {
-            0
-        };
+        // Steps in which not all processes are due keep no more than one in which they are.
+        let copies = changed_by_failure(processes.iter()).len();
         let fields = layers + plan.scratch_layers().len() + plan.doubled_layers().len() + copies;
         Self { fields, action_bytes_per_cell: actions.iter().map(|a| a.bytes_per_cell()).sum() }
     }

@@ -271,6 +271,18 @@ pub fn may_fail(processes: &[Scheduled], local_step: u64) -> bool {
     due.any(|s| s.process.action().is_some_and(|a| !a.cannot_fail()))
 }
 
+/// Layers that may have been changed in a step when something fails in it: those of the last process that can, and of all before it.
+/// Whoever takes the step back needs no more of them.
+pub(crate) fn changed_by_failure<'a>(processes: impl Iterator<Item = &'a Scheduled>) -> Vec<Cow<'static, str>> {
+    let processes: Vec<_> = processes.collect();
+    let fails = |s: &&Scheduled| s.process.action().is_some_and(|a| !a.cannot_fail());
+    let count = processes.iter().rposition(fails).map_or(0, |last| last + 1);
+    let mut names: Vec<_> = processes[..count].iter().flat_map(|s| s.process.writes()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
 /// Span of steps to run.
 #[derive(Clone, Copy, Debug)]
 pub struct Span {

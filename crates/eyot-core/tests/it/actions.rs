@@ -140,6 +140,57 @@ fn a_stop_within_an_action_leaves_whole_steps() {
     assert_eq!(stopped, straight);
 }
 
+/// A copy of the level in another layer.
+struct Echo;
+
+impl Rule for Echo {
+    const NAME: &'static str = "echo";
+    const READS: &'static [Read] = &[read("level", 0)];
+    const WRITES: &'static [&'static str] = &["echo"];
+    type Params = DoubleParams<()>;
+    type Out<R: Real> = [R; 1];
+    type Sums<R: Real> = [R; 0];
+
+    fn cell<R: Real>(_: &DoubleParams<R>, c: &impl Cell<R>) -> ([R; 1], [R; 0]) {
+        ([c.here(0)], [])
+    }
+}
+
+impl Process for Echo {
+    fn layers(&self) -> Vec<eyot_core::process::LayerUse> {
+        vec![LEVEL.read(1.0), LayerSpec::new("echo", "m", "", (-1e9, 1e9)).written(0.0)]
+    }
+    fn plan(&self, _: &Moment, plan: &mut Plan) {
+        plan.push::<Echo>(DoubleParams { more: 0.0 });
+    }
+}
+
+/// What comes after the last process that can fail has not acted when that fails: nothing of it is copied.
+#[test]
+fn a_copy_to_go_back_to_holds_what_was_changed_by_then() {
+    let processes = |stop: Option<(u64, Cancel)>, first: bool| {
+        let mut all = scheduled(stop);
+        all.insert(if first { 0 } else { 3 }, Scheduled { name: "echo", process: Box::new(Echo), every: 1 });
+        all
+    };
+    let fields = |first: bool| {
+        let w = world(Boundary::CLOSED);
+        MemoryEstimate::of(&w.grid, 2, &processes(None, first)).fields
+    };
+    assert_eq!((fields(true), fields(false)), (5, 4), "level and echo, a second level, and copies of those before");
+    for first in [true, false] {
+        let (mut whole, mut stopped) = (world(Boundary::WRAP), world(Boundary::WRAP));
+        let engine = CpuEngine::default();
+        engine.simulate(&mut whole, &processes(None, first), Span { from: 0, steps: 4 }, &Control::none()).unwrap();
+        let cancel = Cancel::default();
+        let control = Control::new(cancel.clone(), &|_, _| {});
+        let span = Span { from: 0, steps: 9 };
+        let outcome = engine.simulate(&mut stopped, &processes(Some((4, cancel)), first), span, &control);
+        assert!(matches!(outcome, Err(eyot_core::Error::Cancelled(_))));
+        assert_eq!(stopped, whole);
+    }
+}
+
 #[test]
 fn what_an_action_takes_is_refused_before_the_first_step() {
     let mut w = world(Boundary::CLOSED);

@@ -7,7 +7,7 @@ use crate::keys::{self, Cells, Edges, Export, Lengths, Preset, View, What};
 use crate::memory::{self, Obstacle, Place};
 use crate::node::{Kind, Node, Span};
 use crate::recipe::{Overrides, Recipe, RecipeSource, Step, Texts};
-use crate::registry::Registry;
+use crate::registry::{Registry, TABLES};
 use crate::set;
 use eyot_core::process::{Parameters, parameters_from, schema_of};
 use eyot_core::remedy;
@@ -49,12 +49,14 @@ pub(crate) fn recipe(
         own: Vec::new(),
         sources: &sources,
         grid: None,
+        written: None,
         texts,
     };
-    let document: keys::Document = v.keys_of(&doc, check::ROOT, &["grid", "layer", "rule", "step", "export", "view"]);
+    let document: keys::Document = v.keys_of(&doc, check::ROOT, &TABLES);
     let (grid, georeference) = v.grid(doc.get("grid"), overrides.size);
     v.grid = grid;
     v.declare(&doc);
+    v.materials(&mut doc);
     let steps = v.steps(&doc, document.seed);
     v.unused();
     let mut exports = v.exports(doc.get("export"));
@@ -94,7 +96,9 @@ pub(crate) fn recipe(
     })
 }
 
+mod beds;
 pub(crate) mod clock;
+mod materials;
 pub(crate) mod rules;
 pub(crate) mod shared;
 mod steps;
@@ -118,6 +122,8 @@ struct Validator<'a> {
     views: Vec<String>,
     /// The grid, once it has been checked and is sound.
     grid: Option<Grid>,
+    /// Columns and rows that the recipe gives the grid, whatever the run is told.
+    written: Option<(usize, usize)>,
     /// Text files that the recipe names.
     texts: Texts,
 }
@@ -194,6 +200,7 @@ impl Validator<'_> {
         } else {
             (10.0, 10.0)
         };
+        self.written = Some((w, h));
         if let Some((first, second)) = size {
             let (ex, ey) = (w as f64 * dx, h as f64 * dy);
             let longer = w.max(h) as f64;

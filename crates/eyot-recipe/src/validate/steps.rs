@@ -128,6 +128,9 @@ impl Validator<'_> {
             }
             parameters["max_bytes"] = Value::from(self.limits.max_bytes);
         }
+        if entry.name == "import" && self.out.len() == before {
+            self.bed_file(node, &parameters);
+        }
         if self.out.len() > before {
             let layer = node.get("layer").and_then(Node::text).unwrap_or("height");
             if !self.layers.iter().any(|l| l == layer) {
@@ -416,7 +419,7 @@ enum Named {
 /// What a process or generator says of its parameters, at the parameter if it names one.
 fn refused(e: &eyot_core::Error, owner: &str, node: &Node) -> Diagnostic {
     let field = match e {
-        eyot_core::Error::BadParameter { field, .. } => node.get(field),
+        eyot_core::Error::BadParameter { field, .. } => node.at_path(field),
         _ => None,
     };
     // Where no parameter is wrong, it is the file, if there is one.

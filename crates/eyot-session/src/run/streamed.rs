@@ -189,6 +189,7 @@ impl Watch {
                 steps_per_s: rate,
                 eta_s: Some((total - done) as f64 / rate.max(1e-9)),
                 overall: done as f64 / total.max(1) as f64,
+                erosion_score: None,
             }));
         }
         self.requests.did(1);

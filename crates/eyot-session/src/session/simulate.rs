@@ -22,11 +22,23 @@ pub(super) struct Simulation {
     /// Steps per second lately.
     rate: f64,
     trial: Trial,
+    score: Score,
     begun: Duration,
     /// The card's own time before this simulation, less what the engine had counted by then, s.
     card_seconds: f64,
     stage: Stage,
 }
+
+/// The erosion score as it was measured last.
+#[derive(Default)]
+struct Score {
+    value: Option<f64>,
+    /// When that was, and how long it took.
+    measured: Option<(Duration, Duration)>,
+}
+
+/// So many times as long as the last measuring of the score took passes before the next.
+const SCORE_REST: u32 = 50;
 
 /// What comes next in a simulation.
 enum Stage {
@@ -71,8 +83,8 @@ impl Session {
         }
         let chunk = self.options.chunk.unwrap_or(1).max(1);
         let (uses, scheduled) = self.scheduled(step, work)?;
-        let (trial, stage) = (Trial::default(), Stage::Between);
-        let simulation = Simulation { uses, scheduled, chunk, rate: 0.0, trial, begun, card_seconds, stage };
+        let (trial, score, stage) = (Trial::default(), Score::default(), Stage::Between);
+        let simulation = Simulation { uses, scheduled, chunk, rate: 0.0, trial, score, begun, card_seconds, stage };
         self.phase = Phase::Simulating(Box::new(simulation));
         Ok(())
     }
@@ -184,6 +196,10 @@ impl Session {
         if let Some(event) = s.trial.count(did, time, left, &After::of(&self.recipe.steps, step.number, work)) {
             self.tell(event);
         }
+        // The processor's world is always at hand.
+        if self.engine.engine().kind() == "cpu" && self.is_brought_back() {
+            self.measure_score(&mut s.score);
+        }
         let eta = (work.steps - self.state.done) as f64 / s.rate.max(1e-9);
         let (before, share) = overall(&self.recipe.steps, step.number);
         self.tell(Event::Progress(Progress {
@@ -193,6 +209,7 @@ impl Session {
             steps_per_s: s.rate,
             eta_s: Some(eta),
             overall: before + share * self.state.done as f64 / work.steps as f64,
+            erosion_score: s.score.value,
         }));
         Ok(Next::GoOn)
     }
@@ -205,6 +222,9 @@ impl Session {
         if (records || shows || self.checkpoint_is_due()) && !self.is_brought_back() {
             return Ok(Next::Later(Turn::Waiting));
         }
+        if let Layers::Current = self.layers {
+            self.measure_score(&mut s.score);
+        }
         if records {
             self.record();
         }
@@ -214,6 +234,18 @@ impl Session {
         self.checkpoint_if_due();
         s.stage = Stage::Between;
         Ok(Next::GoOn)
+    }
+
+    /// Measures the erosion score of the world, which has been brought back, unless that was done lately.
+    fn measure_score(&self, score: &mut Score) {
+        let Some(outputs) = &self.host.outputs else { return };
+        let begun = self.host.clock.now();
+        if score.measured.is_some_and(|(at, took)| begun.saturating_sub(at) < took * SCORE_REST) {
+            return;
+        }
+        score.value = outputs.score(&self.world);
+        let done = self.host.clock.now();
+        score.measured = Some((done, done.saturating_sub(begun)));
     }
 
     /// Goes on with another engine from the last world that this one gave back.

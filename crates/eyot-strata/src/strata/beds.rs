@@ -1,6 +1,7 @@
 //! What beds are made of and how they lie, as recipes say it, and as the rules need it.
 
 use super::{MOST_BENDS, Strata, Surfaces};
+use crate::materials::hexadecimal;
 use crate::sequence::{Layered, SLOTS, Sequence};
 use eyot_core::math64::{cos_degrees, sin_degrees};
 use eyot_core::{Error, Result};
@@ -72,6 +73,11 @@ pub(super) fn bad(field: &str, reason: String) -> Error {
     Error::BadParameter { owner: "strata".into(), field: field.into(), reason }
 }
 
+/// `1 bed`, `2 beds`.
+fn count(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
 pub(super) fn tangent(degrees: f32) -> f64 {
     sin_degrees(f64::from(degrees)) / cos_degrees(f64::from(degrees))
 }
@@ -90,13 +96,15 @@ impl Strata {
     /// If there is no material of a name.
     pub fn sequence(&self) -> Result<Sequence> {
         let number = |field: &str, name: &String| self.number(field, name).map(|n| n as u8);
-        let bed =
-            |bed: &Bed| Ok(Layered { material: number("beds.material", &bed.material)?, thickness_m: bed.thickness });
+        let bed = |(n, bed): (usize, &Bed)| {
+            let material = number(&format!("beds.{}.material", n + 1), &bed.material)?;
+            Ok(Layered { material, thickness_m: bed.thickness })
+        };
         let stages = self.stages.iter().filter(|_| self.new_rock).map(|name| number("stages", name));
         Ok(Sequence {
             materials: self.materials.clone(),
             loose: number("loose", &self.loose)?,
-            beds: self.beds.iter().map(bed).collect::<Result<_>>()?,
+            beds: self.beds.iter().enumerate().map(bed).collect::<Result<_>>()?,
             repeat: self.repeat,
             surfaces: self.surfaces,
             top_m: self.top,
@@ -116,12 +124,20 @@ impl Strata {
             if fits { Ok(()) } else { Err(bad(what, format!("{value} is outside {low}..={high}"))) }
         };
         if self.materials.len() > 255 {
-            return Err(bad("materials", format!("{} materials; there can be 255", self.materials.len())));
+            return Err(bad("materials", format!("{}; there can be 255", count(self.materials.len(), "material"))));
         }
         for m in &self.materials {
             fit(&format!("materials.{}.talus", m.name), m.talus, 1.0, 89.0)?;
             fit(&format!("materials.{}.erodibility", m.name), m.erodibility, 0.0, 1000.0)?;
             fit(&format!("materials.{}.density", m.name), m.density, 100.0, 10000.0)?;
+            if m.name.is_empty() {
+                return Err(bad("materials", "a material has no name".into()));
+            }
+            if let Some(colour) = m.colour.as_deref().filter(|c| hexadecimal(c).is_none()) {
+                let reason =
+                    format!("`{colour}` is no colour; write # and six digits from 0 to f, such as \"#5a6b3c\"");
+                return Err(bad(&format!("materials.{}.colour", m.name), reason));
+            }
             if self.materials.iter().filter(|o| o.name == m.name).count() > 1 {
                 return Err(bad("materials", format!("there are two of the name `{}`", m.name)));
             }
@@ -146,7 +162,28 @@ impl Strata {
             let reason = "beds whose bottoms are layers cannot repeat; take one of the two";
             return Err(bad("surfaces", reason.into()));
         }
-        self.beds.iter().try_for_each(|bed| fit("beds.thickness", bed.thickness, 0.01, 20000.0))
+        self.stages_fit()?;
+        let thickness =
+            |(n, bed): (usize, &Bed)| fit(&format!("beds.{}.thickness", n + 1), bed.thickness, 0.01, 20000.0);
+        self.beds.iter().enumerate().try_for_each(thickness)
+    }
+
+    /// Finds stages of new rock that cannot be, whether there is new rock or not: who switches it on later is not to be surprised.
+    fn stages_fit(&self) -> Result<()> {
+        if self.stages.len() != SLOTS {
+            return Err(bad(
+                "stages",
+                format!("{}; new rock has {SLOTS} stages", count(self.stages.len(), "material")),
+            ));
+        }
+        for (n, name) in self.stages.iter().enumerate() {
+            let field = format!("stages.{}", n + 1);
+            self.number(&field, name)?;
+            if self.stages[..n].contains(name) {
+                return Err(bad(&field, format!("`{name}` is a stage already: each hardens to another material")));
+            }
+        }
+        Ok(())
     }
 
     /// Bottoms of the beds below the datum, m, with their materials: of a sequence that has been checked, since every step asks for it.
@@ -155,7 +192,7 @@ impl Strata {
     /// If there are too few or too many beds, or no material of a name.
     pub(super) fn profile(&self) -> Result<Profile<f32>> {
         if self.beds.is_empty() || self.beds.len() > MOST_BEDS + 1 {
-            return Err(bad("beds", format!("{} beds; there can be 1 to {}", self.beds.len(), MOST_BEDS + 1)));
+            return Err(bad("beds", format!("{}; there can be 1 to {}", count(self.beds.len(), "bed"), MOST_BEDS + 1)));
         }
         let layer = |bottom: f32, n: usize| {
             let m = &self.materials[n];
@@ -165,9 +202,9 @@ impl Strata {
         let loose = layer(0.0, self.number("loose", &self.loose)?);
         let mut all = Vec::with_capacity(self.beds.len());
         let mut bottom = 0.0;
-        for bed in &self.beds {
+        for (n, bed) in self.beds.iter().enumerate() {
             bottom += bed.thickness;
-            all.push(layer(bottom, self.number("beds.material", &bed.material)?));
+            all.push(layer(bottom, self.number(&format!("beds.{}.material", n + 1), &bed.material)?));
         }
         let last = all.pop().unwrap_or(loose);
         // Beds that are missing are the last one, and end above everything.
@@ -180,9 +217,6 @@ impl Strata {
         }
         let mut slots = [[0.0; 4]; SLOTS];
         if self.new_rock {
-            if self.stages.len() != SLOTS {
-                return Err(bad("stages", format!("{} materials; new rock has {SLOTS} stages", self.stages.len())));
-            }
             for (slot, name) in slots.iter_mut().zip(&self.stages) {
                 let [_, material, erodibility, slope, wear] = layer(0.0, self.number("stages", name)?);
                 *slot = [material, erodibility, slope, wear];

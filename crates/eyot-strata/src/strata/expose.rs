@@ -143,16 +143,44 @@ impl<const BEDS: usize> ParamSet for ExposeParams<(), BEDS> {
     }
 }
 
-/// Equations (1) to (4) for up to `BEDS` beds above the last one. `UNDER` new rock, which [`Take`](super::new_rock::Take) has cut
-/// before, and of which [`Overlay`](super::new_rock::Overlay) says afterwards where it lies; `BENT`: with surfaces of single beds.
-pub struct Expose<const BEDS: usize, const UNDER: bool, const BENT: bool>;
+/// Beds as thick everywhere, [`Expose`]'s `LIE`.
+pub const FLAT: u8 = 0;
+/// Beds of which the first have surfaces of their own.
+pub const BENT: u8 = 1;
+/// Beds that begin again below the last one.
+pub const REPEATING: u8 = 2;
+
+/// Equations (1) to (4) for up to `BEDS` beds above the last one, which lie as `LIE` says: [`FLAT`], [`BENT`] or [`REPEATING`]. `UNDER` new
+/// rock, which [`Take`](super::new_rock::Take) has cut before, and of which [`Overlay`](super::new_rock::Overlay) says afterwards
+/// where it lies. `SUMS` is 2 and one for each bed, the last one among them where it has no place among the `BEDS`.
+pub struct Expose<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8>;
 
 const fn worn(account: &'static str, meaning: &'static str) -> Tally {
     Tally { account, unit: TallyUnit::Thickness, sign: 0, meaning }
 }
 
-/// Beds whose wear has an account of its own.
-const COUNTED: usize = 8;
+const ACCOUNTS: &[Tally] = &[
+    worn("rock.worn", "Bedrock that others took from the height"),
+    worn("rock.weathered", "Rock that became soil"),
+    worn("rock.worn_bed_1", "Of the first bed, with what became soil"),
+    worn("rock.worn_bed_2", "Of the second bed, with what became soil"),
+    worn("rock.worn_bed_3", "Of the third bed, with what became soil"),
+    worn("rock.worn_bed_4", "Of the fourth bed, with what became soil"),
+    worn("rock.worn_bed_5", "Of the fifth bed, with what became soil"),
+    worn("rock.worn_bed_6", "Of the sixth bed, with what became soil"),
+    worn("rock.worn_bed_7", "Of the seventh bed, with what became soil"),
+    worn("rock.worn_bed_8", "Of the eighth bed, with what became soil"),
+    worn("rock.worn_bed_9", "Of the ninth bed, with what became soil"),
+    worn("rock.worn_bed_10", "Of the tenth bed, with what became soil"),
+    worn("rock.worn_bed_11", "Of the eleventh bed, with what became soil"),
+    worn("rock.worn_bed_12", "Of the twelfth bed, with what became soil"),
+    worn("rock.worn_bed_13", "Of the thirteenth bed, with what became soil"),
+];
+/// Sums that are not of a bed.
+const OF_ALL: usize = 2;
+/// Deeper than every bed that has a bottom, m.
+const BOTTOMLESS: f32 = 1e29;
+
 const HEIGHT: usize = 0;
 const BEDROCK: usize = 1;
 const DATUM: usize = 2;
@@ -168,38 +196,75 @@ macro_rules! reads {
     };
 }
 
-impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Expose<BEDS, UNDER, BENT> {
+impl<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8> Expose<BEDS, SUMS, UNDER, LIE> {
     const FIRST_SURFACE: usize = if UNDER { TOP + 1 } else { TIME + 1 };
 
     /// Bottom of a bed below the datum, m, given that of the one above it.
     #[inline(always)]
     fn bottom<R: Real>(p: &ExposeParams<R, BEDS>, c: &impl Cell<R>, i: usize, above: R) -> R {
-        if BENT && i < SURFACES {
+        if LIE == BENT && i < SURFACES {
             (p.beds[i][0] + p.surfaces[i] * c.here(Self::FIRST_SURFACE + i)).max(above)
-        } else if BENT {
+        } else if LIE == BENT {
             p.beds[i][0].max(above)
         } else {
             p.beds[i][0]
         }
     }
+
+    /// A depth below the datum in the first turn of the beds.
+    #[inline(always)]
+    fn fold<R: Real>(p: &ExposeParams<R, BEDS>, depth: R) -> R {
+        if LIE == REPEATING { depth - p.sequence * (depth * p.per_sequence).floor() } else { depth }
+    }
+
+    /// How much of what lies between two depths each bed is, m. Above the first turn lies the last bed.
+    #[inline(always)]
+    fn shares<R: Real>(bottoms: &[R; BEDS], from: R, to: R, sums: &mut [R; SUMS]) {
+        let zero = R::of(0.0);
+        let begin = if LIE == REPEATING { from.positive() } else { from };
+        let before = begin - from;
+        let mut deepest = R::of(-1e30);
+        let mut i = 0;
+        while i < BEDS {
+            // What no bed has above it begins at the top.
+            let top = if i == 0 { begin } else { begin.max(bottoms[i - 1]) };
+            let share = (to.min(bottoms[i]) - top).positive();
+            let is_last = R::of(BOTTOMLESS).lt(bottoms[i]);
+            sums[OF_ALL + i] = if LIE == REPEATING { share + is_last.pick(before, zero) } else { share };
+            deepest = deepest.max(bottoms[i]);
+            i += 1;
+        }
+        if OF_ALL + BEDS < SUMS {
+            let share = (to - begin.max(deepest)).positive();
+            let is_last = R::of(BOTTOMLESS).lt(deepest);
+            let before = is_last.pick(zero, before);
+            sums[OF_ALL + BEDS] = if LIE == REPEATING { share + before } else { share };
+        }
+    }
 }
 
-impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Rule for Expose<BEDS, UNDER, BENT> {
-    const NAME: &'static str = match (BEDS, UNDER, BENT) {
-        (4, false, false) => "strata_expose_4",
-        (4, true, false) => "strata_expose_4_under",
-        (_, false, false) => "strata_expose_12",
-        (_, true, false) => "strata_expose_12_under",
-        (_, false, true) => "strata_expose_12_bent",
-        (_, true, true) => "strata_expose_12_bent_under",
+impl<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8> Rule for Expose<BEDS, SUMS, UNDER, LIE> {
+    const NAME: &'static str = match (BEDS, UNDER, LIE) {
+        (4, false, _) => "strata_expose_4",
+        (4, true, _) => "strata_expose_4_under",
+        (8, false, FLAT) => "strata_expose_8",
+        (8, true, FLAT) => "strata_expose_8_under",
+        (8, false, BENT) => "strata_expose_8_bent",
+        (8, true, BENT) => "strata_expose_8_bent_under",
+        (8, false, _) => "strata_expose_8_repeating",
+        (8, true, _) => "strata_expose_8_repeating_under",
+        (_, false, FLAT) => "strata_expose_12",
+        (_, true, FLAT) => "strata_expose_12_under",
+        (_, false, BENT) => "strata_expose_12_bent",
+        (_, true, BENT) => "strata_expose_12_bent_under",
+        (_, false, _) => "strata_expose_12_repeating",
+        (_, true, _) => "strata_expose_12_repeating_under",
     };
-    const READS: &'static [Read] = match (UNDER, BENT) {
-        (false, false) => reads![read("erodibility", 0)],
-        (true, false) => reads![read("cut_time", 0), read("cut_top", 0)],
-        (false, true) => {
+    const READS: &'static [Read] = match (UNDER, LIE) {
+        (false, BENT) => {
             reads![read("erodibility", 0), read("bed_1", 0), read("bed_2", 0), read("bed_3", 0), read("bed_4", 0)]
         }
-        (true, true) => reads![
+        (true, BENT) => reads![
             read("cut_time", 0),
             read("cut_top", 0),
             read("bed_1", 0),
@@ -207,27 +272,18 @@ impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Rule for Expose<BED
             read("bed_3", 0),
             read("bed_4", 0)
         ],
+        (false, _) => reads![read("erodibility", 0)],
+        (true, _) => reads![read("cut_time", 0), read("cut_top", 0)],
     };
     const WRITES: &'static [&'static str] =
         &["height", "sediment", "bedrock", "material", "erodibility", "rock_slope", "bed_left", "erodibility_below"];
-    const TALLIES: &'static [Tally] = &[
-        worn("rock.worn", "Bedrock that others took from the height"),
-        worn("rock.weathered", "Rock that became soil"),
-        worn("rock.worn_bed_1", "Of the first bed"),
-        worn("rock.worn_bed_2", "Of the second bed"),
-        worn("rock.worn_bed_3", "Of the third bed"),
-        worn("rock.worn_bed_4", "Of the fourth bed"),
-        worn("rock.worn_bed_5", "Of the fifth bed"),
-        worn("rock.worn_bed_6", "Of the sixth bed"),
-        worn("rock.worn_bed_7", "Of the seventh bed"),
-        worn("rock.worn_bed_8", "Of the eighth bed"),
-    ];
+    const TALLIES: &'static [Tally] = ACCOUNTS.split_at(SUMS).0;
     type Params = ExposeParams<(), BEDS>;
     type Out<R: Real> = [R; 8];
-    type Sums<R: Real> = [R; 10];
+    type Sums<R: Real> = [R; SUMS];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &ExposeParams<R, BEDS>, c: &impl Cell<R>) -> ([R; 8], [R; 10]) {
+    fn cell<R: Real>(p: &ExposeParams<R, BEDS>, c: &impl Cell<R>) -> ([R; 8], [R; SUMS]) {
         let zero = R::of(0.0);
         let (height, before, datum) = (c.here(HEIGHT), c.here(BEDROCK), c.here(DATUM));
         // (1) What was cut of the rock below `top`, and the time that it took.
@@ -238,12 +294,8 @@ impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Rule for Expose<BED
             (before, (cut / c.here(TIME).max(R::of(1e-6))).named("(1) time"))
         };
         let most = (top - height).positive();
-        let fold = |rock: R| {
-            let depth = datum - rock;
-            depth - p.sequence * (depth * p.per_sequence).floor()
-        };
         // Each bed wears for as long as there is some of it, then the next one.
-        let depth = fold(top);
+        let depth = Self::fold(p, datum - top);
         let mut left = time.positive();
         let mut reached = depth;
         let mut bottoms = [zero; BEDS];
@@ -271,11 +323,9 @@ impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Rule for Expose<BED
         let soil = if UNDER { time.lt(zero).pick(zero, soil) } else { soil };
         let rock = (bare - soil).named("(2) bedrock");
         // (3) From below, so that the uppermost bed that reaches down to here is the last to be chosen.
-        let depth = fold(rock);
+        let depth = Self::fold(p, datum - rock);
         let mut here = p.last;
         let (mut bottom, mut below) = (R::of(1e6) + depth, p.last[2]);
-        let mut sums = [zero; 10];
-        let (from, to) = (depth - (top - rock), depth);
         while i > 0 {
             i -= 1;
             let bed = p.beds[i];
@@ -290,13 +340,11 @@ impl<const BEDS: usize, const UNDER: bool, const BENT: bool> Rule for Expose<BED
                 inside.pick(bed[3], here[3]),
                 here[4],
             ];
-            if i < COUNTED {
-                let begin = if i == 0 { from } else { from.max(bottoms[i - 1]) };
-                sums[2 + i] = (to.min(bottoms[i]) - begin).positive();
-            }
         }
+        let mut sums = [zero; SUMS];
         sums[0] = top - bare;
         sums[1] = bare - rock;
+        Self::shares(&bottoms, depth - (top - rock), depth, &mut sums);
         let reach = (bottom - depth).min(R::of(1e6));
         if UNDER {
             return ([ground, load, rock, here[1], here[2], here[3], reach, below], sums);

@@ -37,11 +37,12 @@
 //! `bed_left` (m) and `erodibility_below` (1).
 //!
 //! # Limits
-//! Stable for all parameters. Up to 12 beds above the last one, which has no bottom; the wear of the first eight has an account each.
+//! Stable for all parameters. Up to 12 beds above the last one, which has no bottom; the wear of each has an account. Of beds that repeat, what a
+//! step cuts above the end of a turn counts as of the last bed.
 //!
 //! # Conserves
 //! Height is bedrock, new rock and loose ground; ground and sediment together. What rises is in the ledger, what comes to light of
-//! the bedrock is reported, bed by bed (`tests/it/strata.rs`).
+//! the bedrock is reported, bed by bed and stage by stage (`tests/it/strata.rs`, `tests/it/materials.rs`).
 
 mod beds;
 mod expose;
@@ -51,7 +52,7 @@ mod new_rock;
 use beds::Profile;
 pub(crate) use beds::SURFACES;
 pub use beds::{Bed, Fault, Fold, MOST_BEDS};
-pub use expose::{Expose, ExposeParams};
+pub use expose::{BENT, Expose, ExposeParams, FLAT, REPEATING};
 pub use lie::{Bury, BuryParams, Lie, LieParams, Lift, LiftParams};
 pub use new_rock::{NewRockParams, Overlay, Take};
 
@@ -257,13 +258,10 @@ impl Process for Strata {
             [&CUT_TIME, &CUT_TOP].into_iter().for_each(|s| plan.scratch(s));
             plan.push_given::<Take>(shared);
         }
-        match (self.beds.len() <= 4, self.new_rock, self.surfaces != Surfaces::Flat) {
-            (true, false, false) => self.expose::<4, false, false>(&profile, &shared, plan),
-            (true, true, false) => self.expose::<4, true, false>(&profile, &shared, plan),
-            (false, false, false) => self.expose::<12, false, false>(&profile, &shared, plan),
-            (_, false, true) => self.expose::<12, false, true>(&profile, &shared, plan),
-            (false, true, false) => self.expose::<12, true, false>(&profile, &shared, plan),
-            (_, true, true) => self.expose::<12, true, true>(&profile, &shared, plan),
+        if self.new_rock {
+            self.expose_beds::<true>(&profile, &shared, plan);
+        } else {
+            self.expose_beds::<false>(&profile, &shared, plan);
         }
         if self.new_rock {
             plan.push_given::<Overlay<false>>(shared);
@@ -273,8 +271,21 @@ impl Process for Strata {
 }
 
 impl Strata {
+    /// Plans the rule for as many beds as there are, the last one among them, which has its account there; of 13 it has one of its own.
+    fn expose_beds<const UNDER: bool>(&self, profile: &Profile<f32>, shared: &NewRockParams<Given>, plan: &mut Plan) {
+        match (self.beds.len(), self.repeat, self.surfaces != Surfaces::Flat) {
+            (..=4, false, false) => self.expose::<4, 6, UNDER, FLAT>(profile, shared, plan),
+            (..=8, false, false) => self.expose::<8, 10, UNDER, FLAT>(profile, shared, plan),
+            (_, false, false) => self.expose::<12, 15, UNDER, FLAT>(profile, shared, plan),
+            (..=8, _, true) => self.expose::<8, 10, UNDER, BENT>(profile, shared, plan),
+            (_, _, true) => self.expose::<12, 15, UNDER, BENT>(profile, shared, plan),
+            (..=8, true, false) => self.expose::<8, 10, UNDER, REPEATING>(profile, shared, plan),
+            (_, true, false) => self.expose::<12, 15, UNDER, REPEATING>(profile, shared, plan),
+        }
+    }
+
     /// Plans the rule for up to `BEDS` beds above the last one.
-    fn expose<const BEDS: usize, const UNDER: bool, const BENT: bool>(
+    fn expose<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8>(
         &self,
         profile: &Profile<f32>,
         shared: &NewRockParams<Given>,
@@ -293,7 +304,7 @@ impl Strata {
             // The depth of a height below the datum, which begins at the top.
             beds.iter_mut().take(SURFACES).take(self.beds.len() - 1).for_each(|bed| bed[0] = self.top.into());
         }
-        plan.push_given::<Expose<BEDS, UNDER, BENT>>(ExposeParams {
+        plan.push_given::<Expose<BEDS, SUMS, UNDER, LIE>>(ExposeParams {
             beds,
             last: profile.last.map(given),
             loose: shared.loose,

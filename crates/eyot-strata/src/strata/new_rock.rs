@@ -90,6 +90,10 @@ impl ParamSet for NewRockParams<()> {
 /// [`Expose`](super::Expose).
 pub struct Take;
 
+const fn lost(account: &'static str, meaning: &'static str) -> Tally {
+    Tally { account, unit: TallyUnit::Thickness, sign: 0, meaning }
+}
+
 impl Rule for Take {
     const NAME: &'static str = "strata_take";
     const READS: &'static [Read] = &[
@@ -119,13 +123,19 @@ impl Rule for Take {
             sign: 0,
             meaning: "New rock that became soil",
         },
+        lost("rock.worn_new_1", "Of its first stage, with what became soil"),
+        lost("rock.worn_new_2", "Of its second stage, with what became soil"),
+        lost("rock.worn_new_3", "Of its third stage, with what became soil"),
+        lost("rock.worn_new_4", "Of its fourth stage, with what became soil"),
+        lost("rock.worn_new_5", "Of its fifth stage, with what became soil"),
+        lost("rock.worn_new_6", "Of its sixth stage, with what became soil"),
     ];
     type Params = NewRockParams<()>;
     type Out<R: Real> = [R; 8];
-    type Sums<R: Real> = [R; 2];
+    type Sums<R: Real> = [R; 2 + SLOTS];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &NewRockParams<R>, c: &impl Cell<R>) -> ([R; 8], [R; 2]) {
+    fn cell<R: Real>(p: &NewRockParams<R>, c: &impl Cell<R>) -> ([R; 8], [R; 2 + SLOTS]) {
         let zero = R::of(0.0);
         let (height, before) = (c.here(0), c.here(1));
         let cut = (before - height).positive();
@@ -134,12 +144,13 @@ impl Rule for Take {
         let mut must = (cut - c.here(9)).positive();
         let mut most = cut;
         let mut soil = p.soil * (-((height - before).positive() * p.per_soil_depth)).exp();
-        let mut slots = [zero; SLOTS];
+        let (mut thick, mut slots) = ([zero; SLOTS], [zero; SLOTS]);
         let mut sum = zero;
         let mut became = zero;
         let mut i = 0;
         while i < SLOTS {
             let there = c.here(3 + i);
+            thick[i] = there;
             let worn = there.min((p.slots[i][1] * time).max(must)).min(most);
             time = worn.lt(there).pick(zero, time - worn * p.slots[i][3]).positive();
             must = (must - worn).positive();
@@ -156,7 +167,9 @@ impl Rule for Take {
         // What was cut too fast is given back by the rule that comes next.
         let time = zero.lt(rest).pick(R::of(-1.0), time);
         let [a, b, c, d, e, f] = slots;
-        ([time, (before - sum) - became, a, b, c, d, e, f], [sum, became])
+        let of = |k: usize| thick[k] - slots[k];
+        let sums = [sum, became, of(0), of(1), of(2), of(3), of(4), of(5)];
+        ([time, (before - sum) - became, a, b, c, d, e, f], sums)
     }
 }
 

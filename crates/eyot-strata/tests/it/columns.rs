@@ -5,7 +5,7 @@ use eyot_core::layer::known::{BEDROCK, ERODIBILITY, SEDIMENT};
 use eyot_core::{Field, World};
 use eyot_strata::{BED_SURFACES, Bed, NEW_ROCK, Strata, Surfaces};
 
-fn bed(material: &str, thickness: f32) -> Bed {
+pub(crate) fn bed(material: &str, thickness: f32) -> Bed {
     Bed { material: material.into(), thickness }
 }
 
@@ -25,7 +25,7 @@ fn beds() -> Strata {
 }
 
 /// Digs `cut` m from the ground into the sediment, as water does, and lets the beds answer.
-fn dig(w: &mut World, beds: &Strata, cut: &[f32]) {
+pub(crate) fn dig(w: &mut World, beds: &Strata, cut: &[f32]) {
     let (width, height) = (w.grid.width, w.grid.height);
     let change = |w: &mut World, layer: &str, sign: f32| {
         let field = &mut w.layer_mut(layer).unwrap().field;
@@ -128,7 +128,7 @@ fn bottoms_of_beds_can_be_surfaces_of_their_own() {
 }
 
 /// A number within 0..1 for each cell and purpose.
-fn noise(x: usize, y: usize, salt: u32) -> f32 {
+pub(crate) fn noise(x: usize, y: usize, salt: u32) -> f32 {
     let mut h =
         (x as u32).wrapping_mul(0x9E37_79B9) ^ (y as u32).wrapping_mul(0x85EB_CA6B) ^ salt.wrapping_mul(0xC2B2_AE35);
     h ^= h >> 15;

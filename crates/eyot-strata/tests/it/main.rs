@@ -3,6 +3,7 @@
 mod cliffs;
 mod columns;
 mod conformance;
+mod materials;
 mod rock_cycle;
 mod rockfall;
 mod section;

@@ -223,13 +223,27 @@ fn worlds_know_their_beds_and_files_give_them_back() {
     out.finish().unwrap();
     let grid = Grid::new(4, 4, 10.0, Boundary::CLOSED, &Limits::default()).unwrap();
     let limits = Limits::default();
-    let read = |bytes: &[u8]| {
+    let read_as = |version: u32, bytes: &[u8]| {
         let mut input = bytes;
         let mut from = Decoder::new("strata", &mut input, bytes.len() as u64, &grid, &limits);
-        let component = (SEQUENCE.decode)(1, &mut from)?;
+        let component = (SEQUENCE.decode)(version, &mut from)?;
         from.finish().map(|()| component)
     };
+    let read = |bytes: &[u8]| read_as(2, bytes);
     assert!(read(&bytes).unwrap().equals(sequence));
+    // Version 1 had no colours: an empty text after the name and three numbers of each of seven materials.
+    let mut empty = Vec::new();
+    let mut out = Encoder::new(&mut empty);
+    out.text("");
+    out.finish().unwrap();
+    let (mut former, mut at) = (vec![bytes[0]], 1);
+    for m in &sequence.materials {
+        let end = at + empty.len() + m.name.len() + 12;
+        former.extend(&bytes[at..end]);
+        at = end + empty.len();
+    }
+    former.extend(&bytes[at..]);
+    assert!(read_as(1, &former).unwrap().equals(sequence));
     // Cut short anywhere, or of a material that is not there.
     assert!((0..bytes.len()).all(|n| read(&bytes[..n]).is_err()));
     // The material of the last bed: before its thickness, the kind of surfaces, the top, and no stages.

@@ -138,10 +138,15 @@ fn beds_that_cannot_be_are_refused_by_name() {
         beds.check(&grid).unwrap_err().to_string()
     };
     for (change, words) in [
-        (&(|b: &mut Strata| b.beds[1].thickness = 0.0) as &dyn Fn(&mut Strata), "beds.thickness"),
-        (&|b| b.beds[1].thickness = -3.0, "beds.thickness"),
-        (&|b| b.beds[1].thickness = f32::NAN, "beds.thickness"),
+        (&(|b: &mut Strata| b.beds[1].thickness = 0.0) as &dyn Fn(&mut Strata), "beds.2.thickness"),
+        (&|b| b.beds[1].thickness = -3.0, "beds.2.thickness"),
+        (&|b| b.beds[1].thickness = f32::NAN, "beds.2.thickness"),
         (&|b| b.beds[0].material = "cheese".into(), "there is no material `cheese`; there are regolith, sand"),
+        (&|b| b.beds[2].material = "cheese".into(), "beds.3.material"),
+        (&|b| b.stages.truncate(1), "1 material; new rock has 6 stages"),
+        (&|b| b.stages[3] = "cheese".into(), "stages.4"),
+        (&|b| b.stages[3] = "sandstone".into(), "`sandstone` is a stage already"),
+        (&|b| b.materials[3].name = String::new(), "a material has no name"),
         (&|b| b.loose = "mud".into(), "there is no material `mud`"),
         (&|b| b.beds = vec![], "0 beds; there can be 1 to 13"),
         (&|b| b.beds = vec![bed("sand", 1.0); 14], "14 beds"),

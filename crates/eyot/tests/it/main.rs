@@ -24,6 +24,7 @@ mod recipes;
 mod recordings;
 mod registry;
 mod rivers;
+mod rock;
 mod runs;
 mod scale;
 mod serving;
