@@ -125,7 +125,8 @@ fn every_material_is_in_the_books_with_as_much_as_sections_show() {
     for (count, new_rock, repeat) in
         [(3, true, false), (9, true, true), (13, false, true), (13, true, false), (5, false, false)]
     {
-        let soaked = Strata { soaked: true, new_rock, repeat, ..of(count) };
+        let mut soaked = Strata { soaked: true, new_rock, repeat, ..of(count) };
+        soaked.beds.iter_mut().filter(|_| repeat).for_each(|b| b.thickness *= 4.0);
         keeps_books(&format!("{count} beds under water, new rock {new_rock}, again {repeat}"), soaked);
     }
     keeps_books("uneven beds under water", Strata { soaked: true, new_rock: true, surfaces: Surfaces::Lower, ..of(8) });
