@@ -2,11 +2,8 @@
 
 use crate::cut::{Cut, Side};
 use crate::math::{V3, add, dot, mix, mul, scale, smoothstep};
-use crate::picture::encode;
 use crate::scene::Scene;
-use crate::stage::Stage;
 use eyot_noise::picture::{fbm, noise};
-use rayon::prelude::*;
 
 /// Colours of the relief model, as linear albedos.
 #[derive(Clone, Copy, Debug)]
@@ -101,11 +98,26 @@ impl Block {
         if p[2] > ground {
             return Some(self.water_wall(s, p, d, ground, normal, light));
         }
-        let beds = s.stage.cut.as_ref().and_then(|cut| {
-            let thick = (self.top - self.base) / s.stage.exaggeration;
-            bed_colour(&s.stage, cut, side_of(normal), p, thick)
-        });
+        let beds = s.stage.cut.as_ref().and_then(|cut| self.beds(s, cut, p, normal));
         Some(mul(beds.unwrap_or_else(|| self.strata(s, p, ground)), light))
+    }
+
+    /// The beds that the world has, with a grain that lies as they do and a dark line where they meet.
+    fn beds(&self, s: &Scene, cut: &Cut, p: V3, normal: V3) -> Option<V3> {
+        let cell = s.stage.cell_m();
+        let (side, along) = match normal {
+            [x, _, _] if x < 0.0 => (Side::West, p[1] / cell[1]),
+            [x, _, _] if x > 0.0 => (Side::East, p[1] / cell[1]),
+            [_, y, _] if y < 0.0 => (Side::North, p[0] / cell[0]),
+            _ => (Side::South, p[0] / cell[0]),
+        };
+        let rock = cut.at(side, along, p[2] / s.stage.exaggeration)?;
+        let far = (p[0] + 1.37 * p[1]) / s.stage.extent;
+        let thick = (self.top - self.base) / s.stage.exaggeration;
+        let bedding = rock.bedding / thick;
+        let grain = 0.10 * fbm(160.0 * far, 40.0 * bedding, 3, 9) + 0.10 * noise(3.0 * far, 60.0 * bedding, 12);
+        let line = 0.35 * smoothstep(0.006, 0.001, rock.contact / thick);
+        Some(scale(rock.colour, (1.0 + grain) * (1.0 - line)))
     }
 
     /// Of a world that knows no beds: some that lie nearly level, so that valleys cut through them, with soil on top.
@@ -183,62 +195,5 @@ impl Block {
             horizon = horizon.max((s.surface.height(u, v) - self.base) / way.max(1e-3 * s.stage.extent));
         }
         smoothstep(0.80 * tan, 1.20 * tan, horizon)
-    }
-}
-
-/// The side that this outward normal belongs to.
-fn side_of(normal: V3) -> Side {
-    match normal {
-        [x, _, _] if x < 0.0 => Side::West,
-        [x, _, _] if x > 0.0 => Side::East,
-        [_, y, _] if y < 0.0 => Side::North,
-        _ => Side::South,
-    }
-}
-
-/// Colour of the beds at a place of a side, whose model is `thick` m high: with a grain that lies as they do and a dark line where they
-/// meet.
-fn bed_colour(stage: &Stage, cut: &Cut, side: Side, p: V3, thick: f32) -> Option<V3> {
-    let cell = stage.cell_m();
-    let along = match side {
-        Side::West | Side::East => p[1] / cell[1],
-        Side::North | Side::South => p[0] / cell[0],
-    };
-    let rock = cut.at(side, along, p[2] / stage.exaggeration)?;
-    let far = (p[0] + 1.37 * p[1]) / stage.extent;
-    let bedding = rock.bedding / thick;
-    let grain = 0.10 * fbm(160.0 * far, 40.0 * bedding, 3, 9) + 0.10 * noise(3.0 * far, 60.0 * bedding, 12);
-    let line = 0.35 * smoothstep(0.006, 0.001, rock.contact / thick);
-    Some(scale(rock.colour, (1.0 + grain) * (1.0 - line)))
-}
-
-impl Stage {
-    /// True if the cut sides of its relief model show the beds of the world.
-    pub fn has_beds(&self) -> bool {
-        self.cut.is_some()
-    }
-
-    /// The beds on the cut sides of the relief model from `base` to `top`, m as drawn: the western side, below it the eastern, the northern and
-    /// the southern one, each of so many columns, from north to south or west to east, and rows, the lowest first. Linear colours in
-    /// 0..1 as sRGB bytes; `None` for a world that has no beds.
-    pub fn sides(&self, base: f32, top: f32, columns: usize, rows: usize) -> Option<Vec<[u8; 4]>> {
-        let cut = self.cut.as_ref()?;
-        let [width, height] = self.size_m();
-        let thick = (top - base) / self.exaggeration;
-        let texel = |n: usize| {
-            let (row, along) = (n / columns, (n % columns) as f32 + 0.5);
-            let z = base + (top - base) * ((row % rows) as f32 + 0.5) / rows as f32;
-            let (x, y) = (width * along / columns as f32, height * along / columns as f32);
-            let (side, p) = match row / rows {
-                0 => (Side::West, [0.0, y, z]),
-                1 => (Side::East, [width, y, z]),
-                2 => (Side::North, [x, 0.0, z]),
-                _ => (Side::South, [x, height, z]),
-            };
-            let [r, g, b] = bed_colour(self, cut, side, p, thick).unwrap_or_default();
-            let byte = |c: f32| (255.0 * encode(c.clamp(0.0, 1.0)) + 0.5) as u8;
-            [byte(r), byte(g), byte(b), 255]
-        };
-        Some((0..4 * rows * columns).into_par_iter().map(texel).collect())
     }
 }

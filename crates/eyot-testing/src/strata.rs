@@ -2,8 +2,7 @@
 
 use crate::one;
 use eyot_core::process::Scheduled;
-use eyot_core::{Field, World};
-use eyot_strata::{BED_DATUM, BEDROCK, Bed, Fault, Fold, RockCycle, Rockfall, STRATA, Soak, Strata, Surfaces};
+use eyot_strata::{Fault, Fold, RockCycle, Rockfall, Soak, Strata, Surfaces};
 
 /// Name and processes of each.
 pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
@@ -53,21 +52,6 @@ pub fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
         ("beds and rockfall", vec![one(bent), one(Rockfall { talus: 20.0, rate: 1.0, ..Rockfall::default() })]),
         ("soak", vec![one(Soak { change: 20.0, slope: 5.0, rate: 0.1, ..Soak::default() })]),
     ]
-}
-
-/// Puts beds of four kinds that dip to the east below the ground of a world.
-///
-/// # Panics
-/// If the world has no height.
-pub fn lay_beds(world: &mut World) {
-    let bed = |material: &str, thickness| Bed { material: material.into(), thickness };
-    let beds = vec![bed("sandstone", 90.0), bed("marble", 60.0), bed("schist", 120.0), bed("granite", 1.0)];
-    let strata = Strata { beds, repeat: true, ..Strata::default() };
-    let height = world.layer("height").unwrap().field.clone();
-    let datum = Field::from_fn(height.width(), height.height(), |x, _| 500.0 - 3.0 * x as f32);
-    world.put(&BEDROCK, height).unwrap();
-    world.put(&BED_DATUM, datum).unwrap();
-    world.components.insert(STRATA, strata.sequence().unwrap());
 }
 
 /// A plausible value of a layer from a number within 0..1.

@@ -44,8 +44,6 @@ pub(crate) struct Parts<'a> {
     /// Base and top of the relief model.
     pub(crate) span: (f32, f32),
     pub(crate) flows: bool,
-    /// Heights between which the sides of the relief model show beds of the world's own, m.
-    pub(crate) sides: Option<(f32, f32)>,
 }
 
 impl Parts<'_> {
@@ -59,8 +57,6 @@ impl Parts<'_> {
         let (river_from, river_to) = s.river_depths();
         let k = &s.sky;
         let (sea, fresh) = (&s.sea_water, &s.fresh_water);
-        let (from, to) = self.sides.unwrap_or((0.0, 1.0));
-        let known = [flag(self.sides.is_some()), from, to, 0.0, 0.0];
         Frame {
             eye: with(c.eye, self.time_s),
             forward: with(c.forward, 1e-4 * s.extent),
@@ -78,7 +74,7 @@ impl Parts<'_> {
             water: [sea.absorb, sea.deep, sea.build, fresh.absorb, fresh.deep, fresh.build].map(|v| with(v, 0.0)),
             model: [BLOCK_COLOURS.soil, BLOCK_COLOURS.studio, BLOCK_COLOURS.pane, BLOCK_COLOURS.deep_pane]
                 .map(|v| with(v, 0.0)),
-            beds: std::array::from_fn(|i| with(BLOCK_COLOURS.beds[i], known[i])),
+            beds: BLOCK_COLOURS.beds.map(|v| with(v, 0.0)),
             levels: m.levels.uniform(),
         }
     }

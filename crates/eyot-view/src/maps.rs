@@ -86,12 +86,7 @@ pub(crate) struct Maps {
     pub(crate) relief: wgpu::Texture,
     pub(crate) light: wgpu::Texture,
     pub(crate) flow: wgpu::Texture,
-    /// Beds on the sides of the relief model; a texel if there are none.
-    pub(crate) sides: wgpu::Texture,
 }
-
-/// Columns and rows of a side of the relief model.
-const SIDE: [usize; 2] = [2048, 512];
 
 impl Maps {
     /// Textures for `stage`, still empty.
@@ -111,7 +106,6 @@ impl Maps {
         let cell = read | TextureUsages::STORAGE_BINDING;
         let fresh = if stage.fresh().is_some() { cells } else { [1, 1] };
         let flow = if has_flow { cells } else { [1, 1] };
-        let sides = if stage.has_beds() { [SIDE[0] as u32, 4 * SIDE[1] as u32] } else { [1, 1] };
         let half = TextureFormat::Rgba16Float;
         let map = |what| {
             let mips = texture::mip_count(levels.nodes);
@@ -137,7 +131,6 @@ impl Maps {
             relief: map("slopes")?,
             light: Kind::new("light", light_size, half, made).make(gpu)?,
             flow: Kind::new("flow of water", flow, TextureFormat::Rgba8Snorm, read).make(gpu)?,
-            sides: Kind::new("beds", sides, TextureFormat::Rgba8UnormSrgb, read).make(gpu)?,
             levels,
         })
     }
@@ -145,8 +138,7 @@ impl Maps {
     /// True if there is a place for all that `stage` has, and for a flow if it has one.
     pub(crate) fn hold(&self, stage: &Stage, has_flow: bool) -> bool {
         let whole = |t: &wgpu::Texture| [t.width(), t.height()] == self.cells;
-        let beds = !stage.has_beds() || self.sides.width() > 1;
-        beds && (stage.fresh().is_none() || whole(&self.cells_fresh)) && (!has_flow || whole(&self.flow))
+        (stage.fresh().is_none() || whole(&self.cells_fresh)) && (!has_flow || whole(&self.flow))
     }
 
     /// New heights and water; their maps follow with [`Maps::remake`].
@@ -160,12 +152,6 @@ impl Maps {
     /// New colours: sRGB bytes, with the cover of foam.
     pub(crate) fn write_colours(&self, gpu: &Gpu, colours: &[[u8; 4]]) {
         texture::write(gpu, &self.cells_ground, bytemuck::cast_slice(colours));
-    }
-
-    /// The beds on the sides of the relief model between two heights, m as drawn. False if there are none.
-    pub(crate) fn write_sides(&self, gpu: &Gpu, stage: &Stage, (base, top): (f32, f32)) -> bool {
-        let sides = stage.sides(base, top, SIDE[0], SIDE[1]);
-        sides.inspect(|bytes| texture::write(gpu, &self.sides, bytemuck::cast_slice(bytes))).is_some()
     }
 
     /// New velocities, which need no more work.

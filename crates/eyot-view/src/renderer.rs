@@ -50,9 +50,6 @@ struct Targets {
     depth: wgpu::TextureView,
 }
 
-/// Bindings of the textures that a picture reads.
-pub(crate) const TEXTURES: [u32; 6] = [1, 2, 3, 4, 5, 7];
-
 /// What a picture is drawn on: a texture's view of any format that can be drawn to, with one sample.
 #[non_exhaustive]
 pub struct Canvas<'a> {
@@ -107,7 +104,6 @@ impl Renderer {
                 texture(4, true),
                 texture(5, true),
                 entry(6, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
-                texture(7, true),
             ],
         });
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
@@ -146,12 +142,10 @@ impl Renderer {
     pub(crate) fn bind(&self, gpu: &Gpu, frame: &wgpu::Buffer, maps: &Maps) -> wgpu::BindGroup {
         let views = Scene::views(maps);
         let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: frame.as_entire_binding() }];
-        entries.extend(
-            views
-                .iter()
-                .zip(TEXTURES)
-                .map(|(v, binding)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(v) }),
-        );
+        entries.extend(views.iter().enumerate().map(|(i, v)| wgpu::BindGroupEntry {
+            binding: i as u32 + 1,
+            resource: wgpu::BindingResource::TextureView(v),
+        }));
         entries.push(wgpu::BindGroupEntry { binding: 6, resource: wgpu::BindingResource::Sampler(&self.sampler) });
         gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("picture"),
@@ -273,7 +267,6 @@ impl Renderer {
             painted: scene.is_painted(),
             span,
             flows: scene.flows,
-            sides: scene.sides,
         };
         gpu.queue().write_buffer(&scene.frame, 0, bytemuck::bytes_of(&parts.frame()));
         let places: Vec<[u32; 4]> = detail.patches.iter().chain(&detail.walls).copied().collect();

@@ -31,8 +31,6 @@ pub struct Scene {
     spans: VecDeque<Spans>,
     pub(crate) frame: wgpu::Buffer,
     pub(crate) bind: wgpu::BindGroup,
-    /// Heights between which the sides of the relief model show beds, m, if the world has some.
-    pub(crate) sides: Option<(f32, f32)>,
 }
 
 /// The layer that the ground wears.
@@ -90,9 +88,8 @@ impl Scene {
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = gpu.buffer("frame", size_of::<Frame>() as u64, uniform)?;
         let bind = renderer.bind(gpu, &frame, &maps);
-        let flows = flow.is_some();
-        let (spans, sides) = (VecDeque::new(), None);
-        let mut scene = Self { stage, paint, coarser, flows, maps, bounds, spans, frame, bind, sides };
+        let mut scene =
+            Self { stage, paint, coarser, flows: flow.is_some(), maps, bounds, spans: VecDeque::new(), frame, bind };
         scene.send(gpu, renderer, &world, [true, true]);
         if let Some(flow) = flow {
             scene.maps.write_flow(gpu, &flow);
@@ -223,8 +220,6 @@ impl Scene {
     fn send(&mut self, gpu: &Gpu, renderer: &Renderer, world: &World, [heights, colours]: [bool; 2]) {
         if heights {
             self.maps.write_heights(gpu, &self.stage);
-            let span = self.span();
-            self.sides = self.maps.write_sides(gpu, &self.stage, span).then_some(span);
         }
         if colours {
             let bytes = match &self.paint {
@@ -243,8 +238,8 @@ impl Scene {
         self.stage.block_span(low, top)
     }
 
-    /// All textures that a picture reads, in the order of [`crate::renderer::TEXTURES`].
-    pub(crate) fn views(maps: &Maps) -> [wgpu::TextureView; 6] {
+    /// All textures that a picture reads, in the order of their bindings.
+    pub(crate) fn views(maps: &Maps) -> [wgpu::TextureView; 5] {
         let whole = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         [
             texture::mip(&maps.heights, 0),
@@ -252,7 +247,6 @@ impl Scene {
             whole(&maps.relief),
             whole(&maps.light),
             whole(&maps.flow),
-            whole(&maps.sides),
         ]
     }
 }

@@ -35,20 +35,7 @@ fn wall_fragment(in: WallVertex) -> @location(0) vec4f {
     if p.z > in.ground {
         return developed(water_wall(p, d, in.ground, normal, light), in.position.xy, false);
     }
-    if frame.beds[0].w == 1.0 {
-        return developed(beds_of(p, in.side) * light, in.position.xy, false);
-    }
     return developed(strata(p, in.ground) * light, in.position.xy, false);
-}
-
-// The beds that the world has.
-fn beds_of(p: vec3f, side: u32) -> vec3f {
-    let size = vec2f(textureDimensions(sides));
-    let rows = 0.25 * size.y;
-    let along = select(p.x / frame.size.x, p.y / frame.size.y, side < 2u);
-    let up = (p.z - frame.beds[1].w) / (frame.beds[2].w - frame.beds[1].w);
-    let row = clamp(up * rows, 0.5, rows - 0.5) + f32(side) * rows;
-    return textureSampleLevel(sides, smooth_sampler, vec2f(along, row / size.y), 0.0).rgb;
 }
 
 fn bed(i: f32) -> vec3f {

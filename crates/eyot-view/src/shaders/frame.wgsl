@@ -41,7 +41,6 @@ struct Frame {
     studio: vec4f,
     pane: vec4f,
     deep_pane: vec4f,
-    // w: 1 if the world knows its beds, and the heights between which `sides` shows them.
     beds: array<vec4f, 5>,
     // Every level of the surface: its place in the texture of heights, its last column and row.
     levels: array<vec4u, 16>,
@@ -59,8 +58,6 @@ struct Frame {
 // Velocity of fresh water, as a share of the quickest.
 @group(0) @binding(5) var flow_map: texture_2d<f32>;
 @group(0) @binding(6) var smooth_sampler: sampler;
-// The beds on the western, eastern, northern and southern side of the relief model, below each other, the lowest rows first.
-@group(0) @binding(7) var sides: texture_2d<f32>;
 
 const PI: f32 = 3.14159265;
 

@@ -133,10 +133,7 @@ fn gpu_and_cpu_show_the_same() {
     let o = options(320, 180);
     let block = ViewOptions { setting: Setting::Block, ..o.clone() };
     let above = ViewOptions { elevation_deg: Some(60.0), azimuth_deg: 90.0, sun_elevation_deg: 15.0, ..o.clone() };
-    let mut layered = island(128);
-    eyot_testing::strata::lay_beds(&mut layered);
     let cases = [
-        ("block with beds", layered, ViewOptions { sea: false, ..block.clone() }),
         ("open sea", island(128), o.clone()),
         ("block with sea", island(128), block),
         ("low sun from above", island(96), above),
