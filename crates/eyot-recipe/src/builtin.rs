@@ -15,6 +15,7 @@ pub const RECIPES: &[BuiltIn] = &[
     BuiltIn { name: "atoll", text: include_str!("../recipes/atoll.toml") },
     BuiltIn { name: "real", text: include_str!("../recipes/real.toml") },
     BuiltIn { name: "alps", text: include_str!("../recipes/alps.toml") },
+    BuiltIn { name: "fjord", text: include_str!("../recipes/fjord.toml") },
     BuiltIn { name: "valley", text: include_str!("../recipes/valley.toml") },
     BuiltIn { name: "canyon", text: include_str!("../recipes/canyon.toml") },
     BuiltIn { name: "mesa", text: include_str!("../recipes/mesa.toml") },

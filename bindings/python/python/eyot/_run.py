@@ -72,7 +72,7 @@ class Run:
             force=force,
             record=record,
             record_limit=record_limit,
-            **({"files": True} if files and out is None else {}),
+            files=files and out is None,
             replay=json.dumps(replay or []),
         )
 
