@@ -190,7 +190,7 @@ pub fn terrain_colours(world: &World, looks: &Looks) -> eyot_core::Result<Vec<V3
 /// As [`terrain_colours`]; `variation` scales the noise.
 pub(crate) fn albedo(world: &World, g: &Ground, looks: &Looks, variation: f32) -> Vec<V3> {
     let strip = Strip::whole(world);
-    let looks = &looks.resolved(|layer| world.get(layer).is_some());
+    let looks = &looks.resolved(|layer| world.get(layer).is_some()).with_rocks_of(world);
     // Of a scene that follows a world: its own zero, which does not jump when the sea rises over a rim.
     let (datum, sea) = (-g.zero, g.sea);
     let low = datum + g.z.iter().copied().fold(f32::INFINITY, f32::min);
