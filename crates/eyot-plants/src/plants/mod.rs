@@ -40,7 +40,8 @@
 //! `plant_mass` (kg/m2) and `plant_type` (number of a class). Reads and writes `erodibility` (1), if plants hold the ground.
 //!
 //! # Limits
-//! Stable for all parameters. Seeds and fires go some cells a year, so that both are slower, in metres, on finer grids.
+//! Stable for all parameters. Seeds and fires go some cells a year, so that both are slower, in metres, on finer grids. Fires
+//! come from the grid alone: its rim burns less than its middle.
 //!
 //! # Conserves
 //! Dry matter: what there is is what grew less what died and what burnt (`tests/it/plants.rs`).
