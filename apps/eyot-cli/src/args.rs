@@ -651,7 +651,8 @@ Examples:
   eyot bench noise --threads 1 --json")]
 pub(crate) struct Bench {
     /// What to measure: hydraulic, signed (that with four pipes), thermal, rule, noise, reef, drainage, rivers, glaciers, streampower,
-    /// strata, community, slope, bodies, world, plates or drift; on a graphics card also island, 3000 steps of the recipe of that name
+    /// strata, plants, community, slope, bodies, world, plates or drift; on a graphics card also island, 3000 steps of the
+    /// recipe of that name
     #[arg(value_name = "WHAT", value_parser = subject)]
     pub(crate) what: Measured,
     /// Cells along each side, metres for community, slope and bodies [default: 512, 40 for community, 400 for slope, 10 for

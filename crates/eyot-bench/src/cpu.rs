@@ -17,6 +17,7 @@ use eyot_ice::Glaciers;
 use eyot_land::generate::GENERATORS;
 use eyot_land::simulate::hydraulic::FluxForm;
 use eyot_land::simulate::{Hydraulic, Reef, Streampower, Thermal};
+use eyot_plants::Plants;
 use eyot_plates::{Drift, Tectonics};
 use eyot_reef::bodies::{Bodies, Detail};
 use eyot_reef::community::{self, Community, Forcing, Ground, Plot, Site as SeaFloor};
@@ -66,13 +67,15 @@ pub enum BenchSubject {
     Plates,
     /// Ageing rock: water on eight beds, rockfall in every 20th step and the rock cycle in every second, as its source had it.
     Strata,
+    /// A year of all thirteen types of plants, in a temperate country where fires are rare.
+    Plants,
     /// The living world on drifting plates, which take a turn in every 25th step: how long the world stops for them.
     Drift,
 }
 
 impl BenchSubject {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Hydraulic,
         Self::Signed,
         Self::Thermal,
@@ -84,6 +87,7 @@ impl BenchSubject {
         Self::Glaciers,
         Self::Streampower,
         Self::Strata,
+        Self::Plants,
         Self::Community,
         Self::Slope,
         Self::Bodies,
@@ -116,6 +120,7 @@ impl BenchSubject {
             Self::Glaciers => "glaciers",
             Self::Streampower => "streampower",
             Self::Strata => "strata",
+            Self::Plants => "plants",
             Self::Community => "community",
             Self::Slope => "slope",
             Self::Bodies => "bodies",
@@ -163,7 +168,7 @@ impl Default for BenchOptions {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchReport {
     /// What was measured: `hydraulic`, `hydraulic classic`, `signed`, `thermal`, `rule`, `noise`, `reef`, `drainage`, `rivers`, `glaciers`, `streampower`,
-    /// `strata`, `community`, `slope`, `bodies`, `world`, `plates` or `drift`.
+    /// `strata`, `plants`, `community`, `slope`, `bodies`, `world`, `plates` or `drift`.
     pub what: &'static str,
     /// Cells along a side, or metres.
     pub size: usize,
@@ -342,6 +347,7 @@ pub fn case(what: BenchSubject, classic: bool, size: usize) -> Result<(World, Ve
         ) => {
             return Err(bad("what", format!("{} is no simulation", what.name())));
         }
+        (BenchSubject::Plants, _) => (20.0, 0.0, 1500.0, Box::<Plants>::default()),
         (BenchSubject::Streampower, _) => (30.0, 0.0, 200.0, Box::new(streampower())),
     };
     let rim = if what == BenchSubject::Streampower { Boundary::OPEN } else { Boundary::CLOSED };

@@ -6,17 +6,22 @@
 //! down, as many as the column with most of them has. The material is its number in the layer `material`; numbers after those of the materials are
 //! ground, sand and soil, and reef limestone. A column with fewer runs has thickness 0 and material -1 in the others. Columns reach as deep below the
 //! lowest ground as the land is high above it, at least 100 m; the thicknesses of all runs and that floor sum to the height.
+//!
+//! As a table `columns` has a row for each run: `x` and `y` of the middle of its cell, m from the south-western corner, `run` from 1 at the surface,
+//! `material`, and `top` and `bottom`, m.
 
 use crate::error::ExportError;
 use eyot_core::layer::LayerSpec;
 use eyot_core::layer::known::HEIGHT;
 use eyot_core::{Error, Field, Limits, World};
+use eyot_io::{Column, Table};
 use eyot_recipe::bed_of_top;
 use eyot_strata::{Run, Subsurface};
+use serde_json::{Map, Value};
 use std::borrow::Cow;
 
 /// The name that stands for all runs of all columns.
-const COLUMNS: &str = "columns";
+pub(crate) const COLUMNS: &str = "columns";
 
 /// Puts layers that are asked for and not there into a world, and returns the names that are then to be written.
 ///
@@ -64,10 +69,14 @@ pub(crate) fn top(world: &World, name: &str) -> eyot_core::Result<Option<Field>>
     Ok(Some(Field::from_fn(width, height, |x, y| below.top_of_bed(x, y, bed - 1).unwrap_or_default() as f32)))
 }
 
-fn columns(world: &World, limits: &Limits) -> eyot_core::Result<Vec<(LayerSpec, Field)>> {
-    let below = Subsurface::of(world)?;
+/// How deep columns reach, m.
+fn floor_m(world: &World) -> eyot_core::Result<f64> {
     let (low, high) = world.layer(&HEIGHT.name)?.field.min_max();
-    let floor_m = f64::from(low) - f64::from(high - low).max(100.0);
+    Ok(f64::from(low) - f64::from(high - low).max(100.0))
+}
+
+fn columns(world: &World, limits: &Limits) -> eyot_core::Result<Vec<(LayerSpec, Field)>> {
+    let (below, floor_m) = (Subsurface::of(world)?, floor_m(world)?);
     let (width, height) = (world.grid.width, world.grid.height);
     let mut runs: Vec<Run> = Vec::new();
     let mut all: Vec<(LayerSpec, Field)> = Vec::new();
@@ -101,6 +110,37 @@ fn columns(world: &World, limits: &Limits) -> eyot_core::Result<Vec<(LayerSpec, 
         }
     }
     Ok(all)
+}
+
+/// All runs of all columns as a table, and what is to be said about it.
+///
+/// # Errors
+/// If the world has no height, its strata are damaged, or the table exceeds the limits.
+pub(crate) fn table(world: &World, about: Map<String, Value>, limits: &Limits) -> eyot_core::Result<Table> {
+    let (below, floor_m) = (Subsurface::of(world)?, floor_m(world)?);
+    let grid = &world.grid;
+    let names = [("x", "m"), ("y", "m"), ("run", "1"), ("material", "1"), ("top", "m"), ("bottom", "m")];
+    let mut values: [Vec<f64>; 6] = Default::default();
+    let mut runs: Vec<Run> = Vec::new();
+    for y in 0..grid.height {
+        let north = (grid.height as f64 - y as f64 - 0.5) * grid.cell_y_m;
+        for x in 0..grid.width {
+            below.of_cell(x, y, floor_m, &mut runs);
+            let east = (x as f64 + 0.5) * grid.cell_x_m;
+            for (n, r) in (1..).zip(&runs) {
+                let row = [east, north, f64::from(n), r.kind as f64, r.top_m, r.bottom_m];
+                values.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+            }
+        }
+        // The world, and each number as it is and as text.
+        let held = world.layers().iter().map(|l| l.field.bytes() as u128).sum::<u128>();
+        limits.check_bytes("columns as a table", held + 32 * 6 * values[0].len() as u128)?;
+    }
+    let column = |((name, unit), values): ((&str, &str), Vec<f64>)| {
+        let is_whole = matches!(name, "run" | "material");
+        Column { name: name.into(), unit: unit.into(), is_whole, values }
+    };
+    Ok(Table { columns: names.into_iter().zip(values).map(column).collect(), about })
 }
 
 #[cfg(test)]
@@ -152,6 +192,14 @@ mod tests {
         assert!(to("none.npy", "bed_4_top").unwrap_err().to_string().contains("bed_4_top"));
         let path = to("material.npy", "material").unwrap();
         assert_eq!(read(&path, "").to_vec(), [0.0; 24]);
+        // As a table: what the middle of the first cell has, from the surface down.
+        let text = std::fs::read_to_string(to("columns.csv", "columns").unwrap()).unwrap();
+        let rows: Vec<&str> = text.lines().collect();
+        assert_eq!(rows[..2], ["x,y,run,material,top,bottom", "5,35,1,0,50,49"], "{text}");
+        assert!(rows[2].starts_with("5,35,2,6,49,-50"), "{text}");
+        assert!(to("columns.parquet", "columns").is_ok());
+        let refused = to("height.csv", "height").unwrap_err().to_string();
+        assert!(refused.contains("only the columns of a run are one"), "{refused}");
         let path = to("columns.zarr", "columns").unwrap();
         // The floor lies 100 m below the lowest ground, at -50 m.
         let run = |n: usize, what: &str| read(&path, &format!("run_{n}_{what}"));

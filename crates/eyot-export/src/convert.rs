@@ -131,6 +131,8 @@ impl Input {
 /// What is written.
 #[derive(Clone, Copy, PartialEq)]
 enum Output {
+    /// Rows of numbers: CSV or Parquet.
+    Table(ExportFormat),
     Raster(RasterFormat),
     Mesh(ExportFormat),
     Preset(Preset),
@@ -143,13 +145,15 @@ impl Output {
         }
         let extension = output.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         match (extension.as_str(), RasterFormat::from_extension(&extension)) {
+            ("csv", _) => Ok(Self::Table(ExportFormat::Csv)),
+            ("parquet", _) => Ok(Self::Table(ExportFormat::Parquet)),
             ("glb", _) => Ok(Self::Mesh(ExportFormat::Glb)),
             ("obj", _) => Ok(Self::Mesh(ExportFormat::Obj)),
             (_, Some(format)) => Ok(Self::Raster(format)),
             _ => Err(ExportError::input(remedy![
                 format!(
-                    "`{}` does not say its format; end it in .tif, .png, .r16, .raw, .r32, .exr, .npy, .zarr, .glb or \
-                     .obj, or choose a ",
+                    "`{}` does not say its format; end it in .tif, .png, .r16, .raw, .r32, .exr, .npy, .zarr, .glb, .obj, or \
+                     for columns .csv or .parquet, or choose a ",
                     output.display()
                 ),
                 Setting::Preset,
@@ -215,6 +219,9 @@ impl Conversion<'_> {
 
     /// From a file: where the output is a raster, no step in between could change anything.
     fn file(&self) -> Result<Converted, ExportError> {
+        if let Output::Table(_) = self.to {
+            return Err(self.no_table());
+        }
         let (rasters, mut notes) = self.read()?;
         let first = &rasters.0[0];
         if matches!(self.to, Output::Raster(_) | Output::Preset(Preset::Gis)) {
@@ -293,6 +300,35 @@ impl Conversion<'_> {
         notes.extend(place.and_then(|g| io::lossy_georef(g, format)).map(Remedy::from));
     }
 
+    /// The columns of a run as rows of numbers.
+    fn table(
+        &self,
+        world: &World,
+        engines: &[String],
+        names: &[String],
+        format: ExportFormat,
+        notes: Vec<Remedy>,
+    ) -> Result<Converted, ExportError> {
+        if !matches!(names, [name] if name == below::COLUMNS) {
+            return Err(self.no_table());
+        }
+        let about = Origin { name: &self.name(), engines, ..Origin::default() }.attributes(world);
+        let table = below::table(world, about, self.limits).map_err(ExportError::input)?;
+        match format {
+            ExportFormat::Parquet => io::write_parquet(self.output, &table),
+            _ => io::write_text(self.output, &table.csv()),
+        }
+        .map_err(ExportError::file)?;
+        Ok(Converted { files: vec![self.output.to_owned()], notes })
+    }
+
+    fn no_table(&self) -> ExportError {
+        ExportError::refused(
+            format!("`{}` would be a table, and only the columns of a run are one", self.output.display()),
+            "choose the layer `columns` of a run, or another format".to_owned(),
+        )
+    }
+
     /// From a run.
     fn run(&self) -> Result<Converted, ExportError> {
         let opened = open::open(self.input, self.limits, self.kinds)?;
@@ -308,6 +344,9 @@ impl Conversion<'_> {
                 true => world.layers().iter().map(|l| l.spec.name.to_string()).collect(),
                 false => vec!["height".to_owned()],
             };
+        }
+        if let Output::Table(format) = self.to {
+            return self.table(&world, &opened.engines, &names, format, notes);
         }
         names = below::add(&mut world, &names, self.limits)?;
         for name in &names {

@@ -80,7 +80,10 @@ pub fn draw(
 pub fn map_options(layer: &str, size: Option<u32>) -> render::MapOptions {
     let arrows = ["wind_x", "wind_y"];
     render::MapOptions {
-        classes: eyot_climate::zones::classes(layer).or_else(|| eyot_strata::classes(layer)).map(<[_]>::to_vec),
+        classes: eyot_climate::zones::classes(layer)
+            .or_else(|| eyot_strata::classes(layer))
+            .or_else(|| eyot_plants::classes(layer))
+            .map(<[_]>::to_vec),
         arrows: arrows.contains(&layer).then_some(arrows),
         size: size.map(|n| n as usize),
         ..Default::default()

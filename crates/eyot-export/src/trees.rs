@@ -9,6 +9,7 @@ use eyot_core::remedy;
 use eyot_core::remedy::{Remedy, Setting};
 use eyot_io as io;
 use eyot_plants::trees::{Kind, Tree, Trees, points};
+use eyot_plants::types::TYPES;
 use eyot_recipe::{Export, ExportFormat};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -30,7 +31,10 @@ pub(crate) fn write(
 ) -> Result<(), ExportError> {
     let world = job.world;
     let Some(forest) = Trees::of(world) else {
-        job.tell(format!("`{}` is not written: no step leaves a layer `forest`, as \"forest\" does", names[0]));
+        job.tell(format!(
+            "`{}` is not written: no step leaves a layer `forest`, as \"forest\" and \"plants\" do",
+            names[0]
+        ));
         return Ok(());
     };
     let needed = BYTES_OF_TREE * u128::from(forest.most());
@@ -52,6 +56,9 @@ pub(crate) fn write(
         let points = points(&trees).map_err(ExportError::file)?;
         let mut about = job.attributes.clone();
         about.insert("kinds".to_owned(), Kind::ALL.map(Kind::name).to_vec().into());
+        if trees.iter().any(|t| t.species.is_some()) {
+            about.insert("species".to_owned(), TYPES.map(|t| t.name).to_vec().into());
+        }
         let table = io::Table::of_view(&View::Points(Cow::Owned(points)), about).unwrap_or_default();
         return views::write_table(job, &table, format, &names[0]);
     }

@@ -1,7 +1,7 @@
 //! What ice does to its bed: how fast it slides where the valley is narrow, and how much it wears and plucks.
 
 use crate::padded::Padded;
-use eyot_core::Grid;
+use eyot_core::{BoundaryCondition, Grid};
 use rayon::prelude::*;
 
 /// Nothing slides faster than this, m/a.
@@ -111,5 +111,16 @@ pub fn erosion(
             *out = depth * MOST_M / (depth + MOST_M);
         }
     });
+    // Ice that leaves over an open rim wears that as much as the cells before it: else it would dam the valleys.
+    let (w, h) = (grid.width, grid.height);
+    if grid.rim.x == BoundaryCondition::Open && w > 2 {
+        for row in eroded.chunks_exact_mut(w) {
+            (row[0], row[w - 1]) = (row[1], row[w - 2]);
+        }
+    }
+    if grid.rim.y == BoundaryCondition::Open && h > 2 {
+        eroded.copy_within(w..2 * w, 0);
+        eroded.copy_within((h - 2) * w..(h - 1) * w, (h - 1) * w);
+    }
     eroded
 }

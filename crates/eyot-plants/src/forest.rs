@@ -5,7 +5,8 @@
 //! number of the cell.
 //! 1. At the start `g = 1` where `u < share clamp((z2 - h) / belt, 0, 1)`, with `belt = 0` where `u < share`.
 //! 2. In each step `g' = 0` where `n < 4`, `1 - g` where `n = 4`, `1` where `n > 4`.
-//! 3. `forest = g'` where the slope is at most `slope`, `z1 <= h <= z2`, and neither lake, river nor sea covers the ground; else 0.
+//! 3. `forest = 1` where more than half of the `g'` around, with the weights 4 here, 2 across edges and 1 across corners, are 1, the slope is at
+//!    most `slope`, `z1 <= h <= z2`, and neither lake, river nor sea covers the ground; else 0.
 //! 4. `tree_size = min(1, (z2 - h) / fade + size)` for `z1 <= h <= z2`, else 0.
 //!
 //! # Source
@@ -17,15 +18,18 @@
 //!   (`belt`; 0 is the source's way).
 //! - There the distance to the tree line is a share of the whole range of heights. Here it is in metres (`fade`), so that trees at the same
 //!   height have the same size in every landscape.
-//! - Rivers are cells that drain at least `river_area`, and all that is under fresh water.
+//! - There the groves are the automaton's. Its cells that flip with four neighbours leave stripes and checkerboards along clearings, which
+//!   the weights of (3) clear away: both weigh just a half.
+//! - Rivers are cells that drain at least `river_area`, those of which a river covers a tenth, and all that is under fresh water.
 //!
 //! # Layers
-//! Reads `height`, `lake`, `water` (m), `drained_area` (m2). Keeps the automaton as `grove` (1), writes `forest` and `tree_size` (1).
+//! Reads `height`, `lake`, `water` (m), `drained_area` (m2), `river` (1). Keeps the automaton as `grove` (1), writes `forest` and `tree_size` (1).
 //!
 //! # Limits
 //! `share` below a half dies out within some steps, and above two thirds closes to one forest, so that half is the least that is taken.
 //! Groves are some cells wide whatever the size of a cell: the automaton is bound to the resolution.
 
+use crate::layers::RIVER;
 use eyot_core::layer::known::{DRAINED_AREA, HEIGHT, LAKE, WATER};
 use eyot_core::plan::Plan;
 use eyot_core::process::{LayerUse, Moment, Process, check_ranges};
@@ -88,7 +92,7 @@ impl Default for Forest {
 pub const GROVE: LayerSpec =
     LayerSpec::new("grove", "1", "1 where the automaton of the process `forest` is alive, trees or not", (0.0, 1.0));
 /// Where trees stand.
-pub const FOREST: LayerSpec = LayerSpec::new("forest", "1", "1 where trees stand", (0.0, 1.0));
+pub const FOREST: LayerSpec = LayerSpec::new("forest", "1", "Share of the ground that trees cover", (0.0, 1.0));
 /// How large they grow.
 pub const TREE_SIZE: LayerSpec =
     LayerSpec::new("tree_size", "1", "Size that trees reach here, over that of full-grown ones", (0.0, 1.0));
@@ -112,6 +116,7 @@ impl Process for Forest {
             LAKE.read(0.0),
             WATER.read(0.0),
             DRAINED_AREA.read(0.0),
+            RIVER.read(0.0),
             GROVE.changed(0.0),
             FOREST.written(0.0),
             TREE_SIZE.written(0.0),
@@ -256,8 +261,14 @@ pub struct Stand;
 
 impl Rule for Stand {
     const NAME: &'static str = "forest_stand";
-    const READS: &'static [Read] =
-        &[read("grove", 0), read("height", 1), read("lake", 0), read("water", 0), read("drained_area", 0)];
+    const READS: &'static [Read] = &[
+        read("grove", 1),
+        read("height", 1),
+        read("lake", 0),
+        read("water", 0),
+        read("drained_area", 0),
+        read("river", 0),
+    ];
     const WRITES: &'static [&'static str] = &["forest", "tree_size"];
     type Params = StandParams<()>;
     type Out<R: Real> = [R; 2];
@@ -274,7 +285,11 @@ impl Rule for Stand {
         let fresh = c.here(2).max(c.here(3));
         let still = fresh.lt(p.wet).pick(height.lt(p.sea).pick(zero, one), zero);
         let dry = c.here(4).lt(p.river_area).pick(still, zero);
-        let forest = (c.here(0) * gentle * between * dry).named("(3) forest");
+        let dry = c.here(5).lt(R::of(0.1)).pick(dry, zero);
+        let edges = (c.at(0, 1, 0) + c.at(0, -1, 0)) + (c.at(0, 0, 1) + c.at(0, 0, -1));
+        let corners = (c.at(0, 1, 1) + c.at(0, -1, -1)) + (c.at(0, -1, 1) + c.at(0, 1, -1));
+        let weight = R::of(4.0) * c.here(0) + (R::of(2.0) * edges + corners);
+        let forest = (weight.gt(R::of(8.0)).one() * gentle * between * dry).named("(3) forest");
         let size = ((p.upper - height) * p.per_fade + p.size).min(one);
         ([forest, (between * size).named("(4) size")], [])
     }

@@ -1,4 +1,5 @@
-//! Trees as points: where each stands, what it is and how large, from the layers `forest` and `tree_size`.
+//! Trees as points: where each stands, what it is and how large, from the layers `forest` and `tree_size`, or from the cohorts of the
+//! process `plants`, whose types, heights and ages they then have.
 //!
 //! A square lattice, finer than trees stand apart, has a candidate in each of its squares, at a place and with a rank that follow from the seed
 //! and the number of the square. Those outside of the forest are left out. Then, in [`ROUNDS`] rounds, each candidate that has the
@@ -6,6 +7,7 @@
 //! (a Poisson disk; Bridson 2007), nothing of the lattice is seen, and a tree depends on what is within some distances around it alone: it is the same
 //! whatever window is asked for, and on any number of threads.
 
+use crate::stands::Stands;
 use eyot_core::component::{Points, Type};
 use eyot_core::rng::{Key, hash, unit};
 use eyot_core::{Field, Result, World};
@@ -58,6 +60,8 @@ pub struct Tree {
     pub id: u64,
     /// What it looks like.
     pub kind: Kind,
+    /// The type of plants that it belongs to, its number in [`TYPES`](crate::types::TYPES), where the world has types.
+    pub species: Option<u8>,
     /// Where it stands: m east of the grid's west side, m south of its north side, height of the ground, m.
     pub place: [f32; 3],
     /// Height, m.
@@ -103,23 +107,30 @@ pub struct Trees<'a> {
     forest: &'a Field,
     size: Option<&'a Field>,
     warmth: Option<&'a Field>,
+    /// Bushes, where the world has cohorts.
+    shrubs: Option<&'a Field>,
+    stands: Option<Stands<'a>>,
 }
 
 impl<'a> Trees<'a> {
     /// The trees of a world that has the layers `height` and `forest`; `None` for others.
     pub fn of(world: &'a World) -> Option<Self> {
+        let stands = Stands::of(world);
         Some(Self {
             world,
             height: world.get("height")?,
             forest: world.get(&crate::FOREST.name)?,
             size: world.get(&crate::TREE_SIZE.name),
             warmth: world.get("temperature_mean"),
+            shrubs: stands.as_ref().and_then(|_| world.get(&crate::layers::SHRUBS.name)),
+            stands,
         })
     }
 
     /// How many trees there will be at most, roughly.
     pub fn most(&self) -> u64 {
-        let area = self.forest.sum() * self.world.grid.cell_area_m2();
+        let covered = self.forest.sum() + self.shrubs.map_or(0.0, Field::sum);
+        let area = covered * self.world.grid.cell_area_m2();
         (area / f64::from(DISTANCE_M * DISTANCE_M) * 0.85) as u64
     }
 
@@ -171,6 +182,12 @@ impl<'a> Trees<'a> {
         rows.concat()
     }
 
+    /// Share of the ground that trees and bushes cover at a place.
+    fn cover(&self, x: f32, y: f32) -> f32 {
+        let trees = self.at(self.forest, x, y);
+        self.shrubs.map_or(trees, |shrubs| trees + (1.0 - trees) * self.at(shrubs, x, y))
+    }
+
     /// A layer's value at a place, between the middles of four cells.
     fn at(&self, field: &Field, x: f32, y: f32) -> f32 {
         let g = &self.world.grid;
@@ -220,7 +237,7 @@ impl Lattice<'_> {
         let (square, t) = (self.square(x, y), self.trees);
         let ([px, py], [w, h]) = (self.place(square), t.sides());
         let inside = px >= 0.0 && py >= 0.0 && px < w && py < h;
-        if !inside || self.number(SHARE, square) >= t.at(t.forest, px, py) {
+        if !inside || self.number(SHARE, square) >= t.cover(px, py) {
             return NONE;
         }
         self.bits(RANK, square).max(NONE + 1)
@@ -275,13 +292,16 @@ impl Lattice<'_> {
         let mixed = (0.5 + 0.9 * patch + 0.4 * (self.number(KIND, square) - 0.5)).clamp(0.0, 0.999);
         let kind = kind(size, t.warmth.map(|f| t.at(f, px, py)), mixed);
         let vigour = self.number(SIZE, square);
+        let stands = t.stands.as_ref().and_then(|stands| stands.at([px, py], self.number(KIND, square), vigour));
+        let kind = stands.as_ref().map_or(kind, |s| s.kind);
         let [full, crown] = kind.shape();
-        let height = full * size * (0.55 + 0.55 * vigour);
-        let age = 15.0 + 185.0 * vigour * vigour;
+        let height = stands.as_ref().map_or(full * size * (0.55 + 0.55 * vigour), |s| s.height);
+        let age = stands.as_ref().map_or(15.0 + 185.0 * vigour * vigour, |s| s.age);
         let sides = (t.world.grid.width as f64 * t.world.grid.cell_x_m / f64::from(self.side)) as u64 + 2;
         Tree {
             id: square[1] as u64 * sides + square[0] as u64,
             kind,
+            species: stands.map(|s| s.number as u8),
             place: [px, py, t.at(t.height, px, py)],
             height,
             // Crowns of neighbours reach into each other a little.
@@ -312,17 +332,28 @@ fn kind(size: f32, warmth: Option<f32>, u: f32) -> Kind {
 /// # Errors
 /// If a height is not finite.
 pub fn points(trees: &[Tree]) -> Result<Points> {
-    let mut points = Points::new([
+    let mut columns = vec![
         ("id", "1", Type::U64),
         ("kind", "1", Type::U8),
         ("height", "m", Type::F32),
         ("crown", "m", Type::F32),
         ("age", "a", Type::F32),
         ("yaw", "rad", Type::F32),
-    ]);
+    ];
+    let with_species = trees.iter().any(|t| t.species.is_some());
+    columns.extend(with_species.then_some(("species", "1", Type::U8)));
+    let mut points = Points::new(columns);
     for t in trees {
-        let row = [t.id as f64, f64::from(t.kind as u8), t.height.into(), t.crown.into(), t.age.into(), t.yaw.into()];
-        points.push(t.place, &row)?;
+        let row = [
+            t.id as f64,
+            f64::from(t.kind as u8),
+            t.height.into(),
+            t.crown.into(),
+            t.age.into(),
+            t.yaw.into(),
+            t.species.unwrap_or_default().into(),
+        ];
+        points.push(t.place, &row[..if with_species { 7 } else { 6 }])?;
     }
     Ok(points)
 }

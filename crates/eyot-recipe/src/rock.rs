@@ -77,6 +77,11 @@ pub(crate) fn doubts(recipe: &Recipe) -> Vec<String> {
                  streampower.uplift = 0.0 and {STRATA}.uplift{rate}, with {STRATA}.years_per_step"
             ));
         }
+        if now["soaked"] != true && acting.iter().any(|u| u.actor.name() == "soak") {
+            all.push(format!(
+                "{place}: no bed accounts for what `soak` softens, and new rock keeps it: say {STRATA}.soaked = true"
+            ));
+        }
         if let Some((former, then)) = &before {
             let former = format!("step {} ({})", former.number, former.name);
             if then["new_rock"] == true && now["new_rock"] != true {

@@ -10,6 +10,7 @@ use crate::surface::{Refinement, Surface};
 use eyot_core::World;
 use eyot_noise::picture::{hash, noise, noise_with_slope};
 use eyot_plants::trees::{Kind, Tree, Trees};
+use eyot_plants::types::TYPES;
 use rayon::prelude::*;
 
 /// Side of the squares, m.
@@ -31,6 +32,7 @@ struct Body {
     height: f32,
     crown: f32,
     kind: Kind,
+    species: Option<u8>,
     /// Its own number, for its shade of green.
     salt: u32,
 }
@@ -72,6 +74,7 @@ impl Grove {
                 height: t.height * stage.exaggeration,
                 crown: t.crown,
                 kind: t.kind,
+                species: t.species,
                 salt: hash(t.id as i32, (t.id >> 32) as i32, 0x7472),
             })
         };
@@ -283,7 +286,20 @@ impl Body {
         let colour = mix(dark, light, share(0));
         // Some are a little yellower or bluer.
         let warm = 0.16 * (share(8) - 0.5);
-        [colour[0] * (1.0 + warm), colour[1], colour[2] * (1.0 - warm)]
+        let tint = tint(self.species);
+        [colour[0] * (1.0 + warm) * tint[0], colour[1] * tint[1], colour[2] * (1.0 - warm) * tint[2]]
+    }
+}
+
+/// How the leaves of a type differ from those of their kind.
+fn tint(species: Option<u8>) -> V3 {
+    match species.map(|n| TYPES[usize::from(n)].name) {
+        Some("larch") => [1.9, 1.8, 1.1],
+        Some("boreal_summergreen") => [1.5, 1.5, 1.2],
+        Some("tropical_raingreen") => [1.5, 1.2, 0.8],
+        Some("desert_shrub") => [2.0, 1.4, 1.2],
+        Some("mediterranean_pine") => [1.4, 1.3, 0.9],
+        _ => [1.0; 3],
     }
 }
 

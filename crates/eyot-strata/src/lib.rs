@@ -23,8 +23,8 @@ pub use section::{Piece, Section};
 pub use sequence::{Layered, SEQUENCE, STRATA, Sequence};
 pub use soak::{SOAK_WATER, Soak};
 pub use strata::{
-    BED_DATUM, BED_SHIFT, BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, NEW_ROCK, ROCK_SLOPE, Strata,
-    Surfaces,
+    BED_DATUM, BED_SHIFT, BED_SURFACES, BEDROCK, Bed, ERODIBILITY, Fault, Fold, MATERIAL, NEW_ROCK, ROCK_SLOPE, SOAKED,
+    Strata, Surfaces,
 };
 pub use subsurface::{Kind, Run, Subsurface};
 

@@ -22,7 +22,8 @@
 //!
 //! # Layers
 //! Reads `water` (m) and `erodibility` (1); reads and writes `height` and `bedrock` (m), which the process `strata` makes. Keeps the depth
-//! of fresh water that it saw last as `soak_water` (m).
+//! of fresh water that it saw last as `soak_water` (m), and what it softened as `soaked` (m), until the process `strata` with `soaked` has
+//! taken that from new rock and beds.
 //!
 //! # Limits
 //! Stable for every `level` within 0..=1: the shares of the 8 neighbours sum to `level / 2`. What it calls still depends on the waves that
@@ -32,6 +33,7 @@
 //! Ground, with what rounding of heights makes or loses (`ground.rounded`). Rock that became loose is reported as `rock.soaked`
 //! (`tests/it/soak.rs`).
 
+use crate::strata::SOAKED;
 use eyot_core::given;
 use eyot_core::layer::known::{BEDROCK, ERODIBILITY, HEIGHT, WATER};
 use eyot_core::ledger::known::GROUND_ROUNDED;
@@ -90,6 +92,7 @@ impl Process for Soak {
             BEDROCK.changed(-12000.0),
             ERODIBILITY.read(1.0),
             SOAK_WATER.changed(0.0),
+            SOAKED.changed(0.0),
         ]
     }
 
@@ -187,8 +190,9 @@ pub struct Soften;
 
 impl Rule for Soften {
     const NAME: &'static str = "soak_soften";
-    const READS: &'static [Read] = &[read("height", 1), read("bedrock", 1), read("still", 1), read("erodibility", 0)];
-    const WRITES: &'static [&'static str] = &["height", "bedrock"];
+    const READS: &'static [Read] =
+        &[read("height", 1), read("bedrock", 1), read("still", 1), read("erodibility", 0), read("soaked", 0)];
+    const WRITES: &'static [&'static str] = &["height", "bedrock", "soaked"];
     const TALLIES: &'static [Tally] = &[
         Tally {
             account: "rock.soaked",
@@ -199,11 +203,11 @@ impl Rule for Soften {
         GROUND_ROUNDED,
     ];
     type Params = SoftenParams<()>;
-    type Out<R: Real> = [R; 2];
+    type Out<R: Real> = [R; 3];
     type Sums<R: Real> = [R; 2];
 
     #[inline(always)]
-    fn cell<R: Real>(p: &SoftenParams<R>, c: &impl Cell<R>) -> ([R; 2], [R; 2]) {
+    fn cell<R: Real>(p: &SoftenParams<R>, c: &impl Cell<R>) -> ([R; 3], [R; 2]) {
         let (height, rock, still) = (c.here(0), c.here(1), c.here(2));
         let loose = (height - rock).positive();
         let soaked = still * p.rate * c.here(3).positive() * (-(loose * p.per_cover)).exp();
@@ -217,7 +221,9 @@ impl Rule for Soften {
             + (comes(p, c, -1, 1, half) + comes(p, c, 1, -1, half));
         let gain = (still * ((x + y) + d)).no_contract().named("(3) gain");
         let levelled = (height + gain).no_contract().named("(3) levelled");
-        ([levelled, softened], [rock - softened, (levelled - height) - gain])
+        // By what the rock really sank.
+        let sunk = rock - softened;
+        ([levelled, softened, c.here(4) + sunk], [sunk, (levelled - height) - gain])
     }
 }
 

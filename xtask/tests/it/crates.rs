@@ -56,6 +56,7 @@ const ABOVE: &[(&str, &[&str])] = &[
             "eyot-gpu",
             "eyot-ice",
             "eyot-land",
+            "eyot-plants",
             "eyot-plates",
             "eyot-reef",
             "eyot-strata",

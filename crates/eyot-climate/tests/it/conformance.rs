@@ -1,44 +1,12 @@
 //! Every rule of the living world: lanes = scalar = reference bit by bit on all shapes and rims; the traced graph means
 //! the same.
 
-use eyot_core::conformance;
 use eyot_core::plan::Plan;
 use eyot_core::process::Moment;
 use eyot_core::{Boundary, Grid, Limits};
-use eyot_testing::climate::{climate_start, climate_variants, world};
+use eyot_testing::climate::world;
 
-#[test]
-fn engine_equals_reference_for_every_rule() {
-    for (name, processes) in climate_variants() {
-        println!("{name}");
-        conformance::check(&processes, &climate_start).unwrap();
-    }
-}
-
-#[test]
-fn steps_keep_to_the_layers_that_they_declare() {
-    for (name, processes) in climate_variants() {
-        println!("{name}");
-        conformance::check_access(&processes, &climate_start).unwrap();
-    }
-}
-
-/// What a window makes of its inside is what the whole world has there.
-#[test]
-fn windows_have_the_bytes_of_the_whole_grid() {
-    for (name, processes) in climate_variants() {
-        println!("{name}");
-        assert!(conformance::check_windows(&processes, &climate_start).unwrap(), "{name} is rules");
-    }
-}
-
-#[test]
-fn graphs_mean_what_the_rules_mean() {
-    let grid = Grid::new(64, 32, 3.0, Boundary::OPEN, &Limits::default()).unwrap();
-    for (_, processes) in climate_variants() {
-        conformance::check_graphs(&processes, grid);
-    }
-}
+eyot_testing::conformance_suite!(eyot_testing::climate::climate_variants, eyot_testing::climate::climate_start);
 
 /// What a step of all processes costs for a cell; `docs/performance.md` gives the numbers that this prints.
 #[test]

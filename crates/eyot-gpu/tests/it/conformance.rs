@@ -8,13 +8,13 @@ use eyot_core::reference::Reference;
 use eyot_core::{Boundary, World};
 use eyot_gpu::{Choice, Gpu, GpuEngine, GpuError, Options, blocking};
 use eyot_testing::climate::{climate_start, climate_variants};
-use eyot_testing::{land, strata};
+use eyot_testing::{land, plants, strata};
 
 use crate::common;
 
 /// The processes of all crates.
 fn variants() -> Vec<(&'static str, Vec<Scheduled>)> {
-    land::variants().into_iter().chain(climate_variants()).chain(strata::variants()).collect()
+    land::variants().into_iter().chain(climate_variants()).chain(strata::variants()).chain(plants::variants()).collect()
 }
 
 /// A plausible value of a layer in the processes of that name.
@@ -23,6 +23,7 @@ fn start_of(name: &str) -> fn(&str, f32) -> f32 {
     match name {
         _ if is_one(land::variants()) => land::start,
         _ if is_one(strata::variants()) => strata::start,
+        _ if is_one(plants::variants()) => plants::start,
         _ => climate_start,
     }
 }

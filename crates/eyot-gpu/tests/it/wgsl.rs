@@ -7,7 +7,7 @@ use eyot_core::{Boundary, Grid, LayerSpec, Limits};
 use eyot_gpu::shaders;
 use eyot_testing::climate::climate_variants;
 use eyot_testing::land::variants;
-use eyot_testing::strata;
+use eyot_testing::{plants, strata};
 
 /// A plan of some steps, the layers that it works on, and how many of them are the world's.
 fn plan(processes: &[Scheduled], rim: Boundary, steps: u64) -> (Plan, Vec<LayerSpec>, usize) {
@@ -48,7 +48,9 @@ fn validate(names: &[&str], source: &str) {
 fn every_group_prints_as_valid_wgsl() {
     let mut seen = Vec::new();
     let mut longest = 0;
-    for (_, processes) in variants().into_iter().chain(climate_variants()).chain(strata::variants()) {
+    for (_, processes) in
+        variants().into_iter().chain(climate_variants()).chain(strata::variants()).chain(plants::variants())
+    {
         for rim in rims() {
             for most_passes in [1, 4, 8] {
                 let (plan, specs, world_layers) = plan(&processes, rim, 3);
@@ -66,7 +68,7 @@ fn every_group_prints_as_valid_wgsl() {
     }
     seen.sort_unstable();
     seen.dedup();
-    assert_eq!(seen.len(), 56, "{seen:?}");
+    assert_eq!(seen.len(), 111, "{seen:?}");
     // More than one step of a process that has two passes.
     assert!(longest > 4, "the longest group has {longest} passes");
 }

@@ -3,26 +3,15 @@
 
 use eyot_core::conformance;
 use eyot_core::process::{Locality, Moment, Process, Scheduled};
-use eyot_core::{Boundary, Grid, Limits};
 use eyot_land::simulate::PROCESSES;
 use eyot_land::simulate::hydraulic::Hydraulic;
 use eyot_testing::land::{start, variants};
 use eyot_testing::one;
 
-#[test]
-fn engine_equals_reference_for_every_rule() {
-    for (name, processes) in variants() {
-        println!("{name}");
-        conformance::check(&processes, &start).unwrap();
-    }
-}
+eyot_testing::conformance_suite!(variants, start);
 
 #[test]
-fn steps_keep_to_the_layers_that_they_declare() {
-    for (name, processes) in variants() {
-        println!("{name}");
-        conformance::check_access(&processes, &start).unwrap();
-    }
+fn steps_with_defaults_keep_to_the_layers_that_they_declare() {
     for e in PROCESSES {
         let process = (e.make)((e.defaults)()).unwrap();
         conformance::check_access(&[Scheduled { name: e.name, process, every: 1 }], &start).unwrap();
@@ -31,11 +20,7 @@ fn steps_keep_to_the_layers_that_they_declare() {
 
 /// What a window makes of its inside is what the whole world has there.
 #[test]
-fn windows_have_the_bytes_of_the_whole_grid() {
-    for (name, processes) in variants() {
-        println!("{name}");
-        assert!(conformance::check_windows(&processes, &start).unwrap(), "{name} is rules");
-    }
+fn windows_with_defaults_have_the_bytes_of_the_whole_grid() {
     for e in PROCESSES {
         let process = (e.make)((e.defaults)()).unwrap();
         let whole = process.action().map(|a| a.locality());
@@ -62,12 +47,4 @@ fn springs_conform() {
         }
     }
     conformance::check(&[one(WithSprings(with_springs))], &start).unwrap();
-}
-
-#[test]
-fn graphs_mean_what_the_rules_mean() {
-    let grid = Grid::new(64, 32, 3.0, Boundary::OPEN, &Limits::default()).unwrap();
-    for (_, processes) in variants() {
-        conformance::check_graphs(&processes, grid);
-    }
 }

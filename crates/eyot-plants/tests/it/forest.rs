@@ -4,6 +4,7 @@ use crate::{go, mean, scheduled, value, world};
 use eyot_core::layer::known::{DRAINED_AREA, LAKE};
 use eyot_core::process::Process as _;
 use eyot_core::{Boundary, Field, Grid, Limits, World};
+use eyot_plants::layers::RIVER;
 use eyot_plants::{Forest, GROVE};
 
 fn everywhere() -> Forest {
@@ -33,8 +34,32 @@ fn fewer_than_four_neighbours_die_four_flip_and_more_live() {
         let mut w = drawn(&rows);
         go(&mut w, &forest, 1);
         assert_eq!(value(&w, "grove", 2, 2), middle, "{rows:?}");
-        assert!(w.get("forest") == w.get("grove"));
     }
+}
+
+#[test]
+fn stripes_checkerboards_and_single_cells_are_cleared_away() {
+    // The automaton turns checkerboards and stripes over in every step, and keeps them for ever.
+    let board = ["#.#.#.#.", ".#.#.#.#"].repeat(4);
+    let stripes = ["########", "........"].repeat(4);
+    for rows in [board, stripes] {
+        let mut w = drawn(&rows);
+        go(&mut w, &[scheduled(everywhere())], 1);
+        let inside = || (2..6).flat_map(|y| (2..6).map(move |x| (x, y)));
+        assert!(inside().any(|(x, y)| value(&w, "grove", x, y) == 1.0));
+        assert!(inside().all(|(x, y)| value(&w, "forest", x, y) == 0.0));
+    }
+    let mut w = drawn(&["########"; 8]);
+    go(&mut w, &[scheduled(everywhere())], 1);
+    assert_eq!(mean(&w, "forest"), 1.0);
+}
+
+#[test]
+fn rivers_are_not_hidden_under_trees() {
+    let mut w = drawn(&["########"; 8]);
+    w.put(&RIVER, Field::from_fn(8, 8, |x, _| if x == 4 { 0.3 } else { 0.05 })).unwrap();
+    go(&mut w, &[scheduled(everywhere())], 2);
+    assert_eq!((value(&w, "forest", 4, 3), value(&w, "forest", 3, 3)), (0.0, 1.0));
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 mod conformance;
 mod forest;
+mod measures;
+mod plants;
 mod trees;
 
 use eyot_core::engine::CpuEngine;

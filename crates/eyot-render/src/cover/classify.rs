@@ -102,7 +102,16 @@ impl Cover {
         let height = trees + 240.0 * s.broad + 110.0 * s.fine - 90.0 * s.hollow + 170.0 * s.shade;
         let turf = smoothstep(-350.0, 500.0, height);
         lay(&mut w, Class::Grass, smoothstep(0.34, 0.60, m) * (1.0 - 0.75 * turf));
-        lay(&mut w, Class::Shrub, 0.8 * smoothstep(0.40, 0.60, m + 0.30 * s.fine) * smoothstep(420.0, 60.0, height));
+        let bushes = 0.8 * smoothstep(0.40, 0.60, m + 0.30 * s.fine) * smoothstep(420.0, 60.0, height);
+        match s.low {
+            // Grass in the shade of what is taller is not counted: of the open ground it covers so much.
+            Some([shrubs, grass]) => {
+                let open = 1.0 - s.forest.unwrap_or(0.0).max(shrubs);
+                lay(&mut w, Class::Soil, smoothstep(0.5, 0.1, grass / open.max(0.2)));
+                lay(&mut w, Class::Shrub, shrubs);
+            }
+            None => lay(&mut w, Class::Shrub, bushes),
+        }
         let woods = smoothstep(0.47, 0.62, m + 0.18 * s.fine) * smoothstep(150.0, -150.0, height);
         // Meadows and fields lie where it is level.
         let clearing = 0.75 * flat * smoothstep(0.05, 0.30, s.region + 0.8 * s.broad);

@@ -1,6 +1,9 @@
 //! What may be chosen of the looks of the ground.
 
 use crate::math::V3;
+use crate::picture::linear;
+use eyot_core::World;
+use eyot_strata::Sequence;
 
 /// Colours, lines and moisture of a kind of land.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,6 +62,13 @@ pub struct Looks {
 }
 
 impl Looks {
+    /// The same with the colours that the materials of a world have, where kinds of rock show theirs at all.
+    pub(crate) fn with_rocks_of(self, world: &World) -> Self {
+        let Some(beds) = Sequence::of(world).ok().flatten().filter(|_| !self.rocks.is_empty()) else { return self };
+        let rocks = beds.materials.iter().enumerate().map(|(n, m)| linear(m.shown(n))).collect();
+        Self { rocks, ..self }
+    }
+
     /// The same with [`Palette::Auto`] decided by the layers of a world.
     pub fn resolved(&self, has_layer: impl Fn(&str) -> bool) -> Self {
         let reef = has_layer("limestone") || has_layer("growth");

@@ -1,7 +1,7 @@
 //! What covers the ground: one classification, from which pictures, masks, splat maps and materials of meshes come.
 //!
 //! [`Cover`] gives every cell a share of each [`Class`]: sea floor and reef, beaches, grass and forest, scree, rock and snow. The shares of
-//! a cell sum to 1. They follow from the height above the sea, slope, the side of a slope, hollows and ridges, and, where a world has them, wetness,
+//! a cell sum to 1. They follow from the height above the sea, slope, the side of a slope, hollows and ridges, and, where a world has them, wetness, trees, bushes, grass,
 //! limestone, aridity, temperature, rain and ice (`classify.rs`). Every border between two classes wanders with a low noise, because in nature
 //! no ground ends at a contour line. [`Looks`] are the choices: a palette with its snow line and tree line, a season, beaches, the slope of rock.
 //!
@@ -190,7 +190,7 @@ pub fn terrain_colours(world: &World, looks: &Looks) -> eyot_core::Result<Vec<V3
 /// As [`terrain_colours`]; `variation` scales the noise.
 pub(crate) fn albedo(world: &World, g: &Ground, looks: &Looks, variation: f32) -> Vec<V3> {
     let strip = Strip::whole(world);
-    let looks = &looks.resolved(|layer| world.get(layer).is_some());
+    let looks = &looks.resolved(|layer| world.get(layer).is_some()).with_rocks_of(world);
     // Of a scene that follows a world: its own zero, which does not jump when the sea rises over a rim.
     let (datum, sea) = (-g.zero, g.sea);
     let low = datum + g.z.iter().copied().fold(f32::INFINITY, f32::min);

@@ -10,7 +10,7 @@ use eyot_noise::picture::fbm;
 pub const HALO: usize = 2;
 
 /// The layers that are read where a world has them, the height first.
-pub const LAYERS: [&str; 12] = [
+pub const LAYERS: [&str; 14] = [
     "height",
     "wetness",
     "limestone",
@@ -23,6 +23,8 @@ pub const LAYERS: [&str; 12] = [
     "ice",
     "material",
     "forest",
+    "shrubs",
+    "grass",
 ];
 const HEIGHT: usize = 0;
 const WETNESS: usize = 1;
@@ -34,6 +36,8 @@ const RAIN: [usize; 2] = [7, 8];
 const ICE: usize = 9;
 const MATERIAL: usize = 10;
 const FOREST: usize = 11;
+const SHRUBS: usize = 12;
+const GRASS: usize = 13;
 
 /// Whole rows of the [`LAYERS`] of a world.
 pub struct Strip {
@@ -129,6 +133,8 @@ pub(super) struct Site {
     pub ice: f32,
     /// Share that trees cover, where the world knows it.
     pub forest: Option<f32>,
+    /// Shares that bushes and grass cover, where the world knows them.
+    pub low: Option<[f32; 2]>,
     /// Colour of the rock or of the loose ground, where the world knows it.
     pub rock: Option<V3>,
 }
@@ -169,6 +175,10 @@ impl Cover {
             climate,
             ice: self.ice(strip, x, row),
             forest: strip.get(FOREST, x, row).map(|share| share.clamp(0.0, 1.0)),
+            low: strip
+                .get(SHRUBS, x, row)
+                .zip(strip.get(GRASS, x, row))
+                .map(|(shrubs, grass)| [shrubs, grass].map(|share| share.clamp(0.0, 1.0))),
             rock: self.rock_colour(strip, x, row),
         }
     }

@@ -196,7 +196,8 @@ impl Strata {
         }
         let layer = |bottom: f32, n: usize| {
             let m = &self.materials[n];
-            let wear = if m.erodibility > 0.0 { 1.0 / m.erodibility } else { 0.0 };
+            // Rock that does not wear at all takes longer than any step.
+            let wear = (1.0 / m.erodibility).min(1e12);
             [bottom, n as f32, m.erodibility, tangent(m.talus) as f32, wear]
         };
         let loose = layer(0.0, self.number("loose", &self.loose)?);
@@ -213,7 +214,7 @@ impl Strata {
         beds[..all.len()].copy_from_slice(&all);
         // The last bed ends below everything, and its wear has an account as that of the others has.
         if let Some(bed) = beds.get_mut(all.len()) {
-            bed[0] = 1e30;
+            bed[0] = 1e20;
         }
         let mut slots = [[0.0; 4]; SLOTS];
         if self.new_rock {
@@ -226,7 +227,7 @@ impl Strata {
     }
 }
 
-/// Bottom below the datum (m), number, erodibility, tangent of the steepest slope and 1 / erodibility of each bed.
+/// Bottom below the datum (m), number, erodibility, tangent of the steepest slope and 1 / erodibility, at most 1e12, of each bed.
 #[derive(Clone, Copy)]
 pub(super) struct Profile<T> {
     pub(super) beds: [[T; 5]; MOST_BEDS],

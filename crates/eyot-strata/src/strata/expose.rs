@@ -8,7 +8,7 @@ use eyot_core::rule::{Cell, ParamSet, Read, Rule, Tally, TallyUnit, read};
 #[derive(Clone, Copy, Debug)]
 pub struct ExposeParams<T, const BEDS: usize> {
     /// The beds from the top: bottom below the datum (m), number of the material, erodibility, tangent of the steepest slope, and
-    /// 1 / erodibility or 0. Those that are missing are the last bed, which begins above them.
+    /// 1 / erodibility, at most 1e12. Those that are missing are the last bed, which begins above them.
     pub beds: [[T; 5]; BEDS],
     /// The bed without a bottom, in the same way.
     pub last: [T; 5],
@@ -179,7 +179,7 @@ const ACCOUNTS: &[Tally] = &[
 /// Sums that are not of a bed.
 const OF_ALL: usize = 2;
 /// Deeper than every bed that has a bottom, m.
-const BOTTOMLESS: f32 = 1e29;
+const BOTTOMLESS: f32 = 1e19;
 
 const HEIGHT: usize = 0;
 const BEDROCK: usize = 1;
@@ -196,51 +196,63 @@ macro_rules! reads {
     };
 }
 
+/// Bottom of a bed below the datum, m, given that of the one above it; the surfaces are read from slot `first` on.
+#[inline(always)]
+pub(super) fn bottom<R: Real, const BEDS: usize, const LIE: u8>(
+    p: &ExposeParams<R, BEDS>,
+    c: &impl Cell<R>,
+    first: usize,
+    i: usize,
+    above: R,
+) -> R {
+    if LIE == BENT && i < SURFACES {
+        (p.beds[i][0] + p.surfaces[i] * c.here(first + i)).max(above)
+    } else if LIE == BENT {
+        p.beds[i][0].max(above)
+    } else {
+        p.beds[i][0]
+    }
+}
+
+/// A depth below the datum in the first turn of the beds.
+#[inline(always)]
+pub(super) fn fold<R: Real, const BEDS: usize, const LIE: u8>(p: &ExposeParams<R, BEDS>, depth: R) -> R {
+    if LIE == REPEATING { depth - p.sequence * (depth * p.per_sequence).floor() } else { depth }
+}
+
+/// How much of what lies between two depths each bed is, m, into the sums from `FIRST` on. Above the first turn lies the last bed, which has a
+/// sum behind those of the `BEDS` where it is none of them.
+#[inline(always)]
+pub(super) fn shares<R: Real, const BEDS: usize, const SUMS: usize, const FIRST: usize, const LIE: u8>(
+    bottoms: &[R; BEDS],
+    from: R,
+    to: R,
+    sums: &mut [R; SUMS],
+) {
+    let zero = R::of(0.0);
+    let begin = if LIE == REPEATING { from.positive() } else { from };
+    let before = begin - from;
+    let mut deepest = R::of(-1e30);
+    let mut i = 0;
+    while i < BEDS {
+        // What no bed has above it begins at the top.
+        let top = if i == 0 { begin } else { begin.max(bottoms[i - 1]) };
+        let share = (to.min(bottoms[i]) - top).positive();
+        let is_last = R::of(BOTTOMLESS).lt(bottoms[i]);
+        sums[FIRST + i] = if LIE == REPEATING { share + is_last.pick(before, zero) } else { share };
+        deepest = deepest.max(bottoms[i]);
+        i += 1;
+    }
+    if FIRST + BEDS < SUMS {
+        let share = (to - begin.max(deepest)).positive();
+        let is_last = R::of(BOTTOMLESS).lt(deepest);
+        let before = is_last.pick(zero, before);
+        sums[FIRST + BEDS] = if LIE == REPEATING { share + before } else { share };
+    }
+}
+
 impl<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8> Expose<BEDS, SUMS, UNDER, LIE> {
     const FIRST_SURFACE: usize = if UNDER { TOP + 1 } else { TIME + 1 };
-
-    /// Bottom of a bed below the datum, m, given that of the one above it.
-    #[inline(always)]
-    fn bottom<R: Real>(p: &ExposeParams<R, BEDS>, c: &impl Cell<R>, i: usize, above: R) -> R {
-        if LIE == BENT && i < SURFACES {
-            (p.beds[i][0] + p.surfaces[i] * c.here(Self::FIRST_SURFACE + i)).max(above)
-        } else if LIE == BENT {
-            p.beds[i][0].max(above)
-        } else {
-            p.beds[i][0]
-        }
-    }
-
-    /// A depth below the datum in the first turn of the beds.
-    #[inline(always)]
-    fn fold<R: Real>(p: &ExposeParams<R, BEDS>, depth: R) -> R {
-        if LIE == REPEATING { depth - p.sequence * (depth * p.per_sequence).floor() } else { depth }
-    }
-
-    /// How much of what lies between two depths each bed is, m. Above the first turn lies the last bed.
-    #[inline(always)]
-    fn shares<R: Real>(bottoms: &[R; BEDS], from: R, to: R, sums: &mut [R; SUMS]) {
-        let zero = R::of(0.0);
-        let begin = if LIE == REPEATING { from.positive() } else { from };
-        let before = begin - from;
-        let mut deepest = R::of(-1e30);
-        let mut i = 0;
-        while i < BEDS {
-            // What no bed has above it begins at the top.
-            let top = if i == 0 { begin } else { begin.max(bottoms[i - 1]) };
-            let share = (to.min(bottoms[i]) - top).positive();
-            let is_last = R::of(BOTTOMLESS).lt(bottoms[i]);
-            sums[OF_ALL + i] = if LIE == REPEATING { share + is_last.pick(before, zero) } else { share };
-            deepest = deepest.max(bottoms[i]);
-            i += 1;
-        }
-        if OF_ALL + BEDS < SUMS {
-            let share = (to - begin.max(deepest)).positive();
-            let is_last = R::of(BOTTOMLESS).lt(deepest);
-            let before = is_last.pick(zero, before);
-            sums[OF_ALL + BEDS] = if LIE == REPEATING { share + before } else { share };
-        }
-    }
 }
 
 impl<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8> Rule for Expose<BEDS, SUMS, UNDER, LIE> {
@@ -287,32 +299,32 @@ impl<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8> Rul
         let zero = R::of(0.0);
         let (height, before, datum) = (c.here(HEIGHT), c.here(BEDROCK), c.here(DATUM));
         // (1) What was cut of the rock below `top`, and the time that it took.
-        let (top, time) = if UNDER {
+        let (top, told) = if UNDER {
             (c.here(TOP), c.here(TIME))
         } else {
             let cut = (before - height).positive();
             (before, (cut / c.here(TIME).max(R::of(1e-6))).named("(1) time"))
         };
         let most = (top - height).positive();
-        // Each bed wears for as long as there is some of it, then the next one.
-        let depth = Self::fold(p, datum - top);
-        let mut left = time.positive();
-        let mut reached = depth;
+        // Each bed wears for as long as there is some of it, then the next one. How long those above it take follows from what there is of them, so
+        // that no bed waits for what came of the one before.
+        let depth = fold::<R, BEDS, LIE>(p, datum - top);
+        let time = told.positive();
+        let (mut cut, mut spent, mut begin) = (zero, zero, depth);
         let mut bottoms = [zero; BEDS];
         let mut above = R::of(-1e30);
         let mut i = 0;
         while i < BEDS {
             let bed = p.beds[i];
-            above = Self::bottom(p, c, i, above);
+            above = bottom::<R, BEDS, LIE>(p, c, Self::FIRST_SURFACE, i, above);
             bottoms[i] = above;
-            let there = (above - reached).positive();
-            let worn = there.min(bed[2] * left);
-            left = worn.lt(there).pick(zero, left - worn * bed[4]).positive();
-            reached = reached + worn;
+            let there = (above - begin).positive();
+            cut = cut + there.min(bed[2] * (time - spent).positive());
+            spent = spent + there * bed[4];
+            begin = depth.max(above);
             i += 1;
         }
-        reached = reached + p.last[2] * left;
-        let cut = (reached - depth).min(most).named("(1) cut");
+        let cut = (cut + p.last[2] * (time - spent).positive()).min(most).named("(1) cut");
         let spared = (most - cut).min(c.here(SEDIMENT)).named("(1) spared");
         let ground = (height + spared).named("height");
         let load = (c.here(SEDIMENT) - (ground - height)).positive().named("sediment");
@@ -320,10 +332,10 @@ impl<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8> Rul
         // (2) Rock becomes soil; new rock has seen to that itself.
         let buried = ground - bare;
         let soil = p.soil * (-(buried * p.per_soil_depth)).exp();
-        let soil = if UNDER { time.lt(zero).pick(zero, soil) } else { soil };
+        let soil = if UNDER { told.lt(zero).pick(zero, soil) } else { soil };
         let rock = (bare - soil).named("(2) bedrock");
         // (3) From below, so that the uppermost bed that reaches down to here is the last to be chosen.
-        let depth = Self::fold(p, datum - rock);
+        let depth = fold::<R, BEDS, LIE>(p, datum - rock);
         let mut here = p.last;
         let (mut bottom, mut below) = (R::of(1e6) + depth, p.last[2]);
         while i > 0 {
@@ -344,7 +356,7 @@ impl<const BEDS: usize, const SUMS: usize, const UNDER: bool, const LIE: u8> Rul
         let mut sums = [zero; SUMS];
         sums[0] = top - bare;
         sums[1] = bare - rock;
-        Self::shares(&bottoms, depth - (top - rock), depth, &mut sums);
+        shares::<R, BEDS, SUMS, OF_ALL, LIE>(&bottoms, depth - (top - rock), depth, &mut sums);
         let reach = (bottom - depth).min(R::of(1e6));
         if UNDER {
             return ([ground, load, rock, here[1], here[2], here[3], reach, below], sums);

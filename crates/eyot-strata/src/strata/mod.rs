@@ -32,7 +32,7 @@
 //!   sediment to give back, as after stream power, which minds `bed_left` itself, what was cut stays cut.
 //!
 //! # Layers
-//! Reads `bed_shift` (m), with `surfaces` `bed_1` to `bed_4` (m); reads and writes `height`, `sediment`, `bedrock`, `bed_datum` (m),
+//! Reads `bed_shift` (m), with `surfaces` `bed_1` to `bed_4` (m); with `soaked` reads and empties `soaked` (m); reads and writes `height`, `sediment`, `bedrock`, `bed_datum` (m),
 //! with `new_rock` `new_rock_1` to `new_rock_6` (m); writes `material` (number of a class), `erodibility`, `rock_slope` (1),
 //! `bed_left` (m) and `erodibility_below` (1).
 //!
@@ -48,6 +48,7 @@ mod beds;
 mod expose;
 mod lie;
 mod new_rock;
+mod soaked;
 
 use beds::Profile;
 pub(crate) use beds::SURFACES;
@@ -55,6 +56,7 @@ pub use beds::{Bed, Fault, Fold, MOST_BEDS};
 pub use expose::{BENT, Expose, ExposeParams, FLAT, REPEATING};
 pub use lie::{Bury, BuryParams, Lie, LieParams, Lift, LiftParams};
 pub use new_rock::{NewRockParams, Overlay, Take};
+pub use soaked::{Drain, Soaked};
 
 use crate::materials::{Material, standard};
 use crate::sequence::STRATA;
@@ -106,6 +108,14 @@ pub const NEW_ROCK: [LayerSpec; SLOTS] = [
 const CUT_TIME: LayerSpec = LayerSpec::new("cut_time", "m", "What is left of the time to cut beds", (-1.0, 1e12));
 const CUT_TOP: LayerSpec = LayerSpec::new("cut_top", "m", "Top of what is left of new rock", (-12000.0, 12000.0));
 
+/// What standing water has softened since the beds were last asked.
+pub const SOAKED: LayerSpec = LayerSpec::new(
+    "soaked",
+    "m",
+    "Bedrock that standing water made loose and no bed has accounted for yet",
+    (0.0, 12000.0),
+);
+
 /// What lies at the surface.
 pub const MATERIAL: LayerSpec =
     LayerSpec::new("material", "1", "Material at the surface, its number in the list of materials", (0.0, 255.0));
@@ -128,6 +138,8 @@ pub struct Strata {
     pub surfaces: Surfaces,
     /// Is there rock younger than the beds, as the process `rock_cycle` makes it?
     pub new_rock: bool,
+    /// Does the process `soak` soften it? Then new rock loses what was softened of it, and each bed has an account of it.
+    pub soaked: bool,
     /// The materials of new rock, softest first: six.
     pub stages: Vec<String>,
     /// Does the sequence begin again below its last bed and above its first?
@@ -179,6 +191,7 @@ impl Default for Strata {
             top: 800.0,
             surfaces: Surfaces::Flat,
             new_rock: false,
+            soaked: false,
             stages: ["sand", "sandstone", "limestone", "schist", "marble", "granite"].map(String::from).into(),
             repeat: false,
             dip: 0.0,
@@ -211,6 +224,9 @@ impl Process for Strata {
         ];
         if self.surfaces != Surfaces::Flat {
             layers.extend(BED_SURFACES.map(|s| s.read(0.0)));
+        }
+        if self.soaked {
+            layers.push(SOAKED.changed(0.0));
         }
         if self.new_rock {
             layers.extend(NEW_ROCK.map(|s| s.changed(0.0)));
@@ -254,6 +270,16 @@ impl Process for Strata {
             soil: given!(plan, self.soil) * self.years_per_step,
             per_soil_depth: 1.0 / given!(plan, self.soil_depth),
         };
+        if self.soaked {
+            if self.new_rock {
+                plan.push_given::<Drain>(shared);
+            }
+            match (self.repeat, self.surfaces != Surfaces::Flat) {
+                (true, _) => plan.push_given::<Soaked<REPEATING>>(self.exposed(&profile, &shared)),
+                (false, true) => plan.push_given::<Soaked<BENT>>(self.exposed(&profile, &shared)),
+                (false, false) => plan.push_given::<Soaked<FLAT>>(self.exposed(&profile, &shared)),
+            }
+        }
         if self.new_rock {
             [&CUT_TIME, &CUT_TOP].into_iter().for_each(|s| plan.scratch(s));
             plan.push_given::<Take>(shared);
@@ -291,6 +317,15 @@ impl Strata {
         shared: &NewRockParams<Given>,
         plan: &mut Plan,
     ) {
+        plan.push_given::<Expose<BEDS, SUMS, UNDER, LIE>>(self.exposed(profile, shared));
+    }
+
+    /// The first `BEDS` beds and the last one, as rules take them.
+    fn exposed<const BEDS: usize>(
+        &self,
+        profile: &Profile<f32>,
+        shared: &NewRockParams<Given>,
+    ) -> ExposeParams<Given, BEDS> {
         let given = |v: f32| Given::from(v);
         let sequence = if self.repeat { self.sequence_m() } else { 0.0 };
         let surface = |i: usize| match self.surfaces {
@@ -304,7 +339,7 @@ impl Strata {
             // The depth of a height below the datum, which begins at the top.
             beds.iter_mut().take(SURFACES).take(self.beds.len() - 1).for_each(|bed| bed[0] = self.top.into());
         }
-        plan.push_given::<Expose<BEDS, SUMS, UNDER, LIE>>(ExposeParams {
+        ExposeParams {
             beds,
             last: profile.last.map(given),
             loose: shared.loose,
@@ -314,6 +349,6 @@ impl Strata {
             soil: shared.soil,
             per_soil_depth: shared.per_soil_depth,
             surfaces: std::array::from_fn(|i| surface(i).into()),
-        });
+        }
     }
 }

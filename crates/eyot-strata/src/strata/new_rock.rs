@@ -11,7 +11,7 @@ use eyot_core::rule::{Cell, ParamSet, Read, Rule, Tally, TallyUnit, read};
 /// Parameters of [`Take`] and [`Overlay`].
 #[derive(Clone, Copy, Debug)]
 pub struct NewRockParams<T> {
-    /// The slots from the top: number of the material, erodibility, tangent of the steepest slope, 1 / erodibility or 0.
+    /// The slots from the top: number of the material, erodibility, tangent of the steepest slope, 1 / erodibility, at most 1e12.
     pub slots: [[T; 4]; SLOTS],
     /// Loose ground, as in [`ExposeParams`](super::ExposeParams).
     pub loose: [T; 5],
@@ -139,25 +139,26 @@ impl Rule for Take {
         let zero = R::of(0.0);
         let (height, before) = (c.here(0), c.here(1));
         let cut = (before - height).positive();
-        let mut time = (cut / c.here(2).max(R::of(1e-6))).named("(1) time");
+        let time = (cut / c.here(2).max(R::of(1e-6))).named("(1) time");
         // What cannot be given back from the sediment is cut, however hard it is.
-        let mut must = (cut - c.here(9)).positive();
-        let mut most = cut;
-        let mut soil = p.soil * (-((height - before).positive() * p.per_soil_depth)).exp();
+        let must = (cut - c.here(9)).positive();
+        let soil = p.soil * (-((height - before).positive() * p.per_soil_depth)).exp();
         let (mut thick, mut slots) = ([zero; SLOTS], [zero; SLOTS]);
-        let mut sum = zero;
-        let mut became = zero;
+        let (mut sum, mut became) = (zero, zero);
+        // Of the slots above: the time that they take, their thickness, and what is left of them for the soil.
+        let (mut spent, mut above, mut bare) = (zero, zero, zero);
         let mut i = 0;
         while i < SLOTS {
             let there = c.here(3 + i);
             thick[i] = there;
-            let worn = there.min((p.slots[i][1] * time).max(must)).min(most);
-            time = worn.lt(there).pick(zero, time - worn * p.slots[i][3]).positive();
-            must = (must - worn).positive();
-            most = most - worn;
+            let most = (cut - above).positive();
+            let wears = (p.slots[i][1] * (time - spent).positive()).max((must - above).positive());
+            let worn = there.min(wears).min(most);
+            spent = spent + there * p.slots[i][3];
+            above = above + there;
             let left = there - worn;
-            let weathered = left.min(soil);
-            soil = soil - weathered;
+            let weathered = left.min((soil - bare).positive());
+            bare = bare + left;
             became = became + weathered;
             slots[i] = left - weathered;
             sum = sum + worn;
@@ -165,7 +166,7 @@ impl Rule for Take {
         }
         let rest = (slots[0] + slots[1]) + (slots[2] + slots[3]) + (slots[4] + slots[5]);
         // What was cut too fast is given back by the rule that comes next.
-        let time = zero.lt(rest).pick(R::of(-1.0), time);
+        let time = zero.lt(rest).pick(R::of(-1.0), (time - spent).positive());
         let [a, b, c, d, e, f] = slots;
         let of = |k: usize| thick[k] - slots[k];
         let sums = [sum, became, of(0), of(1), of(2), of(3), of(4), of(5)];

@@ -5,7 +5,7 @@ use crate::{go, scheduled, world};
 use eyot_core::process::Process;
 use eyot_core::{Field, World};
 use eyot_strata::{
-    BED_SURFACES, Bed, Fold, Material, NEW_ROCK, RockCycle, Rockfall, Section, Sequence, Strata, Surfaces,
+    BED_SURFACES, Bed, Fold, Material, NEW_ROCK, RockCycle, Rockfall, Section, Sequence, Soak, Strata, Surfaces,
 };
 
 const SIDE: usize = 24;
@@ -34,13 +34,15 @@ fn told(w: &World, compaction: f64) -> Vec<f64> {
     let mut gained = vec![0.0; sequence.materials.len()];
     for (n, bed) in sequence.beds.iter().enumerate() {
         let n = n + 1;
-        gained[usize::from(bed.material)] -= account(format!("rock.worn_bed_{n}"));
+        gained[usize::from(bed.material)] -=
+            account(format!("rock.worn_bed_{n}")) + account(format!("rock.soaked_bed_{n}"));
     }
     for (k, stage) in sequence.stages.iter().enumerate() {
         let k = k + 1;
         let gain =
             (1.0 - compaction) * account(format!("rock.hardened_{k}")) - account(format!("rock.hardened_{}", k + 1));
-        gained[usize::from(*stage)] += gain - account(format!("rock.worn_new_{k}"));
+        gained[usize::from(*stage)] +=
+            gain - account(format!("rock.worn_new_{k}")) - account(format!("rock.soaked_new_{k}"));
     }
     gained
 }
@@ -48,6 +50,7 @@ fn told(w: &World, compaction: f64) -> Vec<f64> {
 /// Random columns with random cuts and deposits; what each material lost is what the ledger says of it.
 fn keeps_books(name: &str, beds: Strata) {
     let mut w = world([SIDE, SIDE], CELL_M, |x, y| 60.0 + 60.0 * noise(x, y, 1));
+    w.sea_level_m = if beds.soaked { 500.0 } else { 0.0 };
     let field = |salt: u32, of: &dyn Fn(f32) -> f32| Field::from_fn(SIDE, SIDE, |x, y| of(noise(x, y, salt)));
     for (k, slot) in NEW_ROCK.iter().enumerate().filter(|_| beds.new_rock) {
         w.put(slot, field(10 + k as u32, &|u| (2.0 * u - 1.0).max(0.0))).unwrap();
@@ -63,6 +66,10 @@ fn keeps_books(name: &str, beds: Strata) {
             (0..SIDE * SIDE).map(|i| (9.0 * noise(i % SIDE, i / SIDE, 100 + step) - 4.0).max(-1.0)).collect();
         dig(&mut w, &beds, &cut);
         let mut others = vec![scheduled(Rockfall::default())];
+        if beds.soaked {
+            // Every cell counts as standing under the sea, and loses up to a metre.
+            others.push(scheduled(Soak { depth: 0.001, slope: 1.0, rate: 1.0, level: 0.5, ..Soak::default() }));
+        }
         if beds.new_rock {
             others.push(scheduled(cycle.clone()));
         }
@@ -115,6 +122,14 @@ fn every_material_is_in_the_books_with_as_much_as_sections_show() {
         keeps_books(&format!("{count} uneven beds"), uneven.clone());
         keeps_books(&format!("{count} uneven beds under new rock"), Strata { new_rock: true, ..uneven });
     }
+    for (count, new_rock, repeat) in
+        [(3, true, false), (9, true, true), (13, false, true), (13, true, false), (5, false, false)]
+    {
+        let mut soaked = Strata { soaked: true, new_rock, repeat, ..of(count) };
+        soaked.beds.iter_mut().filter(|_| repeat).for_each(|b| b.thickness *= 4.0);
+        keeps_books(&format!("{count} beds under water, new rock {new_rock}, again {repeat}"), soaked);
+    }
+    keeps_books("uneven beds under water", Strata { soaked: true, new_rock: true, surfaces: Surfaces::Lower, ..of(8) });
     let fold = Fold { wavelength: 90.0, amplitude: 9.0, direction: 60.0, crest: 0.0 };
     keeps_books("folded beds", Strata { folds: vec![fold], ..of(9) });
 }

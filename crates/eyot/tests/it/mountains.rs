@@ -1,7 +1,7 @@
-//! The recipe `alps` makes land that drains as mountains do: targets between measured mountains, and far from any noise. The
-//! recipes `canyon` and `mesa` make cliffs and benches, because their beds differ.
+//! Mountains that rivers cut drain as mountains do: targets between measured mountains, and far from any noise. The recipe `alps` has the
+//! flat floors and the lakes that glaciers leave. The recipes `canyon` and `mesa` make cliffs and benches, because their beds differ.
 //!
-//! Reference of `alps`: five measured mountain maps with cells of 30 to 93 m, and the shares of landforms of the Jacksboro map.
+//! Reference of the rivers' mountains: five measured mountain maps with cells of 30 to 93 m, and the shares of landforms of the Jacksboro map.
 
 use eyot::{Limits, Overrides, RECIPES, Recipe, RecipeSource, Registry, Run, RunOptions, World};
 use eyot_land::analyse::{TerrainOptions, TerrainStats, erosion_score, terrain_stats};
@@ -10,16 +10,19 @@ use eyot_land::analyse::{TerrainOptions, TerrainStats, erosion_score, terrain_st
 const JACKSBORO: [f64; 10] = [0.0, 0.032, 0.148, 0.004, 0.174, 0.313, 0.132, 0.008, 0.151, 0.038];
 
 fn world(name: &str, size: u32, set: &[&str]) -> World {
-    let recipe = RECIPES.iter().find(|r| r.name == name).unwrap();
-    let source = RecipeSource { name: format!("{name}.toml"), text: recipe.text.into(), folder: ".".into() };
+    let text = match name {
+        "mountains" => include_str!("mountains.toml"),
+        _ => RECIPES.iter().find(|r| r.name == name).unwrap().text,
+    };
+    let source = RecipeSource { name: format!("{name}.toml"), text: text.into(), folder: ".".into() };
     let set = set.iter().map(|s| (*s).to_owned()).collect();
     let overrides = Overrides { size: Some((size, None)), set, ..Default::default() };
     let recipe = Recipe::parse(source, overrides, &Registry::standard(), &Limits::default()).unwrap();
     Run::start(recipe, RunOptions::default()).unwrap().join().unwrap().world
 }
 
-fn alps(size: u32, set: &[&str]) -> TerrainStats {
-    let world = world("alps", size, set);
+fn mountains(size: u32, set: &[&str]) -> TerrainStats {
+    let world = world("mountains", size, set);
     let height = &world.layer("height").unwrap().field;
     terrain_stats(height, &world.grid, None, &TerrainOptions::default(), &Limits::default()).unwrap()
 }
@@ -54,15 +57,49 @@ fn check(s: &TerrainStats, share_slack: f64, ratio_slack: f64) {
 
 /// A quarter of the area with the cells of the full map.
 #[test]
-fn alps_drain_as_mountains_do() {
-    check(&alps(512, &["grid.cell=30"]), 0.02, 1.0);
+fn what_rivers_cut_drains_as_mountains_do() {
+    check(&mountains(512, &["grid.cell=30"]), 0.02, 1.0);
 }
 
 /// Takes half a minute on two quiet cores.
 #[test]
 #[ignore = "slow: run with --ignored"]
-fn alps_of_a_million_cells_meet_the_targets() {
-    check(&alps(1024, &[]), 0.0, 0.0);
+fn mountains_of_a_million_cells_meet_the_targets() {
+    check(&mountains(1024, &[]), 0.0, 0.0);
+}
+
+/// Of the cells that ice has carved, those whose surface, ground or lake, is gentler than 3 degrees; and all cells that it has carved.
+fn floors(world: &World) -> [f64; 2] {
+    let layer = |name: &str| &world.layer(name).unwrap().field;
+    let (carved, lake) = (layer("glacial_erosion"), layer("lake_level"));
+    let (w, h, run) = (lake.width(), lake.height(), 2.0 * world.grid.cell_x_m);
+    let mut cells = [0.0; 2];
+    for y in 1..h - 1 {
+        for x in 1..w - 1 {
+            let rise = |a: f32, b: f32| f64::from(a - b) / run;
+            let (e, s) = (rise(lake.get(x + 1, y), lake.get(x - 1, y)), rise(lake.get(x, y + 1), lake.get(x, y - 1)));
+            let ice = f64::from(u8::from(carved.get(x, y) > 10.0));
+            cells[0] += ice * f64::from(u8::from(e.hypot(s) < 0.0524));
+            cells[1] += ice;
+        }
+    }
+    cells
+}
+
+/// Rivers alone leave no floors in mountains: it is the ice that makes them, and basins for lakes. Takes half a minute on two quiet cores.
+#[test]
+#[ignore = "slow: run with --ignored"]
+fn alps_have_the_floors_and_lakes_that_glaciers_leave() {
+    let alps = world("alps", 512, &[]);
+    let [flat, carved] = floors(&alps);
+    let cells = (alps.grid.width * alps.grid.height) as f64;
+    println!("{flat} flat cells of {carved} that were carved, of {cells}");
+    assert!((0.1..0.6).contains(&(carved / cells)), "{carved} cells were carved");
+    assert!(flat / carved >= 0.05, "{flat} of {carved} carved cells are flat");
+    let deepest = |name: &str| alps.layer(name).unwrap().field.min_max().1;
+    let moraine = deepest("moraine");
+    assert!((10.0..=50.0).contains(&moraine), "moraines of {moraine} m");
+    assert!(deepest("water") > 50.0, "the deepest lake has {} m", deepest("water"));
 }
 
 /// Shares of the canyon's cells that are flat (below 5 degrees), between (5 to 25) and steep (above 45).

@@ -34,13 +34,18 @@ fn sound(steps: &[String]) {
 fn what_acts_on_rock_alone_is_doubted_without_rock() {
     for process in ["rockfall", "soak"] {
         doubted(&[step("age", &[process], "")], &["step 2 (age)", process, "finds no rock"]);
-        sound(&[step("age", &["strata", process], "")]);
+        let soaked = if process == "soak" { "strata.soaked = true" } else { "" };
+        sound(&[step("age", &["strata", process], soaked)]);
         // Rock of a step before is rock.
         sound(&[step("beds", &["strata"], ""), step("age", &[process], "")]);
         // Rock that a generator made is as good.
         let made = "[[step]]\ngenerate = \"constant\"\nlayer = \"rock_slope\"\nvalue = 1.0\n".to_owned();
         sound(&[made, step("age", &[process], "")]);
     }
+    doubted(
+        &[step("age", &["strata", "soak"], "")],
+        &["no bed accounts for what `soak` softens", "strata.soaked = true"],
+    );
     // New rock has to be there to harden: that is no doubt but an error.
     let refused = parse(&step("age", &["rock_cycle"], ""), &[]).err().unwrap();
     assert!(refused.contains("`rock_cycle` needs another layer: no step makes a layer `new_rock_1`"), "{refused}");
