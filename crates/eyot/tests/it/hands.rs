@@ -25,12 +25,13 @@ fn finish(mut s: Session) -> World {
 #[test]
 fn a_lent_world_is_the_sessions_own_and_goes_back() {
     let mut s = session();
-    let place = s.world().layer("height").unwrap().field.as_strided().0.as_ptr();
+    let place = |world: &World| world.layer("height").unwrap().field.as_strided().0.as_ptr();
     let world = s.lend().unwrap();
-    assert_eq!(world.layer("height").unwrap().field.as_strided().0.as_ptr(), place);
+    let lent = place(&world);
     assert!(s.lend().is_none() && s.checkpoint_bytes().unwrap().is_none());
     assert_eq!(s.advance(Budget::Piece).unwrap(), Status::Paused);
     s.restore(world);
+    assert_eq!(place(s.world()), lent);
     assert_eq!(finish(s), finish(session()));
 }
 
