@@ -10,7 +10,15 @@ pub(crate) struct Python;
 
 impl Wording for Python {
     fn setting(&self, setting: Setting) -> String {
-        format!("`{}=`", setting.name())
+        let key = match setting {
+            // What a file leaves open stands in a recipe that imports it.
+            Setting::InputRange => "low_m",
+            Setting::InputRows => "first_row",
+            Setting::InputSize => "columns_rows",
+            Setting::InputType => "numbers",
+            other => return format!("`{}=`", other.name()),
+        };
+        format!("`{key}` of the generator `import`")
     }
 
     fn form(&self, setting: Setting) -> String {
@@ -18,7 +26,10 @@ impl Wording for Python {
     }
 
     fn choice(&self, setting: Setting, value: &str) -> String {
-        format!("`{}={value:?}`", setting.name())
+        match setting {
+            Setting::InputRange | Setting::InputRows | Setting::InputSize | Setting::InputType => self.setting(setting),
+            _ => format!("`{}={value:?}`", setting.name()),
+        }
     }
 
     fn action(&self, action: &Action) -> String {
@@ -35,6 +46,7 @@ impl Wording for Python {
                 format!("eyot.run(RECIPE, out={:?}, restart=True)", folder.display().to_string())
             }
             Action::Stats(folder) => format!("eyot.open({:?}).eyot.stats()", folder.display().to_string()),
+            Action::Doctor => return "the command `eyot doctor`".to_owned(),
             other => return eyot::remedy::Neutral.action(other),
         };
         format!("`{call}`")

@@ -4,7 +4,8 @@ use crate::error::{self, Python as Words};
 use crate::recipe::{Recipe, limits, to_python};
 use crate::work::free;
 use crate::world::World;
-use eyot::formats::{RasterFormat, write_layer};
+use eyot::formats::{RasterFormat, Source, WriteOptions, write_rows};
+use eyot::process::known;
 use eyot::{Boundary, Field, Georeference, Grid, LayerSpec, RecipeSource, Registry};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
@@ -78,7 +79,15 @@ pub(crate) fn write_raster(
 ) -> PyResult<()> {
     let array = values.as_array();
     let (rows, columns) = array.dim();
+    if let Some(((y, x), v)) = array.indexed_iter().find(|(_, v)| v.is_infinite()) {
+        let message = format!("the array holds {v} at row {y}, column {x}");
+        return Err(error::raise(py, &message, Some("heights are finite numbers; NaN marks cells without one")));
+    }
     let field = Field::from_fn(columns, rows, |x, y| array[[y, x]]);
+    let empty = field.iter().filter(|v| v.is_nan()).count();
+    if empty == array.len() {
+        return Err(error::raise(py, "the array has no cell with a value", Some("NaN marks cells without a height")));
+    }
     let (cell_x_m, cell_y_m) = cell;
     let grid = Grid { width: columns, height: rows, cell_x_m, cell_y_m, rim: Boundary::CLOSED };
     let grid = grid.checked(&limits(None)).map_err(|e| error::plain(py, &e))?;
@@ -87,9 +96,19 @@ pub(crate) fn write_raster(
         let mut world = eyot::World::new(grid, 0);
         world.georeference = place;
         let spec = LayerSpec::new("height", "m", "Height of the ground", (-12_000.0, 12_000.0));
+        if empty > 0 {
+            let marks = Field::from_fn(columns, rows, |x, y| f32::from(u8::from(field.get(x, y).is_nan())));
+            world.put(&known::MISSING, marks).map_err(eyot::RunError::file)?;
+        }
+        let mut field = field;
+        field.map_in_place(|v| if v.is_nan() { 0.0 } else { v });
         world.put(&spec, field).map_err(eyot::RunError::file)?;
-        let layer = world.layer("height").map_err(eyot::RunError::file)?;
-        write_layer(path, &world, layer, RasterFormat::GeoTiff).map_err(eyot::RunError::file)
+        // As a source it leaves out the cells that are missing.
+        let Some((about, mut rows)) = Source::layer(&world, "height") else {
+            return Err(eyot::RunError::Fault("the height is lost".to_owned()));
+        };
+        write_rows(path, &mut *rows, &about, RasterFormat::GeoTiff, &WriteOptions::default())
+            .map_err(eyot::RunError::file)
     };
     free(py, move || write(&path))?.map_err(|e| error::run(py, &e))
 }

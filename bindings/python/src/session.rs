@@ -39,6 +39,14 @@ struct Inner {
     unheard: Vec<Event>,
 }
 
+impl Inner {
+    /// Keeps of a session that has failed what it has told.
+    fn give_up(&mut self) {
+        let events = self.session.take().map(|mut session| session.events());
+        self.unheard.extend(events.into_iter().flatten());
+    }
+}
+
 struct Ended {
     world: Py<World>,
     fingerprint: String,
@@ -144,7 +152,7 @@ impl Session {
             (None, None) => Budget::Time(Duration::MAX),
         };
         let cancel = self.cancel.clone();
-        let work = || {
+        let work = || -> Result<Status, RunError> {
             let mut status = session.advance(budget)?;
             while cancel.is_raised() && !is_over(status) {
                 session.command(Command::Stop);
@@ -152,17 +160,10 @@ impl Session {
             }
             Ok(status)
         };
-        let Done { result, signal } = match attended(py, &self.pool, Some(&self.cancel), work) {
-            Ok(done) => done,
-            Err(panicked) => {
-                inner.session = None;
-                return Err(panicked);
-            }
-        };
-        // A run that had stopped when the signal came has nothing to be asked any more.
-        let status = result.map_err(|e: RunError| error::run(py, &e))?;
-        let status = match (&signal, is_over(status)) {
-            (Some(_), false) => {
+        let done = attended(py, &self.pool, Some(&self.cancel), work);
+        // The signal of a handler that raised; what was under way is finished by now, or stopped.
+        let (result, signal) = match done {
+            Ok(Done { result: Ok(status), signal: Some(signal) }) if !is_over(status) => {
                 let stop = || loop {
                     session.command(Command::Stop);
                     match session.advance(Budget::Piece) {
@@ -170,9 +171,21 @@ impl Session {
                         other => break other,
                     }
                 };
-                attended(py, &self.pool, None, stop)?.result.map_err(|e| error::run(py, &e))?
+                (attended(py, &self.pool, None, stop).map(|done| done.result), Some(signal))
             }
-            _ => status,
+            Ok(Done { result, signal }) => (Ok(result), signal),
+            Err(panicked) => (Err(panicked), None),
+        };
+        let status = match result {
+            Ok(Ok(status)) => status,
+            Ok(Err(e)) => {
+                inner.give_up();
+                return Err(error::run(py, &e));
+            }
+            Err(panicked) => {
+                inner.session = None;
+                return Err(panicked);
+            }
         };
         if is_over(status) {
             self.keep_end(py, &mut inner)?;
@@ -185,6 +198,16 @@ impl Session {
             Status::Failed => "failed",
             _ => "working",
         })
+    }
+
+    /// How a run that is over ended; nothing while it is not, or at work in another thread.
+    fn state(&self) -> Option<&'static str> {
+        let inner = self.inner.try_lock().ok()?;
+        match (&inner.session, &inner.ended) {
+            (Some(_), _) => None,
+            (None, Some(ended)) => Some(if ended.finished { "finished" } else { "stopped" }),
+            (None, None) => Some("failed"),
+        }
     }
 
     /// What has happened since the last call.

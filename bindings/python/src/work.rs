@@ -12,6 +12,9 @@ use std::time::Duration;
 /// Python is asked this often whether somebody pressed Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// No machine has more cores, and each thread takes memory.
+const MOST_THREADS: usize = 1024;
+
 /// The process that imported the package.
 static PROCESS: OnceLock<u32> = OnceLock::new();
 
@@ -24,6 +27,10 @@ pub(crate) fn begin() {
 pub(crate) fn pool(py: Python<'_>, threads: usize) -> PyResult<Arc<ThreadPool>> {
     static LAST: Mutex<Option<(usize, Arc<ThreadPool>)>> = Mutex::new(None);
     here(py)?;
+    if threads > MOST_THREADS {
+        let help = format!("choose at most {MOST_THREADS}; 0 is one for each core");
+        return Err(error::raise(py, &format!("{threads} threads are too many"), Some(&help)));
+    }
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, pool)) = last.as_ref().filter(|(n, _)| *n == threads) {
         return Ok(pool.clone());

@@ -73,3 +73,12 @@ def test_a_data_set_of_others_has_a_world_too(island):
     other = island[["height"]].copy(deep=True)
     assert bytes(other.eyot.render(size=(96, 64))).startswith(b"\x89PNG")
     assert np.array_equal(other.eyot.world.array("height"), island.height)
+
+
+def test_a_data_set_that_was_computed_on_is_what_it_shows(island):
+    higher = island.assign(height=island.height + np.float32(100.0))
+    assert higher.eyot.stats()["max_m"] == pytest.approx(island.eyot.stats()["max_m"] + 100.0)
+    other = island.assign(water=island.water * 0)
+    with pytest.raises(eyot.EyotError, match="water"):
+        other.eyot.render("water")
+    assert bytes(other.eyot.render("limestone", size=64))

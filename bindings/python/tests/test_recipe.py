@@ -39,6 +39,7 @@ def test_what_is_no_recipe_is_refused(wrong):
         {"size": "large"},
         {"size": 10**9},
         {"threads": -1},
+        {"threads": 10**6},
         {"engine": "abacus"},
         {"engine": "cpu", "adapter": "x"},
         {"seed": -1},
@@ -77,6 +78,17 @@ def test_arrays_stand_where_recipes_name_files():
     bowl = (x - 16) ** 2 + (y - 12) ** 2
     recipe = {"grid": {"size": [32, 24], "cell": 5.0}, "steps": [{"generate": "import", "file": bowl}]}
     assert np.array_equal(eyot.run(recipe).height, bowl)
+
+
+def test_cells_without_a_value_are_missing():
+    heights = np.full((16, 16), 5.0)
+    heights[3, 4] = np.nan
+    recipe = {"grid": {"size": 16, "cell": 5.0}, "steps": [{"generate": "import", "file": heights}]}
+    ds = eyot.run(recipe)
+    assert np.array_equal(np.argwhere(ds.missing.values), [[3, 4]]) and float(ds.height[3, 4]) == 5.0
+    for nothing in (np.full((4, 4), np.nan), np.full((4, 4), np.inf)):
+        with pytest.raises(eyot.EyotError, match="the array"):
+            eyot.Recipe({"steps": [{"generate": "import", "file": nothing}]})
 
 
 def test_rasters_of_xarray_keep_their_place():

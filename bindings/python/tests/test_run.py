@@ -122,6 +122,24 @@ def test_a_process_in_python_acts_between_steps():
     assert account["amount"] == pytest.approx(4 * 32 * 32 * 400.0, rel=1e-4) and account["unit"] == "m3"
 
 
+def test_a_run_that_fails_says_why_and_stays_failed():
+    recipe = {
+        **HILL,
+        "layers": [{"name": "wild", "unit": "1", "start": 1.0, "next": "wild * 1e30"}],
+        "steps": [HILL["steps"][0], {"simulate": ["wild"], "steps": 50}],
+    }
+    run = eyot.Run(recipe)
+    with pytest.raises(eyot.EyotError) as caught:
+        run.finish()
+    assert caught.value.help and run.status == "failed"
+    assert run.events()[-1]["event"] == "failed" and run.advance() == "failed"
+    # What is no failure of the run leaves it as it is.
+    run = eyot.Run(HILL)
+    with pytest.raises(OverflowError):
+        run.advance(-1)
+    assert run.status == "working" and run.finish() is not None
+
+
 def test_the_world_of_a_paused_run_is_not_copied_and_not_lost():
     with eyot.Run(HILL) as run:
         run.advance(11)

@@ -73,8 +73,8 @@ pub mod component {
 pub mod formats {
     pub use crate::convert::{ConvertOptions, Converted, convert};
     pub use eyot_io::{
-        ByteOrder, Error, Input, Raster, RasterFormat, ReadOptions, RowOrder, Sample, Target, WriteOptions, checkpoint,
-        layer_names, read_raster, write_layer, write_rgb_png,
+        ByteOrder, Error, Input, Raster, RasterFormat, ReadOptions, RowOrder, Sample, Source, Target, WriteOptions,
+        checkpoint, layer_names, read_raster, write_layer, write_rgb_png, write_rows,
     };
 }
 

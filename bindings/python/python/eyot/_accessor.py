@@ -54,8 +54,11 @@ class Accessor:
 
     @property
     def world(self) -> _eyot.World:
-        """The world: that of the run, or one made of the height."""
-        if (world := world_of(self._ds)) is not None:
+        """The world: that of the run, or one made of the height if the data set has another one by now."""
+        return self._showing()
+
+    def _showing(self, *layers: str) -> _eyot.World:
+        if (world := world_of(self._ds, *layers)) is not None:
             return world
         if self._made is None:
             self._made = self._of_height()
@@ -111,7 +114,7 @@ class Accessor:
         if size is not None:
             look["size"] = list(size) if isinstance(size, (tuple, list)) else [size, size if relief or layer else size * 2 // 3]
         subject = f"layer:{layer}" if layer else "relief" if relief else "view"
-        world = self.world
+        world = self._showing(*(n for n in (layer, drape) if n))
         return Picture(_run.picture(lambda path: world.draw(path, subject, json.dumps(look), drape, engine, adapter)))
 
     @property

@@ -80,16 +80,24 @@ def dataset(world: _eyot.World, attrs: dict[str, Any] | None = None) -> xr.Datas
     return xr.Dataset(layers, coords, attrs)
 
 
-def world_of(ds: xr.Dataset) -> _eyot.World | None:
-    """The world on whose memory the layers of a data set lie, if they still do and are whole."""
-    for layer in ds.data_vars.values():
-        owner = layer.variable._data
-        while isinstance(owner, np.ndarray):
-            owner = owner.base
-        if isinstance(owner, _eyot.World):
-            columns, rows = owner.facts()["size"]
-            return owner if layer.shape == (rows, columns) else None
-    return None
+def world_of(ds: xr.Dataset, *layers: str) -> _eyot.World | None:
+    """The world on whose memory the height of a data set and these layers lie, if they still do and are whole.
+
+    What was computed from them is an array of its own: then the world is not what the data set shows.
+    """
+    shown = [n for n in ("height", *layers) if n in ds.data_vars] or list(ds.data_vars)[:1]
+    worlds = [_owner(ds[n]) for n in shown]
+    return worlds[0] if worlds and all(w is worlds[0] for w in worlds) else None
+
+
+def _owner(layer: xr.DataArray) -> _eyot.World | None:
+    owner = layer.variable._data
+    while isinstance(owner, np.ndarray):
+        owner = owner.base
+    if not isinstance(owner, _eyot.World):
+        return None
+    columns, rows = owner.facts()["size"]
+    return owner if layer.shape == (rows, columns) else None
 
 
 def warn(notes: list[str]) -> None:

@@ -56,7 +56,7 @@ class Recipe:
         self._set += _toml.changes(changes)
         if size is not None:
             self._size = (size, None) if not isinstance(size, (tuple, list)) else tuple(size)
-        self._presets = tuple(presets) or self._presets
+        self._presets = ((presets,) if isinstance(presets, str) else tuple(presets)) or self._presets
         self._max_memory = max_memory if max_memory is not None else self._max_memory
 
     def _find(self, source: Any) -> tuple[str, str, Path]:

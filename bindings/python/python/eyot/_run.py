@@ -29,8 +29,9 @@ class Run:
 
     A run is a context manager, which stops what is left when its block is left, and an iterator over events: dictionaries whose
     ``event`` says what happened. ``out`` is a folder for the files that the command ``eyot run`` would write, and for checkpoints.
-    Without one, ``files`` keeps them in memory: :attr:`files`, :meth:`mesh`. ``record`` keeps a frame of the recording each so many steps. ``threads``, ``engine`` (``auto``, ``cpu``, ``gpu``), ``adapter`` and
-    ``max_memory`` (bytes) change no byte of the result, but for a graphics card. A run that is pickled goes on from a checkpoint, without a
+    Without one, ``files`` keeps them in memory: :attr:`files`, :meth:`mesh`. ``record`` keeps a frame of the recording each so many
+    steps. ``threads``, ``engine`` (``auto``, ``cpu``, ``gpu``), ``adapter`` and ``max_memory`` (bytes) change no byte of the result, but for a
+    graphics card. A run that is pickled goes on from a checkpoint, without a
     folder; commands that it has not heard yet are lost. All other arguments are those of :class:`Recipe`.
 
     >>> import eyot
@@ -61,6 +62,8 @@ class Run:
         presets: list[str] | tuple[str, ...] = (),
         **changes: Any,
     ) -> None:
+        if record is not None and record < 1:
+            raise EyotError(f"`record={record}` is no number of steps", "give 1 or more, or leave it out")
         self.recipe = Recipe(recipe, size=size, presets=presets, max_memory=max_memory, **changes)
         self._options = {"threads": threads or 0, "engine": engine, "adapter": adapter, "max_memory": max_memory}
         self._options |= {"checkpoint_seconds": checkpoint_seconds}
@@ -101,11 +104,8 @@ class Run:
         """
         try:
             self.status = self._session.advance(steps, seconds)
-        except KeyboardInterrupt:
-            self.status = "stopped"
-            raise
         except BaseException:
-            self.status = "failed"
+            self.status = self._session.state() or self.status
             raise
         return self.status
 
@@ -127,7 +127,7 @@ class Run:
 
     def finish(self, progress: bool = False) -> xr.Dataset:
         """Works to the end and returns the landscape. ``progress`` shows a bar, if tqdm is installed."""
-        self.resume_after_pause()
+        self.go_on()
         if progress:
             _show(self)
         else:
@@ -135,13 +135,11 @@ class Run:
                 self.advance()
         return self.dataset()
 
-    def resume_after_pause(self) -> None:
-        """Lets a paused run go on."""
+    def go_on(self) -> None:
+        """Lets a paused run go on, when it is advanced."""
         if self.status == "paused":
             self._session.command("resume")
             self.status = "working"
-
-    go_on = resume_after_pause
 
     # Commands.
 
@@ -382,6 +380,8 @@ def run(
     with Run(recipe, **arguments) as work:
         if between is None:
             return work.finish(progress)
+        if every < 1:
+            raise EyotError(f"`every={every}` is no number of steps", "give 1 or more")
         done = last = 0
         # Generators count as steps of `advance`, not as steps of a simulation.
         while work.advance(every - (done - last)) == "working":

@@ -69,11 +69,11 @@ def document(recipe: Mapping) -> str:
 
 
 def changes(parameters: Mapping, prefix: str = "") -> list[str]:
-    """Keyword arguments as changes of a recipe, `key=value`."""
+    """Keyword arguments as changes of a recipe, `key=value`; `None` leaves a key as it is."""
     out = []
     for k, v in parameters.items():
         if isinstance(v, Mapping):
             out += changes(v, f"{prefix}{k}.")
-        else:
+        elif v is not None:
             out.append(f"{prefix}{k}={value(v)}")
     return out
