@@ -126,7 +126,7 @@ pub struct Plants {
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1/a"))]
     pub fires: f32,
     /// How often a fire goes on to the cells around it, at most 32.
-    #[schemars(range(min = 0, max = 32))]
+    #[schemars(range(min = 0, max = 32), extend("unit" = "1"))]
     pub spread: u32,
     /// Cover of trees and bushes up to which grass carries fire.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
