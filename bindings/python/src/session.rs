@@ -121,9 +121,9 @@ impl Session {
             (Some(recipe), None, None) if kept.is_some() => {
                 in_memory(recipe, options, kept.clone().unwrap_or_default())
             }
-            (_, _, Some(bytes)) => eyot::Run::session_of(bytes, options),
+            (_, _, Some(bytes)) => eyot::Run::session_of(bytes, &eyot::Registry::standard(), options),
             (Some(recipe), ..) => eyot::Run::session(recipe.0.clone(), options),
-            (None, Some(folder), _) => eyot::Run::resume_session(folder, options),
+            (None, Some(folder), _) => eyot::Run::resume_session(folder, &eyot::Registry::standard(), options),
             (None, None, None) => Err(RunError::input("there is neither a recipe nor a folder to go on in")),
         };
         let session = attended(py, &pool, None, begin)?.result.map_err(|e| error::run(py, &e))?;

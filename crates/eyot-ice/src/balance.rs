@@ -1,6 +1,7 @@
 //! What snow and melting add to the ice in a year.
 
 /// Mass balance of every cell.
+#[non_exhaustive]
 pub enum Balance {
     /// By the height of the ice over the equilibrium line.
     Heights {

@@ -19,7 +19,7 @@ pub const PLANT_TYPE: LayerSpec =
 /// Dry matter of all plants.
 pub const PLANT_MASS: LayerSpec = LayerSpec::new("plant_mass", "kg/m2", "Dry matter of all plants", (0.0, 1000.0));
 /// Where it burnt.
-pub const BURNT: LayerSpec = LayerSpec::new("burnt", "1", "1 where it burnt in the last year", (0.0, 1.0));
+pub const BURNT: LayerSpec = LayerSpec::new("burnt_area", "1", "1 where it burnt in the last year", (0.0, 1.0));
 /// The ground of the year before.
 pub const PLANTS_GROUND: LayerSpec =
     LayerSpec::new("plants_ground", "m", "Height of the ground when plants last grew a year", (-12000.0, 12000.0));

@@ -53,15 +53,15 @@ impl Run {
     ///
     /// # Errors
     /// As [`eyot_session::Run::resume_session`].
-    pub fn resume_session(folder: &Path, options: RunOptions) -> Result<Session, RunError> {
-        eyot_session::Run::resume_session(folder, options, &host(&Registry::standard()))
+    pub fn resume_session(folder: &Path, registry: &Registry, options: RunOptions) -> Result<Session, RunError> {
+        eyot_session::Run::resume_session(folder, options, &host(registry))
     }
 
     /// What a session saved as bytes, as a session without a folder.
     ///
     /// # Errors
     /// As [`eyot_session::Run::session_of`].
-    pub fn session_of(checkpoint: &[u8], options: RunOptions) -> Result<Session, RunError> {
-        eyot_session::Run::session_of(checkpoint, options, &host(&Registry::standard()))
+    pub fn session_of(checkpoint: &[u8], registry: &Registry, options: RunOptions) -> Result<Session, RunError> {
+        eyot_session::Run::session_of(checkpoint, options, &host(registry))
     }
 }

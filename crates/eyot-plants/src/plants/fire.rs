@@ -38,7 +38,7 @@ impl Rule for Kindle {
         read("leaves_above_0", 0),
         read("site_moisture", 0),
     ];
-    const WRITES: &'static [&'static str] = &["turf", "burns", "burnt"];
+    const WRITES: &'static [&'static str] = &["turf", "burns", "burnt_area"];
     type Params = KindleParams<()>;
     type Out<R: Real> = [R; 3];
     type Sums<R: Real> = [R; 0];
@@ -66,8 +66,8 @@ pub struct Spread;
 
 impl Rule for Spread {
     const NAME: &'static str = "plants_spread";
-    const READS: &'static [Read] = &[read("burnt", 1), read("burns", 0)];
-    const WRITES: &'static [&'static str] = &["burnt"];
+    const READS: &'static [Read] = &[read("burnt_area", 1), read("burns", 0)];
+    const WRITES: &'static [&'static str] = &["burnt_area"];
     type Params = NoParams;
     type Out<R: Real> = [R; 1];
     type Sums<R: Real> = [R; 0];
@@ -103,7 +103,7 @@ impl Rule for Grass {
         read("site_warmth", 0),
         read("site_moisture", 0),
         read("leaves_above_0", 0),
-        read("burnt", 0),
+        read("burnt_area", 0),
         read("overturned", 0),
     ];
     const WRITES: &'static [&'static str] = &["biomass_c3_grass", "biomass_c4_grass"];

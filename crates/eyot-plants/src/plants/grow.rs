@@ -53,7 +53,7 @@ impl<const T: usize> Rule for Grow<T> {
         read("leaves_above_16", 0),
         read("site_leaves", 0),
         read("turf", 0),
-        read("burnt", 0),
+        read("burnt_area", 0),
         read("overturned", 0),
     ];
     const WRITES: &'static [&'static str] = &[BIOMASS[T], STEM[T]];

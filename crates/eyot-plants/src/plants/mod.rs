@@ -36,7 +36,7 @@
 //!
 //! # Layers
 //! Reads `height`, `water`, `lake` (m), `drained_area` (m2), `river` (1), with `climate = "layers"` those of the process `climate`. Keeps for
-//! each type `biomass_TYPE` (kg/m2) and `stem_TYPE` (m). Writes `forest`, `shrubs`, `grass`, `burnt`, `leaf_area` (1), `canopy_height` (m),
+//! each type `biomass_TYPE` (kg/m2) and `stem_TYPE` (m). Writes `forest`, `shrubs`, `grass`, `burnt_area`, `leaf_area` (1), `canopy_height` (m),
 //! `plant_mass` (kg/m2) and `plant_type` (number of a class). Reads and writes `erodibility` (1), if plants hold the ground.
 //!
 //! # Limits

@@ -240,7 +240,7 @@ fn cover_by_fires() {
                 share(&w, 0.0, 0.5),
                 share(&w, 0.75, 1.1),
                 mean(&w, "grass"),
-                mean(&w, "burnt"),
+                mean(&w, "burnt_area"),
                 mean(&w, "shrubs")
             );
         }

@@ -68,7 +68,7 @@ fn a_session_has_its_folder_for_itself_until_it_ends() {
     s.command(eyot::Command::Stop);
     while s.advance(Budget::Piece).unwrap() == Status::Working {}
     assert!(matches!(Run::session(recipe(), options()), Err(RunError::Unfinished { .. })));
-    let again = Run::resume_session(&out, RunOptions::default()).unwrap();
+    let again = Run::resume_session(&out, &registry(), RunOptions::default()).unwrap();
     let whole = Run::start(recipe(), RunOptions::default()).unwrap().join().unwrap();
     assert_eq!(finish(again), whole.world);
     assert!(out.join("run.json").exists() && !out.join("eyot.lock").exists());

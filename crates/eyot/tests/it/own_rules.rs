@@ -304,10 +304,10 @@ fn wildfires_burn_spread_with_the_wind_and_let_the_forest_grow_back() {
 #[test]
 fn plants_spread_where_nitrogen_is() {
     let world = built_in("nitrogen", &["growth.steps=200"]);
-    let [n, p] = ["nitrogen", "plants"].map(|l| world.layer(l).unwrap().field.clone());
+    let [n, p] = ["nitrogen", "vegetation"].map(|l| world.layer(l).unwrap().field.clone());
     assert!(p.sum() > 500.0 && n.min_max().0 >= 0.0 && p.min_max().1 <= 1.0, "{} {:?}", p.sum(), n.min_max());
     let none = built_in("nitrogen", &["growth.steps=200", "layer.nitrogen.start=0", "nitrogen.rain=0"]);
-    assert!(sum(&none, "plants") < 0.3 * p.sum(), "nothing grows without it");
+    assert!(sum(&none, "vegetation") < 0.3 * p.sum(), "nothing grows without it");
     assert!(world.ledger.amount("water.roots") < 0.0);
 }
 
