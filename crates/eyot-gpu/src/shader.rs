@@ -250,9 +250,26 @@ impl StagePrinter<'_> {
         let mut known = HashSet::new();
         let mut names = Names::new(self.graph);
         self.nodes(o, &self.graph.needed(&self.graph.outputs), &mut known, &mut names);
+        self.kept_reads(o, &mut known, &mut names);
         self.writes(o, &names);
         self.sums(o, &known, &mut names);
         o.line("}");
+    }
+
+    /// Reads what sums alone need of layers that are about to be overwritten in place.
+    fn kept_reads(&self, o: &mut Out, known: &mut HashSet<Id>, names: &mut Names) {
+        let g = self.graph;
+        let roots: Vec<Id> = g.sums.iter().chain(g.boundary_outflow.iter().flatten()).copied().collect();
+        let needed = g.needed(&roots);
+        for (i, &op) in g.nodes.iter().enumerate() {
+            let (Op::Read(slot, ..), id) = (op, i as Id) else { continue };
+            let layer = self.stage.reads[slot as usize].0;
+            if needed[i] && self.stage.writes.iter().any(|w| w.layer == layer) && known.insert(id) {
+                let value = self.expression(op, names);
+                let (name, comment) = names.define(g, id);
+                o.line(&format!("let {name} = {value};{comment}"));
+            }
+        }
     }
 
     fn edge(&self, axis: Axis) -> BoundaryCondition {

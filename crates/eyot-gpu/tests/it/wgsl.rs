@@ -68,7 +68,7 @@ fn every_group_prints_as_valid_wgsl() {
     }
     seen.sort_unstable();
     seen.dedup();
-    assert_eq!(seen.len(), 111, "{seen:?}");
+    assert_eq!(seen.len(), 120, "{seen:?}");
     // More than one step of a process that has two passes.
     assert!(longest > 4, "the longest group has {longest} passes");
 }
