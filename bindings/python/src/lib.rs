@@ -1,7 +1,7 @@
 //! The Rust half of the Python package `eyot`: recipes, runs and worlds as classes, for the Python half to wrap.
 //!
-//! Python's lock is free while Rust works ([`work`]), arrays show the memory of a [`world`] without a copy, and what goes wrong is an
-//! exception with its place and its remedy ([`error`]).
+//! Python's lock is free while Rust works (`work`), arrays show the memory of a `world` without a copy, and what goes wrong is an
+//! exception with its place and its remedy (`error`).
 
 mod component;
 mod error;
