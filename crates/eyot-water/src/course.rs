@@ -8,6 +8,7 @@
 //! 3. Heights are those of the cells, between them linear: where the water's surface never rises from cell to cell, the line never
 //!    does.
 
+use crate::lines::{distance, smooth};
 use eyot_core::Grid;
 use eyot_core::rng::{Key, hash, unit};
 use eyot_drainage::{Routing, STEPS};
@@ -95,7 +96,7 @@ pub fn course(cells: &[u32], grid: &Grid, routing: &Routing, surface: &[f32], se
     }
     for (p, m) in points.iter_mut().zip(&middle) {
         let (dx, dy) = (p[0] - m[0], p[1] - m[1]);
-        let away = (dx * dx + dy * dy).sqrt();
+        let away = distance(*p, *m);
         if away > AWAY {
             *p = [m[0] + dx * AWAY / away, m[1] + dy * AWAY / away];
         }
@@ -127,25 +128,12 @@ fn beyond(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [2.0 * a[0] - b[0], 2.0 * a[1] - b[1]]
 }
 
-/// One pass of (1, 2, 1)/4 between the ends.
-fn smooth(points: &mut [[f64; 2]]) {
-    let Some(mut before) = points.first().copied() else { return };
-    for k in 1..points.len().saturating_sub(1) {
-        let (here, after) = (points[k], points[k + 1]);
-        points[k] = [0, 1].map(|c| 0.25 * before[c] + 0.5 * here[c] + 0.25 * after[c]);
-        before = here;
-    }
-}
-
 /// The centripetal Catmull-Rom spline between the two middle ones of four points, at 0 <= t <= 1.
 fn spline(p: [[f64; 2]; 4], t: f64) -> [f64; 2] {
     if t == 0.0 {
         return p[1];
     }
-    let gap = |a: [f64; 2], b: [f64; 2]| {
-        let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
-        (dx * dx + dy * dy).sqrt().sqrt().max(1e-3)
-    };
+    let gap = |a: [f64; 2], b: [f64; 2]| distance(a, b).sqrt().max(1e-3);
     let t1 = gap(p[0], p[1]);
     let t2 = t1 + gap(p[1], p[2]);
     let t3 = t2 + gap(p[2], p[3]);

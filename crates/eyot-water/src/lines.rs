@@ -42,3 +42,13 @@ pub fn resampled(line: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
     out.push(line[line.len() - 1]);
     out
 }
+
+/// One pass of (1, 2, 1)/4 between the ends.
+pub fn smooth(points: &mut [[f64; 2]]) {
+    let Some(mut before) = points.first().copied() else { return };
+    for k in 1..points.len().saturating_sub(1) {
+        let (here, after) = (points[k], points[k + 1]);
+        points[k] = [0, 1].map(|c| 0.25 * before[c] + 0.5 * here[c] + 0.25 * after[c]);
+        before = here;
+    }
+}

@@ -18,7 +18,7 @@
 //! `D` of equation 2 is a 32nd of the width, as in rivers that meander, whatever depth the river is drawn with: wavelengths then are
 //! about eleven widths.
 
-use crate::lines::{distance, length, resampled};
+use crate::lines::{distance, length, resampled, smooth};
 
 /// Speed of a bend, m a year.
 const SPEED: f64 = 60.0;
@@ -62,10 +62,7 @@ pub fn meander(line: &[[f64; 2]], width_m: f64, sinuosity: f64, plain: impl Fn([
         }
     }
     // Where the ground held some vertices and not others, corners are left.
-    let wound = found.line.clone();
-    for i in 1..wound.len().saturating_sub(1) {
-        found.line[i] = [0, 1].map(|c| 0.25 * wound[i - 1][c] + 0.5 * wound[i][c] + 0.25 * wound[i + 1][c]);
-    }
+    smooth(&mut found.line);
     found
 }
 

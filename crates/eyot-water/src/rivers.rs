@@ -450,13 +450,13 @@ impl Rivers {
                 return Vec::new();
             }
             let threads = course.lines().flat_map(|line| line.windows(2).zip(course.place.windows(2)).map(cut));
-            let width = self.section(reach.discharge);
+            let whole = self.section(reach.discharge);
             let level = |p: [f64; 2], z: f32| [p[0] as f32, p[1] as f32, z];
             let oxbows = course.oxbows.iter().flat_map(|o| {
                 o.line.windows(2).map(|p| Piece {
                     ends: [level(p[0], o.level), level(p[1], o.level)],
-                    width_m: width.width_m,
-                    depth_m: width.depth_m,
+                    width_m: whole.width_m,
+                    depth_m: whole.depth_m,
                 })
             });
             threads.chain(oxbows).collect()
